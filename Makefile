@@ -1,0 +1,46 @@
+# `make demo` and `make test` each set up a fresh Debian or Ubuntu machine by themselves.
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test fmt examples clean setup setup-test header check-header test-c
+
+help: ## Say what can be made
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+setup:
+	@scripts/setup.sh
+
+setup-test:
+	@scripts/setup.sh nextest
+
+demo: setup ## Build, find the symmetry of a posed human and of real animals, write out/demo
+	@scripts/demo.sh
+
+test: setup-test ## Check format and lints, run all tests
+	cargo fmt --check
+	@$(MAKE) --no-print-directory check-header
+	cargo clippy --release --locked --all-targets -- -D warnings
+	cargo test --release --locked --doc --quiet
+	cargo nextest run --release --locked
+	@$(MAKE) --no-print-directory test-c
+	@$(MAKE) --no-print-directory test-python
+
+test-c: ## Test the C library: C and C++ programs under sanitizers, and an installed copy
+	cmake -S . -B out/cmake -DCMAKE_BUILD_TYPE=Release -DINTRINSYM_CARGO_FLAGS=
+	cmake --build out/cmake
+	ctest --test-dir out/cmake --output-on-failure
+
+header: ## Make include/isym.h again from src/ffi
+	cargo run --quiet --locked --target-dir target/header --manifest-path tools/header/Cargo.toml -- --write
+
+check-header: ## Check that include/isym.h is what src/ffi says
+	cargo run --quiet --locked --target-dir target/header --manifest-path tools/header/Cargo.toml
+
+fmt: ## Format the sources
+	cargo fmt
+
+clean: ## Remove everything that was built or written
+	cargo clean
+	rm -rf out
+
+include python/python.mk
+include training/train.mk

@@ -1,0 +1,509 @@
+// Intrinsym: the intrinsic mirror symmetry of a surface mesh. This is the C library's only header.
+//
+// Made by cbindgen from src/ffi (`make header`); do not edit.
+//
+// Every function that can fail returns an isym_status: ISYM_OK, or a code and, in this thread, a text
+// (isym_error_message). On failure nothing is written. Every NULL is an error, except for user_data. Sizes of
+// arrays are in elements. Handles come from functions whose last argument is a pointer to one, and are freed
+// by the function of their kind; a freed handle is an error and no crash. Functions may be called from several
+// threads at once, on the same handles too.
+
+
+#ifndef INTRINSYM_ISYM_H
+#define INTRINSYM_ISYM_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+// The version of this header; isym_version() is the version of the library that is running.
+#define ISYM_VERSION "0.1.0"
+#define ISYM_VERSION_MAJOR 0
+#define ISYM_VERSION_MINOR 1
+#define ISYM_VERSION_PATCH 0
+
+
+// No such element, in arrays of unsigned indices.
+#define ISYM_NONE 4294967295
+
+// Eigenpairs of a mesh, from `isym_mesh_eigen`. They never change.
+typedef struct isym_eigen isym_eigen;
+
+// A validated mesh. It never changes; any number of calls in any threads may use it at once.
+typedef struct isym_mesh isym_mesh;
+
+// A set of options. Made with the defaults; one set may be used for any number of calls, from any thread.
+typedef struct isym_options isym_options;
+
+// Progress of a call, and the way to cancel it. Make one for each call: once cancelled it stays so.
+typedef struct isym_progress isym_progress;
+
+// What was found on a mesh: symmetries, best first, and a report. It never changes.
+typedef struct isym_result isym_result;
+
+// What a call answers: `ISYM_OK`, or one of the `ISYM_ERROR_` codes. A code is never given another meaning;
+// treat one that you do not know as an error.
+typedef int32_t isym_status;
+
+// What a host needs to show an option.
+typedef struct {
+    // Name for `isym_options_set`. Never freed.
+    const char *name;
+    // One sentence for dialogs, in English. Never freed.
+    const char *help;
+    // Value used when none is set.
+    double default_value;
+    // Smallest accepted value.
+    double minimum;
+    // Largest accepted value.
+    double maximum;
+    // 1 if only whole numbers are accepted, otherwise 0.
+    int32_t is_integer;
+} isym_option_spec;
+
+// Called with the name of the stage (UTF-8, valid during this call) and the fraction of the whole call,
+// 0..=1, that is done: it never decreases. Runs in the thread of the call that it reports on. Answer 0 to
+// go on; any other number cancels.
+typedef int32_t (*isym_progress_callback)(const char *stage,
+                                          double fraction,
+                                          void *user_data);
+
+// The kind of a symmetry: one of the `ISYM_KIND_` constants.
+typedef int32_t isym_kind;
+
+// Numbers of one symmetry as a whole.
+typedef struct {
+    // An `ISYM_KIND_` constant.
+    isym_kind kind;
+    // Lower is better; comparable between symmetries of one mesh.
+    double score;
+    // Mean of the confidence over the surface, 0..=1.
+    double mean_confidence;
+    // Share of the vertices whose partner comes from mirrored connectivity, an exact bijection; 0..=1.
+    double exact_share;
+} isym_summary;
+
+// Which vertices take the value of their mirror image: one of the `ISYM_MERGE_` constants.
+typedef int32_t isym_merge;
+
+// How mirrored values meet the old ones.
+typedef struct {
+    // An `ISYM_MERGE_` constant. A half turn has no sides: only swap and average.
+    isym_merge merge;
+    // Vertices with less confidence keep their value; 0..=1.
+    float minimum_confidence;
+    // 0: trusted vertices change wholly. 1: each changes by the share of its confidence.
+    int32_t weight_by_confidence;
+} isym_mirroring;
+
+// Done.
+#define ISYM_OK 0
+
+// A pointer argument is NULL.
+#define ISYM_ERROR_NULL 1
+
+// A handle was freed already, was never made, or is of another kind.
+#define ISYM_ERROR_HANDLE 2
+
+// A length does not fit: an array has not the length that the mesh or result asks for.
+#define ISYM_ERROR_LENGTH 3
+
+// An index is past the end: a symmetry or an option that does not exist.
+#define ISYM_ERROR_INDEX 4
+
+// A text is not UTF-8.
+#define ISYM_ERROR_TEXT 5
+
+// A value in an array, or a constant, is not among the accepted ones.
+#define ISYM_ERROR_VALUE 6
+
+// A pointer is not aligned to its type.
+#define ISYM_ERROR_ALIGNMENT 7
+
+// The mesh cannot be used; the text names the element and the reason.
+#define ISYM_ERROR_MESH 16
+
+// The file cannot be read or written; the text names the line or byte and what to do.
+#define ISYM_ERROR_FILE 17
+
+// An option is unknown or outside its range.
+#define ISYM_ERROR_OPTION 18
+
+// The sign network's model cannot be used.
+#define ISYM_ERROR_MODEL 19
+
+// The mesh or file is larger than the limits allow.
+#define ISYM_ERROR_LIMIT 20
+
+// The call was cancelled, by `isym_progress_cancel` or by the progress callback.
+#define ISYM_ERROR_CANCELLED 21
+
+// The progress callback threw a C++ exception, which was stopped at the border.
+#define ISYM_ERROR_CALLBACK 22
+
+// A defect of the library; please report it with the text. Handles stay usable.
+#define ISYM_ERROR_INTERNAL 32
+
+// Reverses orientation: left and right are exchanged.
+#define ISYM_KIND_REFLECTION 0
+
+// Keeps orientation and is its own inverse. It has no sides and no fixed curve.
+#define ISYM_KIND_HALF_TURN 1
+
+// Every vertex: the two sides are exchanged. This is also how an attribute named "left" becomes "right".
+#define ISYM_MERGE_SWAP 0
+
+// Every vertex takes the mean of its own and its image's value.
+#define ISYM_MERGE_AVERAGE 1
+
+// Vertices with side -1 take it; side 1 stays, and so does the fixed curve.
+#define ISYM_MERGE_POSITIVE_WINS 2
+
+// Vertices with side 1 take it; side -1 stays, and so does the fixed curve.
+#define ISYM_MERGE_NEGATIVE_WINS 3
+
+#ifdef __cplusplus
+extern "C" {
+#endif // __cplusplus
+
+// The version of the library that is running, such as "0.1.0"; compare with `ISYM_VERSION`, that of the
+// header. Never NULL, never freed.
+const char *isym_version(void);
+
+// What went wrong in the last call of this thread that returned a status: a sentence in UTF-8, for
+// people; empty if that call returned `ISYM_OK`. Never NULL. Valid until this thread's next such call.
+const char *isym_error_message(void);
+
+// The name of a status in this header, such as "ISYM_ERROR_MESH"; "unknown status" for any other number.
+// Never NULL, never freed.
+const char *isym_status_name(isym_status status);
+
+// Number of options in the table.
+size_t isym_option_count(void);
+
+// Describes option `index`, from 0 to below `isym_option_count()`.
+isym_status isym_option_describe(size_t index,
+                                 isym_option_spec *spec);
+
+// Makes a set of options with the defaults. Free it with `isym_options_free`.
+isym_status isym_options_new(isym_options **options);
+
+// Sets the option called `name` (UTF-8). Nothing changes if there is no such option or `value` is outside
+// its range: `ISYM_ERROR_OPTION`.
+isym_status isym_options_set(isym_options *options,
+                             const char *name,
+                             double value);
+
+// Reads the option called `name` (UTF-8).
+isym_status isym_options_get(const isym_options *options,
+                             const char *name,
+                             double *value);
+
+// Takes a sign network (ONNX) of your own instead of the embedded one; it is trusted input. `path` is UTF-8;
+// an empty text takes the embedded one again. Whether it can be used shows when it is: `ISYM_ERROR_MODEL`.
+isym_status isym_options_set_model(isym_options *options,
+                                   const char *path);
+
+// Tells the signs that a person knows, of the first `count` eigenfunctions of `isym_mesh_eigen`: 1 even, -1
+// odd, 0 unknown. They overrule the network; the last call counts.
+isym_status isym_options_set_known_signs(isym_options *options,
+                                         const int8_t *signs,
+                                         size_t count);
+
+// Frees a set of options.
+isym_status isym_options_free(isym_options *options);
+
+// `cpp/ffi/callback.cpp`.
+extern int32_t isym_internal_call_progress(isym_progress_callback callback,
+                                           const char *stage,
+                                           double fraction,
+                                           void *user_data,
+                                           char *what,
+                                           size_t capacity);
+
+// Makes a progress without a callback. Free it with `isym_progress_free`.
+isym_status isym_progress_new(isym_progress **progress);
+
+// Gives the function that later calls with this progress report to. `user_data` is handed to it and may
+// be NULL. A C++ exception thrown by it ends the call with `ISYM_ERROR_CALLBACK`.
+isym_status isym_progress_set_callback(isym_progress *progress,
+                                       isym_progress_callback callback,
+                                       void *user_data);
+
+// Reads how much of the call that last reported here is done, 0..=1. From any thread.
+isym_status isym_progress_fraction(const isym_progress *progress,
+                                   double *fraction);
+
+// Cancels the running call, and every later one, with this progress. From any thread, also from the
+// callback. The call returns `ISYM_ERROR_CANCELLED` within 100 ms outside one step of the eigensolver.
+isym_status isym_progress_cancel(isym_progress *progress);
+
+// Frees a progress. A call that runs with it goes on, and can no longer be cancelled.
+isym_status isym_progress_free(isym_progress *progress);
+
+// Makes a mesh of triangles. Free it with `isym_mesh_free`.
+//
+// `positions`: x, y, z of each vertex, 3 * vertex_count numbers, any unit. `triangles`: 3 * triangle_count
+// vertex numbers from 0. The arrays are copied. Non-manifold edges, several shells, boundaries, inconsistent
+// orientation, duplicate and degenerate faces and unreferenced vertices are accepted (the report says what was
+// repaired); numbers that are not finite, indices past the end, and a mesh without any area are not:
+// `ISYM_ERROR_MESH`. At most 5 million vertices and 10 million triangles: `ISYM_ERROR_LIMIT`.
+isym_status isym_mesh_from_triangles(const double *positions,
+                                     size_t vertex_count,
+                                     const uint32_t *triangles,
+                                     size_t triangle_count,
+                                     isym_mesh **mesh);
+
+// As `isym_mesh_from_triangles`, with single-precision positions.
+isym_status isym_mesh_from_triangles_f32(const float *positions,
+                                         size_t vertex_count,
+                                         const uint32_t *triangles,
+                                         size_t triangle_count,
+                                         isym_mesh **mesh);
+
+// As `isym_mesh_from_triangles`, for polygons of any size.
+//
+// `face_offsets`: face_count + 1 rising numbers from 0 to corner_count; the corners of face f are
+// `corners[face_offsets[f]]` to before `corners[face_offsets[f + 1]]`, vertex numbers from 0.
+isym_status isym_mesh_from_polygons(const double *positions,
+                                    size_t vertex_count,
+                                    const uint32_t *face_offsets,
+                                    size_t face_count,
+                                    const uint32_t *corners,
+                                    size_t corner_count,
+                                    isym_mesh **mesh);
+
+// As `isym_mesh_from_polygons`, with single-precision positions.
+isym_status isym_mesh_from_polygons_f32(const float *positions,
+                                        size_t vertex_count,
+                                        const uint32_t *face_offsets,
+                                        size_t face_count,
+                                        const uint32_t *corners,
+                                        size_t corner_count,
+                                        isym_mesh **mesh);
+
+// Reads a mesh from a PLY, OBJ, OFF or STL file. `path` is UTF-8. Free the mesh with `isym_mesh_free`.
+//
+// `ISYM_ERROR_FILE` names the line or byte that is wrong; `ISYM_ERROR_MESH` and `ISYM_ERROR_LIMIT` as with
+// arrays.
+isym_status isym_mesh_read(const char *path,
+                           isym_mesh **mesh);
+
+// Reads the numbers of vertices, faces and face corners that the mesh was made with.
+isym_status isym_mesh_size(const isym_mesh *mesh,
+                           size_t *vertex_count,
+                           size_t *face_count,
+                           size_t *corner_count);
+
+// Copies the vertices' positions out, x, y, z each: `length` must be 3 * vertices.
+isym_status isym_mesh_positions(const isym_mesh *mesh,
+                                double *positions,
+                                size_t length);
+
+// Copies the faces out, in the form of `isym_mesh_from_polygons`: `offset_count` must be faces + 1, and
+// `corner_count` the number of corners.
+isym_status isym_mesh_polygons(const isym_mesh *mesh,
+                               uint32_t *face_offsets,
+                               size_t offset_count,
+                               uint32_t *corners,
+                               size_t corner_count);
+
+// Reads a 64-bit hash of the connectivity: number of vertices, face sizes and corners, not the positions.
+//
+// Equal for equal connectivity on every machine and in every version. Keep it beside a stored map: where
+// it has changed, the map is stale.
+isym_status isym_mesh_connectivity_hash(const isym_mesh *mesh,
+                                        uint64_t *hash);
+
+// Finds the intrinsic symmetries of the mesh. Free the result with `isym_result_free`.
+//
+// That none was found is a result without symmetries, and no error. The result keeps what it needs of the
+// mesh, which may be freed before it. One call uses one thread; calls in several threads run side by side.
+// Errors: `ISYM_ERROR_CANCELLED`, `ISYM_ERROR_CALLBACK`, `ISYM_ERROR_INTERNAL`.
+isym_status isym_mesh_detect(const isym_mesh *mesh,
+                             const isym_options *options,
+                             isym_progress *progress,
+                             isym_result **result);
+
+// Computes the `count` lowest eigenpairs of the Laplace-Beltrami operator on the mesh's largest shell, the
+// constant function left out; 1 to 1000. Free them with `isym_eigen_free`. Errors as `isym_mesh_detect`.
+isym_status isym_mesh_eigen(const isym_mesh *mesh,
+                            size_t count,
+                            isym_progress *progress,
+                            isym_eigen **eigenpairs);
+
+// Frees a mesh. Results made from it, and calls that run with it, stay usable.
+isym_status isym_mesh_free(isym_mesh *mesh);
+
+// Reads the number of symmetries that were found; 0 if the mesh has none.
+isym_status isym_result_symmetry_count(const isym_result *result,
+                                       size_t *count);
+
+// Reads the numbers of symmetry `symmetry`, counted from 0, the best first.
+isym_status isym_result_summary(const isym_result *result,
+                                size_t symmetry,
+                                isym_summary *summary);
+
+// Copies the partner vertex of each vertex out; -1 for a vertex that no face uses.
+isym_status isym_result_partners(const isym_result *result,
+                                 size_t symmetry,
+                                 int32_t *partners,
+                                 size_t vertex_count);
+
+// Copies out how far each partner can be trusted: the probability, 0..=1, that it lies within
+// 0.05 sqrt(area) of the true mirror image.
+isym_status isym_result_confidences(const isym_result *result,
+                                    size_t symmetry,
+                                    float *confidences,
+                                    size_t vertex_count);
+
+// Copies each vertex's side out: 1 and -1 on the two sides, 0 on the fixed curve, without partner, and
+// everywhere for a half turn. Which side is 1 has no meaning.
+isym_status isym_result_sides(const isym_result *result,
+                              size_t symmetry,
+                              int8_t *sides,
+                              size_t vertex_count);
+
+// Copies out the exact mirror image of each vertex, a point of the surface.
+//
+// `faces`: vertex_count numbers of the faces that hold the images. `corners`: 3 * vertex_count numbers of
+// three vertices of that face, a triangle of it. `barycentrics`: 3 * vertex_count weights of these, each 0..=1,
+// summing to 1. A vertex without partner has `ISYM_NONE` four times, and weights 0.
+isym_status isym_result_surface_points(const isym_result *result,
+                                       size_t symmetry,
+                                       uint32_t *faces,
+                                       uint32_t *corners,
+                                       float *barycentrics,
+                                       size_t vertex_count);
+
+// Reads the numbers of lines of the fixed curve and of all their points.
+isym_status isym_result_curve_size(const isym_result *result,
+                                   size_t symmetry,
+                                   size_t *line_count,
+                                   size_t *point_count);
+
+// Copies the fixed curve out: where the map leaves the surface in place. The counts must be those of
+// `isym_result_curve_size`; with no line at all there is nothing to copy, and no need to call this.
+//
+// `line_offsets`: line_count + 1 numbers; line l has the points from `line_offsets[l]` to before
+// `line_offsets[l + 1]`. `closed`: line_count numbers, 1 where the last point joins the first, otherwise 0.
+// `edges`: 2 * point_count vertex numbers and `parameters`: point_count numbers t: point p lies at
+// (1 - t) * `edges[2 * p]` + t * `edges[2 * p + 1]`.
+isym_status isym_result_curve(const isym_result *result,
+                              size_t symmetry,
+                              uint32_t *line_offsets,
+                              uint8_t *closed,
+                              size_t line_count,
+                              uint32_t *edges,
+                              float *parameters,
+                              size_t point_count);
+
+// Reads the number of bytes of the report, with its final NUL.
+isym_status isym_result_report_size(const isym_result *result,
+                                    size_t *size);
+
+// Copies the report out: the JSON that `intrinsym detect --json` writes, in UTF-8, with a final NUL. `size`
+// must be that of `isym_result_report_size`.
+isym_status isym_result_report(const isym_result *result,
+                               char *report,
+                               size_t size);
+
+// Makes a result with one symmetry from stored arrays, so that the tools work on a map that was kept with
+// a mesh. Free it with `isym_result_free`.
+//
+// All arrays have one entry (`corners` and `barycentrics` three) for each of the mesh's vertices, in the form
+// in which this library gave them. Positions may have changed since; the connectivity may not (compare
+// `isym_mesh_connectivity_hash`). An entry that cannot be right is `ISYM_ERROR_VALUE`, and named.
+isym_status isym_result_restore(const isym_mesh *mesh,
+                                isym_kind kind,
+                                const int32_t *partners,
+                                const float *confidences,
+                                const int8_t *sides,
+                                const uint32_t *faces,
+                                const uint32_t *corners,
+                                const float *barycentrics,
+                                size_t vertex_count,
+                                isym_result **result);
+
+// Frees a result.
+isym_status isym_result_free(isym_result *result);
+
+// Mirrors a selection of vertices: selects those whose mirror image lies in it.
+//
+// `selected` and `mirrored` have one byte per vertex, 0 or 1 (any other number counts as 1); they may be the
+// same array. Vertices with less than `minimum_confidence`, 0..=1, are not selected. A vertex of a denser side
+// selects its partner even where that stands for several.
+isym_status isym_result_mirror_selection(const isym_result *result,
+                                         size_t symmetry,
+                                         const uint8_t *selected,
+                                         float minimum_confidence,
+                                         uint8_t *mirrored,
+                                         size_t vertex_count);
+
+// Mirrors a vertex attribute of any number of components: weights, colours, masks, texture coordinates.
+//
+// `values` and `mirrored` have components * vertex_count numbers, those of one vertex side by side; they may
+// be the same array. Vectors in space need `isym_result_carry_displacement` instead.
+isym_status isym_result_mirror_values(const isym_result *result,
+                                      size_t symmetry,
+                                      const isym_mirroring *mirroring,
+                                      const double *values,
+                                      size_t components,
+                                      double *mirrored,
+                                      size_t vertex_count);
+
+// Carries a displacement field across the map in local frames, so that it is right in any pose: a shape
+// key, or an edit since a remembered state.
+//
+// `positions`: x, y, z of each vertex of the shape that is displaced, in the pose it is in. `displacements` and
+// `carried`: x, y, z of each vertex, in any unit; they may be the same array.
+isym_status isym_result_carry_displacement(const isym_result *result,
+                                           size_t symmetry,
+                                           const isym_mirroring *mirroring,
+                                           const double *positions,
+                                           const double *displacements,
+                                           double *carried,
+                                           size_t vertex_count);
+
+// Makes positions symmetric across the map in local frames: each side keeps its pose and takes the other's
+// shape, or both the mean of the two.
+//
+// `positions` and `symmetrized`: x, y, z of each vertex, in any unit and pose; they may be the same array. What
+// is much smaller than the surface is carried whole; what is as large as a limb's pose stays. Solves one
+// sparse system.
+isym_status isym_result_symmetrize_positions(const isym_result *result,
+                                             size_t symmetry,
+                                             const isym_mirroring *mirroring,
+                                             const double *positions,
+                                             isym_progress *progress,
+                                             double *symmetrized,
+                                             size_t vertex_count);
+
+// Reads the numbers of vertices and of eigenpairs (fewer than asked for on a tiny mesh).
+isym_status isym_eigen_size(const isym_eigen *eigenpairs,
+                            size_t *vertex_count,
+                            size_t *count);
+
+// Copies the eigenpairs out. `vertex_count` and `count` must be those of `isym_eigen_size`.
+//
+// `eigenvalues`: `count` numbers, ascending, in units of 1 / area of the largest shell.
+// `eigenfunctions`: vertex_count * count numbers, those of one vertex side by side; orthonormal in the mass;
+// NaN where the vertex is not on the largest shell. The sign of a function has no meaning.
+// `mass`: vertex_count numbers that sum to 1; 0 where the vertex is not on that shell.
+isym_status isym_eigen_read(const isym_eigen *eigenpairs,
+                            double *eigenvalues,
+                            double *eigenfunctions,
+                            double *mass,
+                            size_t vertex_count,
+                            size_t count);
+
+// Frees eigenpairs.
+isym_status isym_eigen_free(isym_eigen *eigenpairs);
+
+// How many handles of all kinds are live: 0 when everything was freed. For leak checks in tests.
+size_t isym_handle_count(void);
+
+#ifdef __cplusplus
+}  // extern "C"
+#endif  // __cplusplus
+
+#endif  /* INTRINSYM_ISYM_H */

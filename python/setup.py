@@ -1,0 +1,33 @@
+"""What pyproject.toml cannot say: the version, and the wheel's tag. The wheel is made by `make wheel`."""
+
+import os
+import re
+from pathlib import Path
+
+from setuptools import setup
+from setuptools.command.bdist_wheel import bdist_wheel
+from setuptools.dist import Distribution
+
+CARGO = Path(__file__).resolve().parent.parent / "Cargo.toml"
+
+
+def version() -> str:
+    return re.search(r'^version = "(.*)"', CARGO.read_text(), re.MULTILINE)[1]
+
+
+class WheelWithLibrary(Distribution):
+    """A platform's wheel without extension modules."""
+
+    def has_ext_modules(self) -> bool:
+        return True
+
+
+class AnyPython(bdist_wheel):
+    """The library is called through ctypes: any Python will do, of one platform."""
+
+    def get_tag(self) -> tuple[str, str, str]:
+        platform = os.environ.get("INTRINSYM_WHEEL_PLATFORM") or super().get_tag()[2]
+        return "py3", "none", platform
+
+
+setup(version=version(), distclass=WheelWithLibrary, cmdclass={"bdist_wheel": AnyPython})

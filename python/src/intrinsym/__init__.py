@@ -1,0 +1,62 @@
+"""Intrinsym: the intrinsic mirror symmetry of a surface mesh, whatever its pose.
+
+Five lines give a map::
+
+    import intrinsym
+    mesh = intrinsym.Mesh.read("human.ply")
+    found = mesh.detect()
+    if found:
+        print(found[0].partner)      # (vertices,) the mirror image of each vertex
+
+The same from arrays: ``intrinsym.detect(V, F)``. Everything that the C library can do is here, with numpy
+arrays in and out; the library checks what it is given, and its errors come as exceptions with its text.
+Functions may be called from several threads at once; each call runs in one thread and lets the others go on.
+"""
+
+from ._library import ENVIRONMENT_VARIABLE, library_path, library_version
+from .errors import (
+    ArgumentError,
+    CancelledError,
+    InternalError,
+    IntrinsymError,
+    LimitError,
+    MeshError,
+    MeshFileError,
+    ModelError,
+    OptionError,
+)
+from .mesh import Eigenpairs, Mesh, Polygons, detect, eigen
+from .options import OptionSpec, option_specs
+from .progress import Progress
+from .symmetry import CurveLine, Detection, Merge, SurfacePoints, Symmetry, SymmetryKind
+
+__version__ = library_version()
+
+__all__ = [
+    "ENVIRONMENT_VARIABLE",
+    "ArgumentError",
+    "CancelledError",
+    "CurveLine",
+    "Detection",
+    "Eigenpairs",
+    "InternalError",
+    "IntrinsymError",
+    "LimitError",
+    "Merge",
+    "Mesh",
+    "MeshError",
+    "MeshFileError",
+    "ModelError",
+    "OptionError",
+    "OptionSpec",
+    "Polygons",
+    "Progress",
+    "SurfacePoints",
+    "Symmetry",
+    "SymmetryKind",
+    "detect",
+    "eigen",
+    "library_path",
+    "library_version",
+    "option_specs",
+]

@@ -1,0 +1,76 @@
+"""Arrays as the C library takes them. What does not fit is refused here; everything else it checks itself."""
+
+from __future__ import annotations
+
+import operator
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .errors import ERROR_INDEX, ERROR_LENGTH, ERROR_MESH, ERROR_VALUE, ArgumentError, MeshError
+
+_LARGEST_INDEX = 2**32 - 2
+
+
+def points(values: ArrayLike, name: str) -> np.ndarray:
+    """An (n, 3) array of float32, if it was one, or float64."""
+    array = np.asarray(values)
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise ArgumentError(f"{name} has the shape {array.shape}; (vertices, 3) is needed", ERROR_LENGTH)
+    return np.ascontiguousarray(array, np.float32 if array.dtype == np.float32 else _real(array, name))
+
+
+def values_of(values: ArrayLike, rows: int, name: str) -> np.ndarray:
+    """A (rows, ...) array of float64."""
+    array = np.asarray(values)
+    if array.ndim == 0 or array.shape[0] != rows:
+        text = f"{name} has the shape {array.shape}; one row for each of {rows} vertices is needed"
+        raise ArgumentError(text, ERROR_LENGTH)
+    return np.ascontiguousarray(array, _real(array, name))
+
+
+def vectors(values: ArrayLike, rows: int, name: str) -> np.ndarray:
+    """A (rows, 3) array of float64."""
+    array = values_of(values, rows, name)
+    if array.shape != (rows, 3):
+        raise ArgumentError(f"{name} has the shape {array.shape}; ({rows}, 3) is needed", ERROR_LENGTH)
+    return array
+
+
+def _real(array: np.ndarray, name: str) -> type:
+    if array.dtype.kind not in "fiub":
+        raise ArgumentError(f"{name} holds {array.dtype}; real numbers are needed", ERROR_VALUE)
+    return np.float64
+
+
+def indices(values: ArrayLike, name: str) -> np.ndarray:
+    """An array of uint32 of the same shape; names the first entry that is none."""
+    array = np.asarray(values)
+    if array.size == 0:
+        return np.zeros(array.shape, np.uint32)
+    if array.dtype.kind not in "iu":
+        raise ArgumentError(f"{name} indices are {array.dtype}; whole numbers are needed", ERROR_VALUE)
+    if array.min() < 0 or array.max() > _LARGEST_INDEX:
+        place = np.argwhere((array < 0) | (array > _LARGEST_INDEX))[0]
+        text = f"the mesh cannot be used: {name} {place[0]} has the index {array[tuple(place)]}"
+        raise MeshError(f"{text}; indices count from 0", ERROR_MESH)
+    return np.ascontiguousarray(array, np.uint32)
+
+
+def count(value: int, name: str) -> int:
+    """A whole number that the library's unsigned sizes can hold; the library checks its range."""
+    number = operator.index(value)
+    if not 0 <= number <= _LARGEST_INDEX:
+        raise ArgumentError(f"{name} is {number}, which is no count", ERROR_INDEX)
+    return number
+
+
+def exactly(values: ArrayLike, shape: tuple[int, ...], kind: type, name: str) -> np.ndarray:
+    """An array of this shape and kind, from one whose values all fit into it."""
+    array = np.asarray(values)
+    if array.shape != shape:
+        raise ArgumentError(f"{name} has the shape {array.shape}; {shape} is needed", ERROR_LENGTH)
+    converted: np.ndarray = np.ascontiguousarray(array, kind)
+    if np.issubdtype(kind, np.integer) and not np.array_equal(converted, array):
+        raise ArgumentError(f"{name} holds values that are no {np.dtype(kind).name}", ERROR_VALUE)
+    return converted

@@ -1,0 +1,200 @@
+"""Meshes, and what is computed on them."""
+
+from __future__ import annotations
+
+import ctypes
+import os
+from dataclasses import dataclass
+from typing import Any, NamedTuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _arrays
+from ._handles import Handle, new_handle
+from ._library import LIBRARY
+from .errors import ERROR_LENGTH, ArgumentError
+from .options import options_handle
+from .progress import ProgressLike, progress_of
+from .symmetry import Detection, SurfacePoints, Symmetry, SymmetryKind
+
+
+class Polygons(NamedTuple):
+    """Faces of any size: face f has the corners ``corners[offsets[f]:offsets[f + 1]]``."""
+
+    #: (faces + 1,) whole numbers, rising from 0 to the number of corners.
+    offsets: ArrayLike
+    #: (corners,) vertex numbers from 0.
+    corners: ArrayLike
+
+
+#: (faces, k) vertex numbers from 0, k = 3 for triangles, 4 for quads; or Polygons.
+Faces = Union[ArrayLike, Polygons]
+
+
+@dataclass(frozen=True)
+class Eigenpairs:
+    """Lowest eigenpairs of the Laplace-Beltrami operator, the constant function left out."""
+
+    #: (count,) float64, rising, in units of 1 / area of the largest shell.
+    values: NDArray[np.float64]
+    #: (vertices, count) float64, orthonormal in the mass; NaN off the largest shell. Signs have no meaning.
+    functions: NDArray[np.float64]
+    #: (vertices,) float64, sums to 1; 0 off the largest shell.
+    mass: NDArray[np.float64]
+
+
+class Mesh:
+    """A validated mesh. It never changes; any number of calls in any threads may use it at once.
+
+    ``vertices``: (n, 3) numbers in any unit. ``faces``: see :data:`Faces`. Both are copied. Non-manifold edges,
+    several shells, boundaries, inconsistent orientation, duplicate and degenerate faces and unreferenced vertices
+    are accepted. Raises MeshError for numbers that are not finite, indices past the end, and a mesh without any
+    area; LimitError above 5 million vertices or 10 million triangles; ArgumentError for arrays of another shape.
+    """
+
+    def __init__(self, vertices: ArrayLike, faces: Faces) -> None:
+        points = _arrays.points(vertices, "vertices")
+        suffix = "_f32" if points.dtype == np.float32 else ""
+        if isinstance(faces, Polygons):
+            offsets = _flat(_arrays.indices(faces.offsets, "offset"))
+            corners = _flat(_arrays.indices(faces.corners, "corner"))
+        else:
+            offsets, corners = _regular_faces(faces)
+        function = getattr(LIBRARY, f"isym_mesh_from_polygons{suffix}")
+        face_count = max(len(offsets) - 1, 0)
+        self._own(
+            new_handle("mesh", function, points, len(points), offsets, face_count, corners, len(corners))
+        )
+
+    def _own(self, handle: Handle) -> None:
+        sizes = [ctypes.c_size_t() for _ in range(3)]
+        LIBRARY.isym_mesh_size(handle.pointer, *map(ctypes.byref, sizes))
+        self._handle = handle
+        self.vertex_count, self.face_count, self._corner_count = (size.value for size in sizes)
+
+    @classmethod
+    def read(cls, path: str | os.PathLike[str]) -> Mesh:
+        """Reads a PLY, OBJ, OFF or STL file. Raises MeshFileError, which names the line or byte, MeshError,
+        LimitError."""
+        mesh = cls.__new__(cls)
+        mesh._own(new_handle("mesh", LIBRARY.isym_mesh_read, os.fsencode(path)))
+        return mesh
+
+    @property
+    def vertices(self) -> NDArray[np.float64]:
+        """(vertices, 3) positions, a copy."""
+        positions = np.empty((self.vertex_count, 3))
+        LIBRARY.isym_mesh_positions(self._handle.pointer, positions, positions.size)
+        return positions
+
+    @property
+    def polygons(self) -> Polygons:
+        """The faces, a copy, as two arrays of uint32."""
+        offsets = np.empty(self.face_count + 1, np.uint32)
+        corners = np.empty(self._corner_count, np.uint32)
+        LIBRARY.isym_mesh_polygons(self._handle.pointer, offsets, offsets.size, corners, corners.size)
+        return Polygons(offsets, corners)
+
+    @property
+    def connectivity_hash(self) -> int:
+        """64 bits over the number of vertices, face sizes and corners, not the positions; equal for equal
+        connectivity on every machine. Keep it beside a stored map: where it has changed, the map is stale."""
+        value = ctypes.c_uint64()
+        LIBRARY.isym_mesh_connectivity_hash(self._handle.pointer, ctypes.byref(value))
+        return value.value
+
+    def detect(
+        self,
+        *,
+        progress: ProgressLike = None,
+        model: str | os.PathLike[str] | None = None,
+        known_signs: ArrayLike | None = None,
+        **options: float,
+    ) -> Detection:
+        """Finds the intrinsic symmetries, the best first; none found is an empty Detection and no error.
+
+        ``options``: those of :func:`intrinsym.option_specs`, such as ``eigenfunctions=50`` or ``symmetries=4``.
+        ``model``: file of a sign network of your own (ONNX); it is trusted input. ``known_signs``: what a person
+        knows of the first functions of :meth:`eigen`, 1 even, -1 odd, 0 unknown; they overrule the network.
+        ``progress``: a Progress, or a callback ``(stage, fraction)`` that may answer False to cancel.
+        Raises OptionError, ModelError, CancelledError.
+        """
+        chosen = options_handle(options, model, known_signs)
+        result = progress_of(progress).run(
+            lambda pointer: new_handle(
+                "result", LIBRARY.isym_mesh_detect, self._handle.pointer, chosen.pointer, pointer
+            )
+        )
+        return Detection(result, self.vertex_count)
+
+    def eigen(self, count: int, *, progress: ProgressLike = None) -> Eigenpairs:
+        """The ``count`` lowest eigenpairs, 1 to 1000, on the mesh's largest shell; fewer on a tiny mesh.
+
+        Raises ArgumentError for another count, CancelledError.
+        """
+        wanted = _arrays.count(count, "count")
+        handle = progress_of(progress).run(
+            lambda pointer: new_handle(
+                "eigen", LIBRARY.isym_mesh_eigen, self._handle.pointer, wanted, pointer
+            )
+        )
+        rows, found = ctypes.c_size_t(), ctypes.c_size_t()
+        LIBRARY.isym_eigen_size(handle.pointer, ctypes.byref(rows), ctypes.byref(found))
+        values, mass = np.empty(found.value), np.empty(rows.value)
+        functions = np.empty((rows.value, found.value))
+        LIBRARY.isym_eigen_read(handle.pointer, values, functions, mass, rows.value, found.value)
+        return Eigenpairs(values, functions, mass)
+
+    def restore(
+        self,
+        kind: SymmetryKind,
+        partner: ArrayLike,
+        confidence: ArrayLike,
+        side: ArrayLike,
+        surface_points: SurfacePoints,
+    ) -> Symmetry:
+        """A symmetry from stored arrays, in the form of :class:`Symmetry`, so that its tools work on a map that
+        was kept with a mesh.
+
+        Positions may have changed since; the connectivity may not (see :attr:`connectivity_hash`). Raises
+        ArgumentError, which names the first entry that cannot be right.
+        """
+        count = self.vertex_count
+        arrays = [
+            _arrays.exactly(partner, (count,), np.int32, "partner"),
+            _arrays.exactly(confidence, (count,), np.float32, "confidence"),
+            _arrays.exactly(side, (count,), np.int8, "side"),
+            _arrays.exactly(surface_points.faces, (count,), np.uint32, "faces"),
+            _arrays.exactly(surface_points.corners, (count, 3), np.uint32, "corners"),
+            _arrays.exactly(surface_points.barycentrics, (count, 3), np.float32, "barycentrics"),
+        ]
+        restore = LIBRARY.isym_result_restore
+        result = new_handle("result", restore, self._handle.pointer, int(kind), *arrays, count)
+        return Symmetry(result, 0, count)
+
+
+def _flat(array: np.ndarray) -> np.ndarray:
+    if array.ndim != 1:
+        raise ArgumentError(f"polygons need flat arrays, not one of shape {array.shape}", ERROR_LENGTH)
+    return array
+
+
+def _regular_faces(faces: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """Offsets and corners of (faces, k) vertex numbers."""
+    table = _arrays.indices(faces, "face")
+    if table.ndim != 2 or table.shape[1] < 3:
+        shape = f"faces has the shape {table.shape}"
+        raise ArgumentError(f"{shape}; (faces, 3), (faces, 4) or Polygons is needed", ERROR_LENGTH)
+    offsets = np.arange(len(table) + 1, dtype=np.uint32) * np.uint32(table.shape[1])
+    return offsets, table.reshape(-1)
+
+
+def detect(vertices: ArrayLike, faces: Faces, **arguments: Any) -> Detection:
+    """``Mesh(vertices, faces).detect(**arguments)``; see there."""
+    return Mesh(vertices, faces).detect(**arguments)
+
+
+def eigen(vertices: ArrayLike, faces: Faces, count: int, **arguments: Any) -> Eigenpairs:
+    """``Mesh(vertices, faces).eigen(count, **arguments)``; see there."""
+    return Mesh(vertices, faces).eigen(count, **arguments)

@@ -1,0 +1,299 @@
+"""What was found on a mesh, and the tools that mirror across it."""
+
+from __future__ import annotations
+
+import ctypes
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _arrays
+from ._handles import Handle
+from ._library import LIBRARY, Mirroring, Summary
+from .progress import ProgressLike, progress_of
+
+#: Entry of unsigned index arrays that stands for "none".
+NONE = 2**32 - 1
+
+
+class SymmetryKind(IntEnum):
+    """How a symmetry moves the surface."""
+
+    #: Reverses orientation: left and right are exchanged.
+    REFLECTION = 0
+    #: Keeps orientation and is its own inverse. It has no sides and no fixed curve.
+    HALF_TURN = 1
+
+
+class Merge(IntEnum):
+    """Which vertices take the value of their mirror image."""
+
+    #: Every vertex: the two sides are exchanged.
+    SWAP = 0
+    #: Every vertex takes the mean of its own and its image's value.
+    AVERAGE = 1
+    #: Vertices with side -1 take it; side 1 stays, and so does the fixed curve.
+    POSITIVE_WINS = 2
+    #: Vertices with side 1 take it; side -1 stays, and so does the fixed curve.
+    NEGATIVE_WINS = 3
+
+
+@dataclass(frozen=True)
+class SurfacePoints:
+    """The exact mirror image of each vertex, a point of the surface."""
+
+    #: (vertices,) uint32: the face of the input that holds the image; 2**32 - 1 without partner.
+    faces: NDArray[np.uint32]
+    #: (vertices, 3) uint32: three vertices of that face; 2**32 - 1 without partner.
+    corners: NDArray[np.uint32]
+    #: (vertices, 3) float32: weights of the corners, 0..1, summing to 1; 0 without partner.
+    barycentrics: NDArray[np.float32]
+
+    def positions(self, vertices: ArrayLike) -> NDArray[np.float64]:
+        """(vertices, 3) positions of the images, for (vertices, 3) positions; NaN without partner."""
+        points = np.asarray(vertices, np.float64)
+        found = np.not_equal(self.faces, NONE)
+        images: NDArray[np.float64] = np.full((len(self.faces), 3), np.nan)
+        weights, corners = self.barycentrics[found], self.corners[found]
+        images[found] = np.einsum("vk,vkx->vx", weights, points[corners])
+        return images
+
+
+@dataclass(frozen=True)
+class CurveLine:
+    """One line of the fixed curve, where the symmetry leaves the surface in place."""
+
+    #: (points, 2) uint32: each point lies on the segment between these two vertices ...
+    edges: NDArray[np.uint32]
+    #: (points,) float32: ... at (1 - t) * first + t * second.
+    parameters: NDArray[np.float32]
+    #: Whether the last point joins the first.
+    closed: bool
+
+    def positions(self, vertices: ArrayLike) -> NDArray[np.float64]:
+        """(points, 3) positions, for (vertices, 3) positions of the mesh."""
+        ends: NDArray[np.float64] = np.asarray(vertices, np.float64)[self.edges]
+        t: NDArray[np.float64] = self.parameters[:, None].astype(np.float64)
+        return np.add((1 - t) * ends[:, 0], t * ends[:, 1])
+
+
+class Symmetry:
+    """One symmetry of a mesh. All arrays have one row for each vertex of the mesh that was given.
+
+    The arrays are read when first asked for, and kept.
+    """
+
+    def __init__(self, result: Handle, index: int, vertex_count: int) -> None:
+        self._result = result
+        self._index = index
+        self._vertex_count = vertex_count
+
+    def __repr__(self) -> str:
+        kind = self.kind.name.lower().replace("_", " ")
+        return f"<{kind} of {self._vertex_count} vertices, mean confidence {self.mean_confidence:.2f}>"
+
+    @cached_property
+    def _summary(self) -> Summary:
+        summary = Summary()
+        LIBRARY.isym_result_summary(self._result.pointer, self._index, ctypes.byref(summary))
+        return summary
+
+    @property
+    def kind(self) -> SymmetryKind:
+        """Reflection or half turn."""
+        return SymmetryKind(self._summary.kind)
+
+    @property
+    def score(self) -> float:
+        """Lower is better; comparable between symmetries of one mesh only."""
+        return self._summary.score
+
+    @property
+    def mean_confidence(self) -> float:
+        """Mean of the confidence over the surface, 0..1."""
+        return self._summary.mean_confidence
+
+    @property
+    def exact_share(self) -> float:
+        """Share of the vertices, 0..1, whose partner comes from mirrored connectivity: an exact bijection."""
+        return self._summary.exact_share
+
+    @cached_property
+    def partner(self) -> NDArray[np.int32]:
+        """(vertices,) int32: the vertex that is the mirror image; -1 for a vertex that no face uses."""
+        return self._read("partners", np.int32)
+
+    @cached_property
+    def confidence(self) -> NDArray[np.float32]:
+        """(vertices,) float32: the probability, 0..1, that the partner lies within 0.05 sqrt(area) of the truth."""
+        return self._read("confidences", np.float32)
+
+    @cached_property
+    def side(self) -> NDArray[np.int8]:
+        """(vertices,) int8: 1 and -1 on the two sides, 0 on the fixed curve, without partner, and everywhere for a
+        half turn. Which side is 1 has no meaning."""
+        return self._read("sides", np.int8)
+
+    def _read(self, name: str, kind: type) -> np.ndarray:
+        values: np.ndarray = np.empty(self._vertex_count, kind)
+        getattr(LIBRARY, f"isym_result_{name}")(self._result.pointer, self._index, values, values.size)
+        return values
+
+    @cached_property
+    def surface_points(self) -> SurfacePoints:
+        """The exact mirror images, as points of the surface."""
+        count = self._vertex_count
+        faces = np.empty(count, np.uint32)
+        corners, barycentrics = np.empty((count, 3), np.uint32), np.empty((count, 3), np.float32)
+        LIBRARY.isym_result_surface_points(
+            self._result.pointer, self._index, faces, corners, barycentrics, count
+        )
+        return SurfacePoints(faces, corners, barycentrics)
+
+    @cached_property
+    def fixed_curve(self) -> list[CurveLine]:
+        """The lines that the symmetry leaves in place; empty for a half turn and for a restored symmetry."""
+        line_count, point_count = ctypes.c_size_t(), ctypes.c_size_t()
+        where = (self._result.pointer, self._index)
+        LIBRARY.isym_result_curve_size(*where, ctypes.byref(line_count), ctypes.byref(point_count))
+        lines, points = line_count.value, point_count.value
+        if lines == 0:
+            return []
+        offsets, closed = np.empty(lines + 1, np.uint32), np.empty(lines, np.uint8)
+        edges, parameters = np.empty((points, 2), np.uint32), np.empty(points, np.float32)
+        LIBRARY.isym_result_curve(*where, offsets, closed, lines, edges, parameters, points)
+        spans = [slice(offsets[line], offsets[line + 1]) for line in range(lines)]
+        return [
+            CurveLine(edges[span], parameters[span], bool(is_closed))
+            for span, is_closed in zip(spans, closed)
+        ]
+
+    def mirror_selection(self, selected: ArrayLike, *, minimum_confidence: float = 0.0) -> NDArray[np.bool_]:
+        """(vertices,) bool: the vertices whose mirror image lies in the selection, (vertices,) bool.
+
+        Vertices with less confidence are not selected. A vertex of a denser side selects its partner even where
+        that stands for several. Raises ArgumentError, OptionError.
+        """
+        given = _arrays.values_of(selected, self._vertex_count, "selected")
+        chosen = _arrays.exactly(given != 0, (self._vertex_count,), np.uint8, "selected")
+        mirrored = np.empty_like(chosen)
+        LIBRARY.isym_result_mirror_selection(
+            self._result.pointer, self._index, chosen, minimum_confidence, mirrored, mirrored.size
+        )
+        return mirrored.astype(bool)
+
+    def mirror_values(
+        self,
+        values: ArrayLike,
+        merge: Merge = Merge.SWAP,
+        *,
+        minimum_confidence: float = 0.0,
+        weight_by_confidence: bool = False,
+    ) -> NDArray[np.float64]:
+        """Mirrors an attribute, (vertices, ...) numbers, such as weights, colours, or masks; the same shape.
+
+        Vertices below ``minimum_confidence`` keep their value; ``weight_by_confidence`` lets each change by the
+        share of its confidence. Vectors in space need :meth:`carry_displacement` instead. Raises ArgumentError,
+        and OptionError for a half turn, which has no sides, unless ``merge`` is swap or average.
+        """
+        given = _arrays.values_of(values, self._vertex_count, "values")
+        components = given.size // max(self._vertex_count, 1)
+        mirrored = np.empty_like(given)
+        how = _mirroring(merge, minimum_confidence, weight_by_confidence)
+        LIBRARY.isym_result_mirror_values(
+            self._result.pointer, self._index, how, given, components, mirrored, self._vertex_count
+        )
+        return mirrored
+
+    def carry_displacement(
+        self,
+        positions: ArrayLike,
+        displacements: ArrayLike,
+        merge: Merge = Merge.SWAP,
+        *,
+        minimum_confidence: float = 0.0,
+        weight_by_confidence: bool = False,
+    ) -> NDArray[np.float64]:
+        """Carries displacements, (vertices, 3) in any unit, across the map in local frames, so that they are
+        right in any pose: a shape key, or an edit. (vertices, 3).
+
+        ``positions`` are those of the shape that is displaced, in the pose it is in, (vertices, 3). The rest as
+        in :meth:`mirror_values`.
+        """
+        shape = _arrays.vectors(positions, self._vertex_count, "positions")
+        given = _arrays.vectors(displacements, self._vertex_count, "displacements")
+        carried = np.empty_like(given)
+        how = _mirroring(merge, minimum_confidence, weight_by_confidence)
+        LIBRARY.isym_result_carry_displacement(
+            self._result.pointer, self._index, how, shape, given, carried, self._vertex_count
+        )
+        return carried
+
+    def symmetrize_positions(
+        self,
+        positions: ArrayLike,
+        merge: Merge = Merge.AVERAGE,
+        *,
+        minimum_confidence: float = 0.0,
+        weight_by_confidence: bool = False,
+        progress: ProgressLike = None,
+    ) -> NDArray[np.float64]:
+        """Makes positions, (vertices, 3), symmetric: each side keeps its pose and takes the other's shape, or
+        both the mean of the two. (vertices, 3).
+
+        What is much smaller than the surface is carried whole; what is as large as a limb's pose stays. Raises
+        CancelledError; the rest as in :meth:`mirror_values`.
+        """
+        given = _arrays.vectors(positions, self._vertex_count, "positions")
+        moved = np.empty_like(given)
+        how = _mirroring(merge, minimum_confidence, weight_by_confidence)
+        progress_of(progress).run(
+            lambda pointer: LIBRARY.isym_result_symmetrize_positions(
+                self._result.pointer, self._index, how, given, pointer, moved, self._vertex_count
+            )
+        )
+        return moved
+
+
+def _mirroring(merge: Merge, minimum_confidence: float, weight_by_confidence: bool) -> Mirroring:
+    return Mirroring(int(merge), minimum_confidence, int(weight_by_confidence))
+
+
+class Detection(Sequence[Symmetry]):
+    """The symmetries that were found, the best first; empty, and false, where there are none.
+
+    Finding none is an answer and no error: :attr:`report` says why.
+    """
+
+    def __init__(self, result: Handle, vertex_count: int) -> None:
+        count = ctypes.c_size_t()
+        LIBRARY.isym_result_symmetry_count(result.pointer, ctypes.byref(count))
+        self._result = result
+        self._symmetries = [Symmetry(result, index, vertex_count) for index in range(count.value)]
+
+    def __len__(self) -> int:
+        return len(self._symmetries)
+
+    def __getitem__(self, index: Any) -> Any:
+        return self._symmetries[index]
+
+    def __iter__(self) -> Iterator[Symmetry]:
+        return iter(self._symmetries)
+
+    def __repr__(self) -> str:
+        return f"<Detection {self._symmetries!r}>"
+
+    @cached_property
+    def report(self) -> dict:
+        """What ``intrinsym detect --json`` writes: repairs, options, evidence, seconds of each stage."""
+        size = ctypes.c_size_t()
+        LIBRARY.isym_result_report_size(self._result.pointer, ctypes.byref(size))
+        text = ctypes.create_string_buffer(size.value)
+        LIBRARY.isym_result_report(self._result.pointer, text, size.value)
+        return json.loads(text.value.decode())

@@ -1,0 +1,114 @@
+"""Detection: the same as the command line, by every way in."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from conftest import EXAMPLES, truth_of
+
+import intrinsym
+
+
+def test_partners_and_report_are_those_of_the_command_line(command_line, detection, symmetry):
+    out = command_line(
+        "detect", EXAMPLES / "quadruped.ply", "--map", "map", "--json", "json", "--output", "out.ply"
+    )
+    assert np.array_equal(np.loadtxt(out / "map", dtype=np.int64), symmetry.partner)
+    theirs = json.loads((out / "json").read_text())
+    assert theirs["symmetries"] == detection.report["symmetries"]
+
+
+def test_a_posed_human_of_quads_gives_its_exact_mirror_table():
+    mesh = intrinsym.Mesh.read(EXAMPLES / "human.ply")
+    (found,) = mesh.detect()
+    assert found.kind is intrinsym.SymmetryKind.REFLECTION
+    assert found.exact_share == 1.0
+    assert np.array_equal(found.partner, truth_of("human"))
+    (line,) = found.fixed_curve
+    assert line.closed
+    own = found.partner == np.arange(mesh.vertex_count)
+    assert np.array_equal(np.flatnonzero(own), np.unique(line.edges[own[line.edges]]))
+
+
+def test_no_symmetry_is_an_empty_answer_with_its_evidence():
+    found = intrinsym.Mesh.read(EXAMPLES / "blob.ply").detect()
+    assert not found and len(found) == 0
+    assert found.report["outcome"] != "found"
+
+
+@pytest.mark.parametrize("real", [np.float32, np.float64])
+@pytest.mark.parametrize("index", [np.uint8, np.int16, np.int64, np.uint64])
+def test_any_float_and_any_integer(real, index):
+    vertices = np.array([[0, 0, 0], [2, 0, 0], [1, 2, 0], [1, 0.7, 2]], real)
+    faces = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]], index)
+    mesh = intrinsym.Mesh(vertices, faces)
+    assert np.array_equal(mesh.vertices, vertices.astype(np.float64))
+    assert np.array_equal(mesh.polygons.corners, faces.reshape(-1))
+
+
+def test_arrays_in_any_layout_give_the_same_map(quadruped, symmetry):
+    offsets, corners = quadruped.polygons
+    assert np.all(np.diff(offsets) == 3)
+    backwards = np.asfortranarray(corners.reshape(-1, 3))
+    found = intrinsym.detect(np.asfortranarray(quadruped.vertices), backwards)
+    assert np.array_equal(found[0].partner, symmetry.partner)
+
+
+def test_quads_as_table_and_as_polygons_are_one_mesh():
+    mesh = intrinsym.Mesh.read(EXAMPLES / "human.ply")
+    offsets, corners = mesh.polygons
+    assert np.all(np.diff(offsets) == 4)
+    table = intrinsym.Mesh(mesh.vertices, corners.reshape(-1, 4))
+    polygons = intrinsym.Mesh(mesh.vertices, intrinsym.Polygons(offsets.tolist(), corners.tolist()))
+    assert table.connectivity_hash == polygons.connectivity_hash == mesh.connectivity_hash
+    assert table.face_count == mesh.face_count
+
+
+def test_options_and_known_signs_reach_the_library(quadruped):
+    found = quadruped.detect(eigenfunctions=30, samples=500, known_signs=[0, 0, 1])
+    assert found.report["options"]["eigenfunctions"] == 30
+    assert found.report["options"]["known_signs"] == [0, 0, 1]
+
+
+def test_every_option_of_the_table_is_accepted_at_both_ends():
+    cube = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
+    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
+    specs = intrinsym.option_specs()
+    assert {"eigenfunctions", "samples", "symmetries"} <= {spec.name for spec in specs}
+    for spec in specs:
+        assert spec.help.endswith(".") and spec.minimum <= spec.default <= spec.maximum
+        for value in (spec.minimum, spec.maximum):
+            intrinsym.detect(cube, quads, **{spec.name: value})
+        with pytest.raises(intrinsym.OptionError, match=spec.name):
+            intrinsym.detect(cube, quads, **{spec.name: spec.maximum + 1})
+
+
+def test_surface_points_lie_where_the_partners_do(quadruped, symmetry):
+    points = symmetry.surface_points
+    images = points.positions(quadruped.vertices)
+    assert np.allclose(points.barycentrics.sum(axis=1), 1, atol=1e-5)
+    corners = quadruped.polygons.corners.reshape(-1, 3)[points.faces]
+    assert np.array_equal(np.sort(corners, axis=1), np.sort(points.corners, axis=1))
+    longest_edge = np.linalg.norm(np.diff(quadruped.vertices[corners], axis=1), axis=2).max()
+    distance = np.linalg.norm(images - quadruped.vertices[symmetry.partner], axis=1)
+    assert np.all(distance <= 2 * longest_edge)
+
+
+def test_eigenpairs_are_orthonormal_and_those_of_the_command_line(command_line, quadruped):
+    pairs = quadruped.eigen(20)
+    assert np.all(np.diff(pairs.values) >= 0)
+    gram = pairs.functions.T @ (pairs.mass[:, None] * pairs.functions)
+    assert np.allclose(gram, np.eye(20), atol=1e-4)
+    assert pairs.mass.sum() == pytest.approx(1)
+
+
+def test_a_stored_map_can_be_used_again(quadruped, symmetry):
+    stored = (symmetry.kind, symmetry.partner, symmetry.confidence, symmetry.side, symmetry.surface_points)
+    again = quadruped.restore(*stored)
+    weights = np.linspace(0, 1, quadruped.vertex_count)
+    assert np.array_equal(again.mirror_values(weights), symmetry.mirror_values(weights))
+    assert np.array_equal(again.partner, symmetry.partner)
+    with pytest.raises(intrinsym.ArgumentError, match="3398"):
+        quadruped.restore(symmetry.kind, np.full(3398, 3398), *stored[2:])

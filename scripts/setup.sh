@@ -1,0 +1,103 @@
+#!/usr/bin/env bash
+# Makes sure that everything the build needs is there; installs it on Debian and Ubuntu, and says plainly
+# what is missing on any other system. Does nothing, quickly, where all is installed.
+# usage: setup.sh [nextest|python]
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+NEXTEST_VERSION=0.9.143
+PACKAGES=(ca-certificates g++ libopenmesh-dev make pkg-config)
+
+fail() {
+    printf 'setup: %s\n' "$@" >&2
+    exit 1
+}
+
+as_root() {
+    if [ "$(id -u)" = 0 ]; then
+        "$@"
+    elif command -v sudo >/dev/null; then
+        sudo "$@"
+    else
+        fail "root is needed for: $*" "run that as root, then try again"
+    fi
+}
+
+is_installed() {
+    [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
+}
+
+install_packages() {
+    local missing=() package
+    for package in "$@"; do
+        is_installed "$package" || missing+=("$package")
+    done
+    [ ${#missing[@]} = 0 ] && return
+    echo "setup: installing ${missing[*]}"
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get update -qq
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}"
+}
+
+# On a system without apt: name each thing that is missing, do not guess how it is installed.
+check_tools() {
+    local missing=()
+    command -v c++ >/dev/null || missing+=("a C++17 compiler (c++)")
+    if [ -z "${OPENMESH_DIR:-}" ]; then
+        command -v pkg-config >/dev/null || missing+=("pkg-config")
+        pkg-config --atleast-version=8.0 openmesh 2>/dev/null ||
+            missing+=("OpenMesh 8 or later, known to pkg-config (or OPENMESH_DIR set to its folder)")
+    fi
+    [ ${#missing[@]} = 0 ] || fail "this is no Debian or Ubuntu; please install:" "${missing[@]/#/  - }"
+}
+
+rust_wanted() {
+    sed -n 's/^rust-version = "\(.*\)"/\1/p' Cargo.toml
+}
+
+rust_is_new_enough() {
+    local found
+    found=$(rustc --version 2>/dev/null | cut -d ' ' -f 2) || return 1
+    [ "$(printf '%s\n' "$(rust_wanted)" "$found" | sort -V | head -n 1)" = "$(rust_wanted)" ]
+}
+
+check_rust() {
+    if command -v cargo >/dev/null && rust_is_new_enough; then return; fi
+    if ! command -v rustup >/dev/null && apt-cache show rustup >/dev/null 2>&1; then
+        install_packages rustup
+    fi
+    if command -v rustup >/dev/null; then
+        echo "setup: installing the stable Rust toolchain"
+        rustup toolchain install stable --profile minimal --component clippy --component rustfmt
+        rustup default stable
+        if rust_is_new_enough; then return; fi
+    fi
+    fail "Rust $(rust_wanted) or later is needed, found: $(rustc --version 2>/dev/null || echo none)" \
+        "install it with rustup (see rustup.rs), open a new shell, and try again"
+}
+
+check_lints() {
+    cargo fmt --version >/dev/null 2>&1 && cargo clippy --version >/dev/null 2>&1 && return
+    command -v rustup >/dev/null || fail "rustfmt and clippy of Rust $(rust_wanted) or later are needed"
+    rustup component add clippy rustfmt
+}
+
+check_nextest() {
+    cargo nextest --version >/dev/null 2>&1 && return
+    echo "setup: installing cargo-nextest $NEXTEST_VERSION"
+    cargo install cargo-nextest --locked --version "$NEXTEST_VERSION"
+}
+
+check_python() {
+    python3 -c 'import ensurepip, venv' 2>/dev/null && return
+    command -v apt-get >/dev/null || fail "Python 3.9 or later with its module venv is needed"
+    install_packages python3 python3-venv
+}
+
+if [ "${1:-}" = nextest ]; then PACKAGES+=(cmake); fi
+if command -v apt-get >/dev/null; then install_packages "${PACKAGES[@]}"; else check_tools; fi
+check_rust
+if [ "${1:-}" = nextest ]; then
+    check_lints
+    check_nextest
+fi
+if [ "${1:-}" = python ]; then check_python; fi

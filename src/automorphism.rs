@@ -1,0 +1,210 @@
+//! Where connectivity is mirrored: the exact bijection, by half-edge traversal.
+//!
+//! A reflection of a manifold mesh is fixed by the image of one half-edge: walking both sides at once,
+//! forwards on one and backwards on the other, gives the image of every other half-edge or a
+//! contradiction. Blender's topology mirror (`editmesh`'s `EditMeshSymmetryHelper` and
+//! `mesh_mirror` with topology) rests on the same idea but hashes neighbourhoods and gives up at the first
+//! defect; the walk itself is the classical test for isomorphism of embedded graphs (Weinberg, "A simple
+//! and efficient algorithm for determining isomorphism of planar triply connected graphs", 1966).
+//!
+//! 1. Vertices are coloured by a few rounds of Weisfeiler-Lehman refinement ([`colours`]), blind to
+//!    orientation. A shell's rarest colour gives few seeds, so the search needs no estimate.
+//! 2. Each seed is walked over its whole shell ([`matching`]); a walk that ends without contradiction is
+//!    an exact bijection, its own inverse. Seeds are ordered, and rival bijections judged, by the estimate.
+//! 3. Where no walk ends, patches are grown around defects ([`partial`]).
+//!
+//! Shells may map to themselves or swap. Polygons are walked, not triangles: quads are often mirrored
+//! where their triangulation is not. Cost O(size) per seed with a bound on all walks together; memory O(size).
+
+mod colours;
+mod estimate;
+mod matching;
+mod partial;
+mod shells;
+
+use crate::error::Result;
+use crate::mesh::NONE;
+use crate::mesh::half_edges::HalfEdges;
+use crate::progress::Progress;
+use crate::symmetry_kind::SymmetryKind;
+use colours::{Classes, Colours};
+use estimate::{Distances, Estimate};
+use matching::Matching;
+use shells::Shells;
+
+/// Most vertices tried as the image of one pivot.
+const PIVOT_IMAGES: usize = 64;
+/// All walks together visit at most this many times the half-edges of the mesh.
+const WALKS: u64 = 24;
+/// A bijection this close to the estimate (mean distance in edges) ends the search for a closer one.
+const CLOSE: f64 = 0.25;
+/// The only bijection of the main shell is accepted against the estimate if this share of it agrees: an
+/// estimate that swaps the legs is overruled, one of another symmetry is not.
+const NOT_REFUTED: f64 = 0.3;
+
+/// A self-inverse pairing of points that the connectivity proves or, in part, supports.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Automorphism {
+    /// The partner of each point, itself on the fixed curve, [`NONE`] where not covered.
+    pub partner: Vec<u32>,
+    /// Whether a point's pair belongs to a bijection of its whole shell.
+    pub exact: Vec<bool>,
+    /// Number of points with a partner.
+    pub covered: usize,
+    /// Whether every shell is mapped by a bijection of the whole of it.
+    pub complete: bool,
+}
+
+/// Finds the pairing by connectivity that agrees best with an estimate.
+///
+/// `estimate` holds the estimated partner of each point or [`NONE`], `confidence` a weight in 0..=1; both
+/// have one entry per point. A bijection of a whole shell is accepted if its mean distance from the
+/// estimate is a small number of edges; on a shell with most of the vertices also if the connectivity
+/// admits no other and a third of the estimate agrees, or there is none. A partial one must cover half of its
+/// shell and of the irregular vertices there. `None` if no shell has either.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+///
+/// # Panics
+/// If `estimate` or `confidence` is shorter than `half_edges.point_count`.
+pub fn find(
+    half_edges: &HalfEdges,
+    estimate: &[u32],
+    confidence: &[f32],
+    kind: SymmetryKind,
+    progress: &Progress,
+) -> Result<Option<Automorphism>> {
+    let shells = Shells::new(half_edges);
+    let estimate = Estimate::new(half_edges, estimate, confidence);
+    let mut matching = Matching::new(half_edges, kind);
+    let colours = Colours::new(half_edges);
+    let inexact =
+        match_whole_shells(&mut matching, &shells, &Classes::new(&colours.far), &estimate, progress)?;
+    let exact: Vec<bool> = matching.vertex_image.iter().map(|&image| image != NONE).collect();
+    partial::match_shells(&mut matching, &shells, &colours, &estimate, &inexact, progress)?;
+    Ok(by_points(half_edges, &matching.vertex_image, &exact))
+}
+
+/// Maps what it can shell by shell, largest first; returns the shells left over.
+fn match_whole_shells(
+    matching: &mut Matching,
+    shells: &Shells,
+    classes: &Classes,
+    estimate: &Estimate,
+    progress: &Progress,
+) -> Result<Vec<usize>> {
+    let mut budget = WALKS * matching.half_edges.len() as u64;
+    let mut inexact = Vec::new();
+    for shell in shells.by_size() {
+        progress.check()?;
+        let taken = matching.vertex_image[shells.vertices(shell)[0] as usize] != NONE;
+        if !taken && !match_whole_shell(matching, shells, classes, estimate, shell, &mut budget, progress)? {
+            inexact.push(shell);
+        }
+    }
+    Ok(inexact)
+}
+
+fn match_whole_shell(
+    matching: &mut Matching,
+    shells: &Shells,
+    classes: &Classes,
+    estimate: &Estimate,
+    shell: usize,
+    budget: &mut u64,
+    progress: &Progress,
+) -> Result<bool> {
+    let vertices = shells.vertices(shell);
+    let pivot = pivot(vertices, classes, estimate);
+    let (images, exhaustive) = images_of_pivot(matching, shells, classes, estimate, pivot);
+    let seeds: Vec<_> = images.iter().flat_map(|&image| matching.seeds(pivot, image)).collect();
+    let mark = matching.mark();
+    let mut best: Option<(Distances, u32, u32)> = None;
+    let mut found = 0;
+    for (start, target) in seeds {
+        progress.check()?;
+        if best.as_ref().is_some_and(|(distances, ..)| distances.mean <= CLOSE) {
+            break;
+        }
+        if matching.walk(start, target, classes, budget) {
+            found += 1;
+            let distances = estimate.distances(matching, vertices, vertices.len());
+            if best.as_ref().is_none_or(|(least, ..)| distances.mean < least.mean) {
+                best = Some((distances, start, target));
+            }
+            matching.rollback(mark);
+        }
+    }
+    let Some((distances, start, target)) = best else { return Ok(false) };
+    let main = 2 * vertices.len() > matching.half_edges.vertex_count();
+    let unrivalled = main && found == 1 && exhaustive && *budget > 0;
+    let near = distances.mean <= estimate::tolerance(vertices.len());
+    let accepted = near || unrivalled && distances.share_within.is_none_or(|share| share >= NOT_REFUTED);
+    Ok(accepted && matching.walk(start, target, classes, &mut { u64::MAX }))
+}
+
+/// The vertex with the fewest possible images; of those, one with the surest estimate.
+fn pivot(vertices: &[u32], classes: &Classes, estimate: &Estimate) -> u32 {
+    let key = |vertex: u32| (classes.members(vertex).len(), -estimate.weight(vertex));
+    let lower = |&first: &u32, &second: &u32| key(first).partial_cmp(&key(second)).unwrap();
+    vertices.iter().copied().min_by(lower).expect("a shell has vertices")
+}
+
+/// Possible images of the pivot, nearest to its estimate first, and whether these are all.
+fn images_of_pivot(
+    matching: &Matching,
+    shells: &Shells,
+    classes: &Classes,
+    estimate: &Estimate,
+    pivot: u32,
+) -> (Vec<u32>, bool) {
+    let size = shells.size_at(pivot);
+    let free =
+        |&vertex: &u32| matching.vertex_image[vertex as usize] == NONE && shells.size_at(vertex) == size;
+    let members = classes.members(pivot);
+    let near = estimate.near(matching.half_edges, pivot, size);
+    let mut images: Vec<u32> = near
+        .into_iter()
+        .filter(|&vertex| classes.same(vertex, pivot))
+        .filter(free)
+        .take(PIVOT_IMAGES)
+        .collect();
+    let exhaustive = members.len() <= PIVOT_IMAGES;
+    if exhaustive {
+        let further: Vec<u32> = members.iter().copied().filter(|vertex| !images.contains(vertex)).collect();
+        images.extend(further.into_iter().filter(free));
+    }
+    (images, exhaustive)
+}
+
+/// From vertices (fans) to points: a point is covered if all its mapped fans agree and its partner's do.
+fn by_points(half_edges: &HalfEdges, vertex_image: &[u32], exact: &[bool]) -> Option<Automorphism> {
+    const SEVERAL: u32 = NONE - 1;
+    let mut partner = vec![NONE; half_edges.point_count];
+    let mut exact_point = vec![true; half_edges.point_count];
+    let mut complete = true;
+    for (vertex, &point) in half_edges.point_of_vertex.iter().enumerate() {
+        exact_point[point as usize] &= exact[vertex];
+        complete &= exact[vertex];
+        if vertex_image[vertex] != NONE {
+            let image = half_edges.point_of_vertex[vertex_image[vertex] as usize];
+            let known = &mut partner[point as usize];
+            *known = if *known == NONE || *known == image { image } else { SEVERAL };
+        }
+    }
+    let mutual = |point: usize| {
+        let image = partner[point];
+        image < SEVERAL && partner[image as usize] == point as u32
+    };
+    let covered_points: Vec<bool> = (0..partner.len()).map(mutual).collect();
+    for (point, &covered) in covered_points.iter().enumerate() {
+        complete &= covered || partner[point] == NONE;
+        exact_point[point] &= covered;
+        if !covered {
+            partner[point] = NONE;
+        }
+    }
+    let covered = covered_points.iter().filter(|&&covered| covered).count();
+    (covered > 0).then_some(Automorphism { partner, exact: exact_point, covered, complete })
+}

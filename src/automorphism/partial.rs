@@ -1,0 +1,216 @@
+//! Pairings of shells whose connectivity is mirrored except at defects: a split edge, a few flipped triangles.
+//!
+//! Patches grow from the seeds whose surroundings fit best, over all pairs of faces with equal degrees and
+//! equal valences at their corners. A false match is easy inside a regular grid, so a patch must pair
+//! irregular vertices, must not stop at many contradictions, and must lie near the estimate; all
+//! patches together must cover half of the shell and half of its irregular vertices. The ring of
+//! faces at each contradiction is dropped.
+
+use super::colours::{Classes, Colours};
+use super::estimate::{self, Estimate};
+use super::matching::{Mark, Matching};
+use super::shells::Shells;
+use crate::error::Result;
+use crate::mesh::NONE;
+use crate::progress::Progress;
+use std::collections::HashMap;
+
+/// Smaller shells have too little to tell a partial match from chance.
+const SMALLEST_SHELL: usize = 24;
+/// Seeds per shell.
+const SEEDS: usize = 64;
+/// Most images tried per seed.
+const SEED_IMAGES: usize = 8;
+/// Faces of the trial around a seed.
+const TRIAL_FACES: usize = 200;
+/// Failed full growths per shell before giving up.
+const FAILURES: usize = 8;
+/// Least number of irregular vertices paired by a patch.
+const IRREGULAR: usize = 4;
+/// Most contradictions of a patch per paired face.
+const CONTRADICTIONS: f64 = 0.25;
+/// Least share of a shell and of its irregular vertices to be covered, and of samples near the estimate.
+const COVERED: f64 = 0.5;
+const NEAR: f64 = 0.7;
+
+/// What the growth reads.
+struct Context<'a> {
+    shells: &'a Shells,
+    estimate: &'a Estimate,
+    /// Colours by valence, face degrees and boundary.
+    valences: &'a [u64],
+    /// Classes by near surroundings.
+    classes: Classes,
+}
+
+/// Pairs what it can of the shells in `which`; adds to what `matching` holds.
+pub(super) fn match_shells(
+    matching: &mut Matching,
+    shells: &Shells,
+    colours: &Colours,
+    estimate: &Estimate,
+    which: &[usize],
+    progress: &Progress,
+) -> Result<()> {
+    let large: Vec<usize> =
+        which.iter().copied().filter(|&shell| shells.vertices(shell).len() >= SMALLEST_SHELL).collect();
+    if large.is_empty() {
+        return Ok(());
+    }
+    let classes = Classes::new(&colours.near);
+    let context = Context { shells, estimate, valences: &colours.valences, classes };
+    for shell in large {
+        match_shell(matching, &context, shell, progress)?;
+    }
+    Ok(())
+}
+
+fn match_shell(matching: &mut Matching, context: &Context, shell: usize, progress: &Progress) -> Result<()> {
+    let vertices = context.shells.vertices(shell);
+    if !is_mostly_repeated(context, vertices) {
+        return Ok(());
+    }
+    let regular = most_common_valence(context, vertices);
+    let before = matching.mark();
+    let mut failures = 0;
+    for (vertex, start, target) in seeds(matching, context, vertices, progress)? {
+        progress.check()?;
+        if failures == FAILURES {
+            break;
+        }
+        if matching.vertex_image[vertex as usize] != NONE {
+            continue;
+        }
+        let mark = matching.mark();
+        let faces = matching.grow(start, target, context.valences, usize::MAX);
+        if !is_patch_sound(matching, context, mark, faces, regular, vertices.len()) {
+            matching.rollback(mark);
+            failures += 1;
+        }
+    }
+    drop_rings_at_contradictions(matching, before);
+    if !is_shell_covered(matching, context, vertices, regular) {
+        matching.rollback(before);
+    }
+    Ok(())
+}
+
+/// Whether enough vertices have a lookalike at all; on meshes without mirrored connectivity few do.
+fn is_mostly_repeated(context: &Context, vertices: &[u32]) -> bool {
+    let repeated = vertices.iter().filter(|&&vertex| context.classes.members(vertex).len() > 1).count();
+    repeated as f64 >= COVERED * vertices.len() as f64
+}
+
+fn most_common_valence(context: &Context, vertices: &[u32]) -> u64 {
+    let mut counts = HashMap::new();
+    for &vertex in vertices {
+        *counts.entry(context.valences[vertex as usize]).or_insert(0usize) += 1;
+    }
+    let (valence, _) = counts.into_iter().max_by_key(|&(valence, count)| (count, valence)).expect("vertices");
+    valence
+}
+
+/// Vertices with the half-edge pair whose trial growth fits best, best first.
+fn seeds(
+    matching: &mut Matching,
+    context: &Context,
+    vertices: &[u32],
+    progress: &Progress,
+) -> Result<Vec<(u32, u32, u32)>> {
+    let mut seeds = Vec::new();
+    for region in vertices.chunks(vertices.len().div_ceil(SEEDS)) {
+        progress.check()?;
+        let key = |vertex: u32| {
+            let size = context.classes.members(vertex).len();
+            (context.estimate.weight(vertex) == 0.0, size == 1, size, -context.estimate.weight(vertex))
+        };
+        let lower = |&first: &u32, &second: &u32| key(first).partial_cmp(&key(second)).unwrap();
+        let vertex = region.iter().copied().min_by(lower).expect("a chunk is not empty");
+        seeds.extend(best_trial(matching, context, vertex, vertices.len()));
+    }
+    seeds.sort_by_key(|&(score, ..)| std::cmp::Reverse(score));
+    Ok(seeds.into_iter().map(|(_, vertex, start, target)| (vertex, start, target)).collect())
+}
+
+fn best_trial(
+    matching: &mut Matching,
+    context: &Context,
+    vertex: u32,
+    shell_size: usize,
+) -> Option<(usize, u32, u32, u32)> {
+    let members = context.classes.members(vertex);
+    let near = context.estimate.near(matching.half_edges, vertex, shell_size).into_iter();
+    let mut images: Vec<u32> =
+        near.filter(|&image| context.classes.same(image, vertex)).take(SEED_IMAGES).collect();
+    images.extend(members.iter().copied().filter(|_| members.len() <= 3));
+    let mut best: Option<(usize, u32, u32, u32)> = None;
+    for (start, target) in images.iter().flat_map(|&image| matching.seeds(vertex, image)).collect::<Vec<_>>()
+    {
+        let mark = matching.mark();
+        let faces = matching.grow(start, target, context.valences, TRIAL_FACES);
+        let score = faces.saturating_sub(2 * contradicted_faces(matching, mark));
+        matching.rollback(mark);
+        if score > best.map_or(8, |(least, ..)| least) {
+            best = Some((score, vertex, start, target));
+        }
+    }
+    best
+}
+
+fn contradicted_faces(matching: &Matching, mark: Mark) -> usize {
+    let mut faces: Vec<u32> = matching
+        .refused_since(mark)
+        .iter()
+        .map(|&(half_edge, _)| matching.half_edges.face[half_edge as usize])
+        .collect();
+    faces.sort_unstable();
+    faces.dedup();
+    faces.len()
+}
+
+fn is_patch_sound(
+    matching: &Matching,
+    context: &Context,
+    mark: Mark,
+    faces: usize,
+    regular: u64,
+    shell_size: usize,
+) -> bool {
+    let paired = matching.paired_since(mark);
+    let irregular = paired.iter().filter(|&&vertex| context.valences[vertex as usize] != regular).count();
+    let contradictions = contradicted_faces(matching, mark) as f64;
+    irregular >= IRREGULAR
+        && contradictions <= CONTRADICTIONS * faces as f64
+        && context.estimate.distances(matching, &paired, shell_size).mean <= estimate::tolerance(shell_size)
+}
+
+/// Unpairs the corners of faces where growing stopped, and their partners.
+fn drop_rings_at_contradictions(matching: &mut Matching, since: Mark) {
+    for (half_edge, image) in matching.refused_since(since).to_vec() {
+        for side in [half_edge, image] {
+            let whole = matching.half_edges.face[side as usize] != NONE;
+            let length = if whole { usize::MAX } else { 1 };
+            let corners: Vec<u32> = matching.half_edges.loop_of(side).take(length).collect();
+            for corner in corners {
+                matching.unpair(matching.half_edges.to_vertex[corner as usize]);
+                matching.unpair(matching.half_edges.from_vertex(corner));
+            }
+        }
+    }
+}
+
+fn is_shell_covered(matching: &Matching, context: &Context, vertices: &[u32], regular: u64) -> bool {
+    let is_paired = |vertex: u32| matching.vertex_image[vertex as usize] != NONE;
+    let is_irregular = |vertex: u32| context.valences[vertex as usize] != regular;
+    let paired = vertices.iter().filter(|&&vertex| is_paired(vertex)).count();
+    let irregular = vertices.iter().filter(|&&vertex| is_irregular(vertex)).count();
+    let both = vertices.iter().filter(|&&vertex| is_paired(vertex) && is_irregular(vertex)).count();
+    paired as f64 >= COVERED * vertices.len() as f64
+        && both >= IRREGULAR
+        && both as f64 >= COVERED * irregular as f64
+        && context
+            .estimate
+            .distances(matching, vertices, vertices.len())
+            .share_within
+            .is_some_and(|share| share >= NEAR)
+}

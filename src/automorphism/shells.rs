@@ -1,0 +1,61 @@
+//! Connected components of the half-edge structure.
+
+use crate::mesh::NONE;
+use crate::mesh::half_edges::HalfEdges;
+
+/// Vertices grouped by shell, breadth first within each.
+pub(super) struct Shells {
+    shell_of: Vec<u32>,
+    starts: Vec<usize>,
+    order: Vec<u32>,
+}
+
+impl Shells {
+    /// Floods from each vertex not reached yet.
+    pub fn new(half_edges: &HalfEdges) -> Self {
+        let mut shells =
+            Shells { shell_of: vec![NONE; half_edges.vertex_count()], starts: Vec::new(), order: Vec::new() };
+        for vertex in 0..half_edges.vertex_count() as u32 {
+            if shells.shell_of[vertex as usize] == NONE {
+                shells.starts.push(shells.order.len());
+                shells.flood(half_edges, vertex);
+            }
+        }
+        shells.starts.push(shells.order.len());
+        shells
+    }
+
+    fn flood(&mut self, half_edges: &HalfEdges, start: u32) {
+        let shell = self.starts.len() as u32 - 1;
+        let mut head = self.order.len();
+        self.shell_of[start as usize] = shell;
+        self.order.push(start);
+        while let Some(&vertex) = self.order.get(head) {
+            head += 1;
+            for half_edge in half_edges.outgoing_of(vertex) {
+                let neighbour = half_edges.to_vertex[half_edge as usize];
+                if self.shell_of[neighbour as usize] == NONE {
+                    self.shell_of[neighbour as usize] = shell;
+                    self.order.push(neighbour);
+                }
+            }
+        }
+    }
+
+    /// Shells by falling number of vertices.
+    pub fn by_size(&self) -> Vec<usize> {
+        let mut shells: Vec<usize> = (0..self.starts.len() - 1).collect();
+        shells.sort_by_key(|&shell| std::cmp::Reverse(self.vertices(shell).len()));
+        shells
+    }
+
+    /// Vertices of a shell, breadth first.
+    pub fn vertices(&self, shell: usize) -> &[u32] {
+        &self.order[self.starts[shell]..self.starts[shell + 1]]
+    }
+
+    /// Number of vertices of the shell that holds `vertex`.
+    pub fn size_at(&self, vertex: u32) -> usize {
+        self.vertices(self.shell_of[vertex as usize] as usize).len()
+    }
+}

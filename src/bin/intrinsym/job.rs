@@ -1,0 +1,40 @@
+//! One mesh from its file to its result files.
+
+use crate::Ending;
+use crate::arguments::Detect;
+use crate::outputs::{Input, Outputs};
+use intrinsym::error::Result;
+use intrinsym::mesh::{Mesh, io};
+use intrinsym::pipeline::{Detection, Outcome, detect};
+use intrinsym::progress::Progress;
+use std::path::Path;
+
+/// What is left of a finished job.
+pub struct Finished {
+    /// Found or none.
+    pub ending: Ending,
+    /// The mesh, for lengths in the caller's unit.
+    pub mesh: Mesh,
+    /// The result.
+    pub detection: Detection,
+}
+
+/// Reads, detects and writes. Nothing is written unless the detection ran to its end.
+///
+/// # Errors
+/// Whatever the file, the mesh, the limits or the caller's cancel call for.
+pub fn run(path: &Path, outputs: &Outputs, arguments: &Detect, progress: &Progress) -> Result<Finished> {
+    let limits = arguments.common.limits();
+    progress.report("reading", 0.0)?;
+    let file = io::read(path, &limits)?;
+    let mesh = Mesh::new(&file.polygons, &limits)?;
+    let detection = detect(&mesh, &arguments.options(), progress)?;
+    progress.report("writing", 1.0)?;
+    let input = Input { path, file: &file, mesh: &mesh };
+    outputs.write(&input, &detection, arguments)?;
+    let ending = match detection.outcome {
+        Outcome::Found => Ending::Found,
+        Outcome::None => Ending::None,
+    };
+    Ok(Finished { ending, mesh, detection })
+}

@@ -1,0 +1,123 @@
+//! What stdout shows: a few lines that a person can read.
+
+use intrinsym::mesh::{Mesh, RepairReport};
+use intrinsym::pipeline::Detection;
+use intrinsym::report::curve_length;
+use intrinsym::symmetry_kind::SymmetryKind;
+use std::fmt::Write;
+use std::path::Path;
+
+/// The whole summary of one detection.
+pub fn detection(input: &Path, mesh: &Mesh, detection: &Detection) -> String {
+    let report = &detection.report;
+    let mut text = format!(
+        "{}: {} vertices, {} faces, {}\n",
+        input.display(),
+        report.vertices,
+        report.faces,
+        counted(report.shells, "shell")
+    );
+    for (index, symmetry) in detection.symmetries.iter().enumerate() {
+        let kind = kind_name(symmetry.kind);
+        let number = if index == 0 { String::new() } else { format!(" {}", index + 1) };
+        let partners = symmetry.partner.iter().filter(|&&partner| partner >= 0).count();
+        let _ = writeln!(text, "  found{number}: {kind}, {partners} of {} vertices paired", report.vertices);
+        let _ = writeln!(
+            text,
+            "    mean confidence {:.2}, exact for {:.0} % of the vertices",
+            symmetry.mean_confidence,
+            100.0 * symmetry.exact_share
+        );
+        let length = curve_length(mesh, &symmetry.fixed_curve);
+        let _ = writeln!(
+            text,
+            "    fixed curve {:.6} long, in {}",
+            length,
+            counted(symmetry.fixed_curve.len(), "piece")
+        );
+    }
+    if detection.symmetries.is_empty() {
+        text += "  no symmetry found\n";
+    }
+    let _ = writeln!(text, "  {}", report.evidence);
+    for line in repairs(&report.repairs) {
+        let _ = writeln!(text, "  {line}");
+    }
+    let seconds: f64 = report.seconds.iter().map(|(_, seconds)| seconds).sum();
+    let _ = writeln!(text, "  {seconds:.2} s");
+    text
+}
+
+/// One line for each kind of repair that happened.
+pub fn repairs(repairs: &RepairReport) -> Vec<String> {
+    let lines = [
+        (
+            repairs.unreferenced_vertices,
+            "vertex that no face uses: without a partner",
+            "vertices that no face uses: without a partner",
+        ),
+        (
+            repairs.degenerate_faces,
+            "face with fewer than three corners: left out",
+            "faces with fewer than three corners: left out",
+        ),
+        (
+            repairs.duplicate_faces,
+            "face that repeats another: left out",
+            "faces that repeat others: left out",
+        ),
+        (
+            repairs.flipped_faces,
+            "face turned to agree with its neighbours",
+            "faces turned to agree with their neighbours",
+        ),
+        (
+            repairs.non_manifold_edges,
+            "edge with more than two faces: kept",
+            "edges with more than two faces: kept",
+        ),
+        (
+            repairs.non_manifold_vertices,
+            "vertex with more than one fan of faces: kept",
+            "vertices with more than one fan of faces: kept",
+        ),
+        (
+            repairs.welded_vertices,
+            "boundary vertex joined with another at its place",
+            "boundary vertices joined with others at their place",
+        ),
+        (repairs.zero_area_faces, "face without area: kept", "faces without area: kept"),
+    ];
+    lines
+        .into_iter()
+        .filter(|&(count, _, _)| count > 0)
+        .map(|(count, one, many)| format!("repaired: {count} {}", if count == 1 { one } else { many }))
+        .collect()
+}
+
+/// "1 shell", "2 shells".
+pub fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+/// One line about one of many inputs.
+pub fn one_line(input: &Path, detection: &Detection) -> String {
+    let seconds: f64 = detection.report.seconds.iter().map(|(_, seconds)| seconds).sum();
+    let outcome = match detection.symmetries.first() {
+        None => "none".to_string(),
+        Some(best) => format!(
+            "{}, mean confidence {:.2}, exact {:.0} %",
+            kind_name(best.kind),
+            best.mean_confidence,
+            100.0 * best.exact_share
+        ),
+    };
+    format!("{}: {outcome}, {seconds:.2} s\n", input.display())
+}
+
+fn kind_name(kind: SymmetryKind) -> &'static str {
+    match kind {
+        SymmetryKind::Reflection => "reflection",
+        SymmetryKind::HalfTurn => "half turn",
+    }
+}

@@ -1,0 +1,224 @@
+//! How symmetric, how isometric and how reflecting a candidate map is.
+//!
+//! Commutativity with the Laplacian alone prefers wrong maps (legs swapped and arms kept; front and
+//! back exchanged). The score adds the orientation operator (J. Ren, A. Poulenard, P. Wonka,
+//! M. Ovsjanikov, "Continuous and Orientation-preserving Correspondences via Functional Maps", 2018,
+//! section 4), the share of points that hardly move, and the disagreement with predicted parities.
+//! The formula `ln(lap + 0.003) + orientation + 3 fixed + 4 disagreement` and its weights are ours.
+
+use crate::eigenbasis::Eigenbasis;
+use crate::error::Result;
+use crate::functional_map::{Projection, commutator, mean_trace};
+use crate::laplacian::IntrinsicSurface;
+use crate::refinement::SampleRefiner;
+use crate::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
+use crate::symmetry_kind::SymmetryKind;
+use faer::Mat;
+
+/// Eigenfunctions that the orientation and disagreement terms look at.
+pub const ORIENTATION_FUNCTIONS: usize = 12;
+/// Samples that move less than this share of the embedding's radius count as fixed.
+const FIXED_RADIUS: f64 = 0.15;
+/// Orientation correlations from minus this to this say neither reflection nor half turn.
+const ORIENTED: f64 = 0.3;
+/// Candidates nearer to the identity than this (mean trace) are refused.
+const IDENTITY_TRACE: f64 = 0.85;
+
+/// The terms of the score; every field is the lower the better except `trace`, which only refuses.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Score {
+    /// Failure to commute with the Laplacian, 0 for an isometry.
+    pub commutator: f64,
+    /// Correlation of the orientation operator before and after the map: -1 reflection, +1 rotation, 0 unknown.
+    pub orientation: f64,
+    /// Share of samples that hardly move, 0..=1.
+    pub fixed: f64,
+    /// Confidence-weighted share of predicted parities that the map contradicts, 0..=1; 0 without predictions.
+    pub disagreement: f64,
+    /// Mean trace of the map: 1 for the identity.
+    pub trace: f64,
+}
+
+impl Score {
+    /// The number that ranks candidates: lower is better.
+    pub fn total(&self) -> f64 {
+        (self.commutator + 0.003).ln() + self.orientation + 3.0 * self.fixed + 4.0 * self.disagreement
+    }
+
+    /// What the orientation says the map is; `None` between the two.
+    ///
+    /// A shell that cannot be oriented gives no evidence (exactly 0) and passes as a reflection.
+    pub fn kind(&self) -> Option<SymmetryKind> {
+        match self.orientation {
+            o if o < -ORIENTED || o == 0.0 => Some(SymmetryKind::Reflection),
+            o if o > ORIENTED => Some(SymmetryKind::HalfTurn),
+            _ => None,
+        }
+    }
+
+    /// [`Score::total`] with the orientation counted as evidence for either kind.
+    pub fn total_of_kind(&self) -> f64 {
+        self.total() - self.orientation - self.orientation.abs()
+    }
+
+    /// Whether the map is too near to the identity to be a symmetry.
+    pub fn is_identity(&self) -> bool {
+        self.trace >= IDENTITY_TRACE
+    }
+}
+
+/// What scoring needs to know of a shell, prepared once.
+pub struct Scorer<'a> {
+    refiner: &'a SampleRefiner<'a>,
+    eigenvalues: &'a [f64],
+    orientation: Option<OrientationOperator>,
+    spread: Vec<[f64; SPREAD_COORDINATES]>,
+    /// Predicted parity of the first eigenfunctions, P(even) - P(odd): -1 odd .. +1 even.
+    predicted: Vec<f64>,
+}
+
+impl<'a> Scorer<'a> {
+    /// `predicted` may be empty. O(triangles + samples).
+    pub fn new(
+        surface: &IntrinsicSurface,
+        basis: &'a Eigenbasis,
+        refiner: &'a SampleRefiner<'a>,
+        predicted: Vec<f64>,
+    ) -> Scorer<'a> {
+        let orientation =
+            surface.orientable.then(|| OrientationOperator::new(surface, basis, refiner.samples));
+        let spread = spread_rows(refiner.samples, &basis.eigenvalues);
+        Scorer { refiner, eigenvalues: &basis.eigenvalues, orientation, spread, predicted }
+    }
+
+    /// Judges `map` after re-estimating it, unprojected, from the points it gives.
+    pub fn score(&self, map: &Mat<f64>) -> Result<Score> {
+        let partners = self.refiner.partners(map);
+        let free = self.refiner.estimate(&partners, map.nrows(), Projection::None)?;
+        let orientation =
+            self.orientation.as_ref().map_or(0.0, |operator| operator.correlation(&free, &partners));
+        Ok(Score {
+            commutator: commutator(&free, self.eigenvalues),
+            orientation,
+            fixed: self.fixed_share(&partners),
+            disagreement: self.disagreement(&free),
+            trace: mean_trace(map),
+        })
+    }
+
+    fn fixed_share(&self, partners: &[u32]) -> f64 {
+        let moved = |i: usize| {
+            let (from, to) = (&self.spread[i], &self.spread[partners[i] as usize]);
+            from.iter().zip(to).map(|(a, b)| (a - b).powi(2)).sum::<f64>()
+        };
+        let fixed = (0..partners.len()).filter(|&i| moved(i) < FIXED_RADIUS * FIXED_RADIUS).count();
+        fixed as f64 / partners.len() as f64
+    }
+
+    fn disagreement(&self, map: &Mat<f64>) -> f64 {
+        let total: f64 = self.predicted.iter().map(|sign| sign.abs()).sum();
+        if total == 0.0 {
+            return 0.0;
+        }
+        let against = |(i, sign): (usize, &f64)| sign.abs() - sign * map[(i, i)].clamp(-1.0, 1.0);
+        self.predicted.iter().enumerate().map(against).sum::<f64>() / (2.0 * total)
+    }
+}
+
+/// `n . (grad phi_a x grad phi_b)` at each sample, for all pairs a < b of the first eigenfunctions.
+///
+/// The area-weighted mean over the triangles of a vertex needs only differences of function values:
+/// the areas cancel. It changes sign with the orientation of the triangles and of the map alike.
+struct OrientationOperator {
+    functions: usize,
+    /// Per sample the strict upper triangle, row by row.
+    values: Vec<Vec<f64>>,
+}
+
+impl OrientationOperator {
+    fn new(surface: &IntrinsicSurface, basis: &Eigenbasis, samples: &Samples) -> OrientationOperator {
+        let functions = basis.count().min(ORIENTATION_FUNCTIONS);
+        let pairs = functions * functions.saturating_sub(1) / 2;
+        let mut sample_of_vertex = vec![u32::MAX; surface.vertex_count()];
+        for (sample, &vertex) in samples.vertices.iter().enumerate() {
+            sample_of_vertex[vertex as usize] = sample as u32;
+        }
+        let mut values = vec![vec![0.0; pairs]; samples.len()];
+        let mut areas = vec![0.0; samples.len()];
+        for (triangle, lengths) in surface.triangles.iter().zip(&surface.edge_lengths) {
+            for &vertex in triangle {
+                let sample = sample_of_vertex[vertex as usize] as usize;
+                if sample < samples.len() {
+                    areas[sample] += crate::laplacian::triangle_area(*lengths);
+                    add_wedges(&mut values[sample], basis, triangle, functions);
+                }
+            }
+        }
+        for (row, area) in values.iter_mut().zip(&areas) {
+            row.iter_mut().for_each(|value| *value /= area.max(f64::MIN_POSITIVE));
+        }
+        OrientationOperator { functions, values }
+    }
+
+    /// Correlation of the pulled-back functions' operator at x with the operator at the image of x.
+    fn correlation(&self, map: &Mat<f64>, partners: &[u32]) -> f64 {
+        let functions = self.functions.min(map.nrows());
+        let pulled: Vec<Vec<f64>> =
+            self.values.iter().map(|row| self.pull_back(row, map, functions)).collect();
+        let mut sums = vec![0.0; self.values.first().map_or(0, Vec::len)];
+        for partner in partners {
+            for (sum, value) in sums.iter_mut().zip(&self.values[*partner as usize]) {
+                *sum += value * value;
+            }
+        }
+        let (mut cross, mut own, mut other) = (0.0, 0.0, 1e-20);
+        for (row, partner) in pulled.iter().zip(partners) {
+            for ((value, there), sum) in row.iter().zip(&self.values[*partner as usize]).zip(&sums) {
+                let weight = 1.0 / (sum / partners.len() as f64 + 1e-12);
+                cross += weight * value * there;
+                own += weight * value * value;
+                other += weight * there * there;
+            }
+        }
+        cross / (own * other).sqrt().max(1e-20)
+    }
+
+    /// The operator of the functions `phi C`: C^T J C, strict upper triangle.
+    fn pull_back(&self, row: &[f64], map: &Mat<f64>, functions: usize) -> Vec<f64> {
+        let full = Mat::from_fn(functions, functions, |a, b| match a.cmp(&b) {
+            std::cmp::Ordering::Less => row[pair_index(a, b, self.functions)],
+            std::cmp::Ordering::Equal => 0.0,
+            std::cmp::Ordering::Greater => -row[pair_index(b, a, self.functions)],
+        });
+        let block = map.as_ref().submatrix(0, 0, functions, functions);
+        let half = crate::dense::product(full.as_ref(), block);
+        let whole = crate::dense::product(block.transpose(), half.as_ref());
+        let mut out = vec![0.0; row.len()];
+        for a in 0..functions {
+            for b in a + 1..functions {
+                out[pair_index(a, b, self.functions)] = whole[(a, b)];
+            }
+        }
+        out
+    }
+}
+
+/// Place of the pair a < b in the strict upper triangle, row by row.
+fn pair_index(a: usize, b: usize, functions: usize) -> usize {
+    a * functions - a * (a + 1) / 2 + b - a - 1
+}
+
+fn add_wedges(row: &mut [f64], basis: &Eigenbasis, triangle: &[u32; 3], functions: usize) {
+    let value = |corner: usize, j: usize| basis.eigenfunctions[(triangle[corner] as usize, j)];
+    let first: [f64; ORIENTATION_FUNCTIONS] =
+        std::array::from_fn(|j| if j < functions { value(1, j) - value(0, j) } else { 0.0 });
+    let second: [f64; ORIENTATION_FUNCTIONS] =
+        std::array::from_fn(|j| if j < functions { value(2, j) - value(0, j) } else { 0.0 });
+    let mut pair = 0;
+    for a in 0..functions {
+        for b in a + 1..functions {
+            row[pair] += 0.5 * (first[a] * second[b] - first[b] * second[a]);
+            pair += 1;
+        }
+    }
+}

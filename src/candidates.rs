@@ -1,0 +1,187 @@
+//! Candidate maps: proposed by parity, refined on few samples, scored, ranked, thinned to distinct ones.
+
+use crate::candidate_score::{Score, Scorer};
+use crate::eigenbasis::Eigenbasis;
+use crate::error::Result;
+use crate::functional_map::{Projection, from_parity, mean_trace};
+use crate::laplacian::IntrinsicSurface;
+use crate::parity_search::search;
+use crate::progress::Progress;
+use crate::refinement::SampleRefiner;
+use crate::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
+use crate::sign_network::SignPrediction;
+use faer::Mat;
+
+/// Samples on which candidates are refined and scored.
+const CANDIDATE_SAMPLES: usize = 500;
+/// Size of the candidates' functional maps.
+const CANDIDATE_SIZE: usize = 30;
+/// Length of the starts, and how many of the best of each length are tried.
+const PROPOSALS: [(usize, usize); 2] = [(6, 8), (8, 6)];
+/// The same for a second, wider round, which runs only if the first found nothing convincing.
+const WIDE_PROPOSALS: [(usize, usize); 4] = [(4, 10), (6, 24), (8, 24), (11, 16)];
+/// The second round's beam is this many times wider.
+const WIDER: usize = 4;
+/// Lengths of the network's starts, and how many of the most likely of each are tried.
+const NETWORK_PROPOSALS: [(usize, usize); 3] = [(12, 8), (8, 8), (6, 4)];
+/// Least certain signs that are flipped.
+const FLIPPED: usize = 5;
+/// Margins above this say no more.
+const LARGEST_MARGIN: f64 = 2.0;
+/// A candidate that scores below this ends the search.
+const CONVINCING: f64 = -4.2;
+/// Mean distance, in radii of the embedding, from which two maps count as different symmetries.
+const DISTINCT: f64 = 0.25;
+
+/// A refined and scored map.
+#[derive(Debug, Clone)]
+pub struct Candidate {
+    /// Functional map of size up to 30.
+    pub map: Mat<f64>,
+    /// Image (an index into the samples) of each of the first samples.
+    pub partners: Vec<u32>,
+    /// Its score.
+    pub score: Score,
+    /// How much worse the next distinct candidate scores, 0..=2: 0 where two maps are equally good.
+    pub margin: f64,
+    /// The signs (or mixed pairs) of the first eigenfunctions that started it.
+    pub start: Mat<f64>,
+}
+
+/// Refines all proposals and returns those that are no identity, best first.
+///
+/// `signs` says which of the first eigenfunctions are even or odd; empty without a network.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn find(
+    surface: &IntrinsicSurface,
+    basis: &Eigenbasis,
+    samples: &Samples,
+    signs: &[SignPrediction],
+    beam_width: usize,
+    progress: &Progress,
+) -> Result<Vec<Candidate>> {
+    let samples = samples.prefix(CANDIDATE_SAMPLES);
+    let refiner = SampleRefiner::new(&samples);
+    let expected = signs.iter().map(|sign| f64::from(sign.even - sign.odd)).collect();
+    let scorer = Scorer::new(surface, basis, &refiner, expected);
+    let mut candidates = Vec::new();
+    for (round, (proposals, width)) in
+        [(&PROPOSALS[..], beam_width), (&WIDE_PROPOSALS[..], WIDER * beam_width)].into_iter().enumerate()
+    {
+        let mut starts = propose(&samples, &basis.eigenvalues, proposals, width);
+        if round == 0 {
+            starts.extend(propose_signs(signs));
+        }
+        for (done, start) in starts.iter().enumerate() {
+            progress
+                .report("candidates", 0.45 + 0.15 * (round as f64 + done as f64 / starts.len() as f64))?;
+            candidates.extend(try_start(&refiner, &scorer, start)?);
+        }
+        if candidates.iter().any(|candidate: &Candidate| candidate.score.total() < CONVINCING) {
+            break;
+        }
+    }
+    candidates.sort_by(|a, b| a.score.total().total_cmp(&b.score.total()));
+    Ok(candidates)
+}
+
+/// Refines and scores a start; `None` if it ends near the identity.
+fn try_start(refiner: &SampleRefiner, scorer: &Scorer, start: &Mat<f64>) -> Result<Option<Candidate>> {
+    let map = refine(refiner, start)?;
+    let score = scorer.score(&map)?;
+    let partners = refiner.partners(&map);
+    Ok((!score.is_identity()).then(|| Candidate {
+        map,
+        partners,
+        score,
+        margin: LARGEST_MARGIN,
+        start: start.clone(),
+    }))
+}
+
+fn propose(
+    samples: &Samples,
+    eigenvalues: &[f64],
+    wanted: &[(usize, usize)],
+    beam_width: usize,
+) -> Vec<Mat<f64>> {
+    // A small mesh has fewer eigenfunctions than the shortest proposal.
+    let lengths: Vec<usize> = wanted.iter().map(|(length, _)| (*length).min(samples.rows.ncols())).collect();
+    let found = search(samples, eigenvalues, &lengths, beam_width);
+    let mut proposals = Vec::new();
+    for (starts, &(_, most)) in found.into_iter().zip(wanted) {
+        proposals.extend(starts.into_iter().filter(|start| mean_trace(start) < 1.0).take(most));
+    }
+    proposals
+}
+
+/// The network's signs, and those with the least certain of them flipped, most likely first.
+fn propose_signs(signs: &[SignPrediction]) -> Vec<Mat<f64>> {
+    let logits: Vec<f64> = signs.iter().map(|sign| f64::from(sign.logit)).collect();
+    let mut starts = Vec::new();
+    for (length, most) in NETWORK_PROPOSALS.into_iter().filter(|(length, _)| *length <= logits.len()) {
+        let mut order: Vec<usize> = (0..length).collect();
+        order.sort_by(|&a, &b| logits[a].abs().total_cmp(&logits[b].abs()));
+        order.truncate(FLIPPED);
+        let cost = |flips: &usize| -> f64 {
+            (0..order.len()).filter(|bit| flips >> bit & 1 == 1).map(|bit| logits[order[bit]].abs()).sum()
+        };
+        let mut flip_sets: Vec<usize> = (0..1 << order.len()).collect();
+        flip_sets.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
+        for flips in flip_sets.into_iter().take(most) {
+            let mut parity: Vec<i8> =
+                logits[..length].iter().map(|l| if *l < 0.0 { -1 } else { 1 }).collect();
+            for (_, &index) in order.iter().enumerate().filter(|(bit, _)| flips >> bit & 1 == 1) {
+                parity[index] = -parity[index];
+            }
+            if parity.contains(&-1) {
+                starts.push(from_parity(&parity));
+            }
+        }
+    }
+    starts
+}
+
+/// ICP at the start's length, then ZoomOut to the candidates' size.
+fn refine(refiner: &SampleRefiner, start: &Mat<f64>) -> Result<Mat<f64>> {
+    let length = start.nrows();
+    let (rounds, step) = if length >= 8 { (5, 3) } else { (2, 2) };
+    let map = refiner.refine(start.clone(), &vec![length; rounds], Projection::Orthogonal)?;
+    let sizes: Vec<usize> = (length + step..=CANDIDATE_SIZE).step_by(step).collect();
+    refiner.refine(map, &sizes, Projection::Involution)
+}
+
+/// Keeps the best of each group of near-equal maps, at most `most`, and sets their margins.
+pub fn distinct(
+    candidates: Vec<Candidate>,
+    samples: &Samples,
+    eigenvalues: &[f64],
+    most: usize,
+) -> Vec<Candidate> {
+    let rows = spread_rows(&samples.prefix(CANDIDATE_SAMPLES), eigenvalues);
+    let mut kept: Vec<Candidate> = Vec::new();
+    for candidate in candidates {
+        if kept.len() > most {
+            break;
+        }
+        if kept.iter().all(|other| mean_distance(&rows, &candidate.partners, &other.partners) > DISTINCT) {
+            kept.push(candidate);
+        }
+    }
+    for index in 1..kept.len() {
+        let difference = kept[index].score.total() - kept[index - 1].score.total();
+        kept[index - 1].margin = difference.min(LARGEST_MARGIN);
+    }
+    kept.truncate(most);
+    kept
+}
+
+fn mean_distance(rows: &[[f64; SPREAD_COORDINATES]], first: &[u32], second: &[u32]) -> f64 {
+    let distance = |a: u32, b: u32| {
+        let (p, q) = (&rows[a as usize], &rows[b as usize]);
+        p.iter().zip(q).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt()
+    };
+    first.iter().zip(second).map(|(&a, &b)| distance(a, b)).sum::<f64>() / first.len() as f64
+}

@@ -1,0 +1,118 @@
+//! The caller's memory: checked where it can be checked, copied, and written last.
+
+use super::status::{
+    Fault, ISYM_ERROR_ALIGNMENT, ISYM_ERROR_LENGTH, ISYM_ERROR_NULL, ISYM_ERROR_TEXT, Result,
+};
+use std::ffi::{CStr, c_char};
+
+/// Refuses a NULL, a pointer that is not aligned, and a length that no array can have.
+fn check<T>(pointer: *const T, length: usize, name: &str) -> Result {
+    if pointer.is_null() {
+        return Err(Fault::new(ISYM_ERROR_NULL, format!("{name} is NULL")));
+    }
+    if !pointer.is_aligned() {
+        let needed = align_of::<T>();
+        return Err(Fault::new(ISYM_ERROR_ALIGNMENT, format!("{name} is not aligned to {needed} bytes")));
+    }
+    if length.checked_mul(size_of::<T>()).is_none_or(|bytes| bytes > isize::MAX as usize) {
+        return Err(Fault::new(ISYM_ERROR_LENGTH, format!("{name}: no array has {length} elements")));
+    }
+    Ok(())
+}
+
+/// A copy of the caller's array.
+///
+/// # Safety
+/// `length` elements can be read at `pointer`, unless it is NULL or not aligned, which is refused.
+pub unsafe fn array<T: Copy>(pointer: *const T, length: usize, name: &str) -> Result<Vec<T>> {
+    check(pointer, length, name)?;
+    // SAFETY: not NULL, aligned, of a possible size; readable by this function's own condition.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, length) }.to_vec())
+}
+
+/// A copy of the caller's text.
+///
+/// # Safety
+/// `pointer` is NULL or points to a text that ends in a NUL.
+pub unsafe fn text(pointer: *const c_char, name: &str) -> Result<String> {
+    check(pointer, 1, name)?;
+    // SAFETY: not NULL; the text ends by this function's own condition.
+    let text = unsafe { CStr::from_ptr(pointer) };
+    let text = text.to_str().map_err(|_| Fault::new(ISYM_ERROR_TEXT, format!("{name} is not UTF-8")))?;
+    Ok(text.to_string())
+}
+
+/// An array of the caller's that will be written, whole and last.
+pub struct Output<T> {
+    pointer: *mut T,
+    length: usize,
+    name: &'static str,
+}
+
+impl<T: Copy> Output<T> {
+    /// # Safety
+    /// `length` elements can be written at `pointer` until the call returns, unless it is NULL or not
+    /// aligned, which is refused.
+    pub unsafe fn new(pointer: *mut T, length: usize, name: &'static str) -> Result<Output<T>> {
+        check(pointer, length, name)?;
+        Ok(Output { pointer, length, name })
+    }
+
+    /// Refuses an output of another length than `needed`.
+    pub fn expect(self, needed: usize) -> Result<Output<T>> {
+        expect(self.length, needed, self.name)?;
+        Ok(self)
+    }
+
+    /// Writes all elements. It may be memory that was also an input.
+    ///
+    /// # Panics
+    /// If there are more or fewer values than elements.
+    pub fn write(self, values: &[T]) {
+        assert_eq!(values.len(), self.length);
+        // SAFETY: writable for `length` elements by the condition of `new`; `values` is memory of ours.
+        unsafe { std::ptr::copy_nonoverlapping(values.as_ptr(), self.pointer, self.length) }
+    }
+}
+
+/// Refuses a length other than `needed`.
+pub fn expect(found: usize, needed: usize, name: &str) -> Result {
+    if found == needed {
+        return Ok(());
+    }
+    Err(Fault::new(ISYM_ERROR_LENGTH, format!("{name} has {found} elements, {needed} are needed")))
+}
+
+/// `a * b`, or a fault: a length that no array has.
+pub fn product(a: usize, b: usize) -> Result<usize> {
+    a.checked_mul(b).ok_or_else(|| Fault::new(ISYM_ERROR_LENGTH, format!("no array has {a} x {b} elements")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn null_unaligned_and_impossible_arrays_are_refused() {
+        let values = [1.0f64, 2.0];
+        let read = |pointer: *const f64, length| {
+            // SAFETY: what is not refused is `values`.
+            unsafe { array(pointer, length, "positions") }.map_err(|fault| fault.status)
+        };
+        assert_eq!(read(values.as_ptr(), 2), Ok(values.to_vec()));
+        assert_eq!(read(std::ptr::null(), 2), Err(ISYM_ERROR_NULL));
+        assert_eq!(read(values.as_ptr().wrapping_byte_add(1), 1), Err(ISYM_ERROR_ALIGNMENT));
+        assert_eq!(read(values.as_ptr(), usize::MAX), Err(ISYM_ERROR_LENGTH));
+        assert_eq!(product(usize::MAX, 3).unwrap_err().status, ISYM_ERROR_LENGTH);
+    }
+
+    #[test]
+    fn an_output_of_another_length_is_refused_and_untouched() {
+        let mut values = [7u32; 3];
+        // SAFETY: three elements.
+        let output = unsafe { Output::new(values.as_mut_ptr(), 3, "partner") }.unwrap();
+        let fault = output.expect(4).map(|_| ()).unwrap_err();
+        assert_eq!(fault.message, "partner has 3 elements, 4 are needed");
+        assert_eq!(values, [7; 3]);
+    }
+}

@@ -1,0 +1,201 @@
+//! The last refinement, on all vertices: ZoomOut whose targets are points inside triangles.
+//!
+//! Vertex targets limit the map to the sampling of the mesh; the nearest point inside a triangle of
+//! the embedded mesh does not (D. Ezuz, M. Ben-Chen, "Deblurring and Denoising of Maps between
+//! Shapes", 2017, section 4.2). All vertices with their masses replace the samples of `refinement`.
+
+use crate::dense::product;
+use crate::eigenbasis::Eigenbasis;
+use crate::error::Result;
+use crate::functional_map::{Projection, project};
+use crate::laplacian::IntrinsicSurface;
+use crate::mesh_descent::{MeshDescent, VertexRows};
+use crate::progress::Progress;
+use faer::Mat;
+
+/// A point inside a triangle of a shell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrianglePoint {
+    /// Index of the triangle.
+    pub triangle: u32,
+    /// Weights of its corners, each in 0..=1, summing to 1.
+    pub barycentric: [f32; 3],
+}
+
+/// A shell with what matching on all its vertices needs.
+pub struct MatchTarget<'a> {
+    /// The surface.
+    pub surface: &'a IntrinsicSurface,
+    /// Its eigenbasis.
+    pub basis: &'a Eigenbasis,
+    triangle_offsets: Vec<u32>,
+    triangles_of_vertex: Vec<u32>,
+}
+
+/// Images of all vertices of a source shell on a target shell.
+#[derive(Debug, Clone)]
+pub struct VertexImages {
+    /// Nearest target vertex.
+    pub partners: Vec<u32>,
+    /// Nearest point of the target.
+    pub points: Vec<TrianglePoint>,
+    /// Distance in the embedding between the image under the map and `points`.
+    pub residuals: Vec<f32>,
+}
+
+impl<'a> MatchTarget<'a> {
+    /// O(triangles).
+    pub fn new(surface: &'a IntrinsicSurface, basis: &'a Eigenbasis) -> Self {
+        let mut triangle_offsets = vec![0u32; surface.vertex_count() + 1];
+        for vertex in surface.triangles.iter().flatten() {
+            triangle_offsets[*vertex as usize + 1] += 1;
+        }
+        for i in 0..surface.vertex_count() {
+            triangle_offsets[i + 1] += triangle_offsets[i];
+        }
+        let mut next = triangle_offsets.clone();
+        let mut triangles_of_vertex = vec![0; 3 * surface.triangles.len()];
+        for (index, triangle) in surface.triangles.iter().enumerate() {
+            for &vertex in triangle {
+                triangles_of_vertex[next[vertex as usize] as usize] = index as u32;
+                next[vertex as usize] += 1;
+            }
+        }
+        MatchTarget { surface, basis, triangle_offsets, triangles_of_vertex }
+    }
+
+    fn triangles_of(&self, vertex: u32) -> &[u32] {
+        let start = self.triangle_offsets[vertex as usize] as usize;
+        &self.triangles_of_vertex[start..self.triangle_offsets[vertex as usize + 1] as usize]
+    }
+
+    /// The images of all vertices of `source` under `map` (source size x target size).
+    ///
+    /// `seeds` are pairs (source vertex, target vertex) near the truth, at least one per connected part.
+    pub fn images(&self, source: &MatchTarget, map: &Mat<f64>, seeds: &[(u32, u32)]) -> VertexImages {
+        let functions = source.basis.eigenfunctions.subcols(0, map.nrows());
+        let mapped = product(functions, map.as_ref());
+        let queries = VertexRows::new(mapped.as_ref(), map.ncols());
+        let targets = VertexRows::new(self.basis.eigenfunctions.as_ref(), map.ncols());
+        let descent = MeshDescent { graph: &self.surface.stiffness, queries: &queries, targets: &targets };
+        let partners = descent.run(&source.surface.stiffness, seeds, 2);
+        let mut points = Vec::with_capacity(partners.len());
+        let mut residuals = Vec::with_capacity(partners.len());
+        for (vertex, &partner) in partners.iter().enumerate() {
+            let (point, squared) = self.nearest_point(queries.row(vertex), &targets, partner);
+            points.push(point);
+            residuals.push(squared.max(0.0).sqrt());
+        }
+        VertexImages { partners, points, residuals }
+    }
+
+    /// Nearest point among the triangles around `start`, walking on while it improves.
+    fn nearest_point(&self, query: &[f32], targets: &VertexRows, start: u32) -> (TrianglePoint, f32) {
+        let mut best = (TrianglePoint { triangle: 0, barycentric: [1.0, 0.0, 0.0] }, f32::MAX);
+        let mut visited = start;
+        for _ in 0..3 {
+            for &triangle in self.triangles_of(visited) {
+                let corners = self.surface.triangles[triangle as usize].map(|c| targets.row(c as usize));
+                let (barycentric, squared) = nearest_in_triangle(query, corners);
+                if squared < best.1 {
+                    best = (TrianglePoint { triangle, barycentric }, squared);
+                }
+            }
+            let heaviest = self.heaviest_corner(&best.0);
+            if heaviest == visited {
+                break;
+            }
+            visited = heaviest;
+        }
+        best
+    }
+
+    /// The corner of `point`'s triangle with the largest weight.
+    pub fn heaviest_corner(&self, point: &TrianglePoint) -> u32 {
+        let weights = point.barycentric;
+        let corner = (0..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best });
+        self.surface.triangles[point.triangle as usize][corner]
+    }
+}
+
+/// Nearest point of a triangle in any dimension: C. Ericson, "Real-Time Collision Detection", 2005, 5.1.5.
+fn nearest_in_triangle(query: &[f32], [a, b, c]: [&[f32]; 3]) -> ([f32; 3], f32) {
+    let (mut d1, mut d2, mut e11, mut e12, mut e22, mut own) = (0f32, 0f32, 0f32, 0f32, 0f32, 0f32);
+    for i in 0..query.len() {
+        let (u, v, w) = (b[i] - a[i], c[i] - a[i], query[i] - a[i]);
+        d1 += u * w;
+        d2 += v * w;
+        e11 += u * u;
+        e12 += u * v;
+        e22 += v * v;
+        own += w * w;
+    }
+    let squared =
+        |s: f32, t: f32| own - 2.0 * (s * d1 + t * d2) + s * s * e11 + 2.0 * s * t * e12 + t * t * e22;
+    let determinant = e11 * e22 - e12 * e12;
+    if determinant > 1e-12 * e11 * e22 {
+        let (s, t) = ((e22 * d1 - e12 * d2) / determinant, (e11 * d2 - e12 * d1) / determinant);
+        if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
+            return (weights(s, t), squared(s, t));
+        }
+    }
+    let ratio = |above: f32, below: f32| if below > 0.0 { (above / below).clamp(0.0, 1.0) } else { 0.0 };
+    let along_b = ratio(d1, e11);
+    let along_c = ratio(d2, e22);
+    let across = ratio(d2 - d1 + e11 - e12, e11 - 2.0 * e12 + e22);
+    let edges = [(along_b, 0.0), (0.0, along_c), (1.0 - across, across)];
+    let (s, t) =
+        edges.into_iter().min_by(|x, y| squared(x.0, x.1).total_cmp(&squared(y.0, y.1))).expect("three");
+    (weights(s, t), squared(s, t))
+}
+
+/// Barycentric weights of `a + s (b - a) + t (c - a)`; rounding makes none of them negative.
+fn weights(s: f32, t: f32) -> [f32; 3] {
+    [(1.0 - s - t).max(0.0), s, t]
+}
+
+/// Refines `map` (square, an involution) on all vertices of one shell through growing `sizes`.
+///
+/// Returns the last map and the images under it. O(vertices x size^2) a step.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn refine(
+    shell: &MatchTarget,
+    mut map: Mat<f64>,
+    seeds: &[(u32, u32)],
+    sizes: &[usize],
+    progress: &Progress,
+) -> Result<(Mat<f64>, VertexImages)> {
+    let mut images = shell.images(shell, &map, seeds);
+    for (step, &size) in sizes.iter().enumerate() {
+        progress.report("refining on all vertices", 0.75 + 0.2 * step as f64 / sizes.len() as f64)?;
+        let size = size.min(shell.basis.count());
+        map = project(estimate(shell, shell, &images.points, size, size), Projection::Involution)?;
+        let seeds: Vec<(u32, u32)> =
+            images.partners.iter().enumerate().map(|(i, p)| (i as u32, *p)).collect();
+        images = shell.images(shell, &map, &seeds);
+    }
+    Ok((map, images))
+}
+
+/// `source^T mass (target at points)`: the least-squares map, since the source basis is orthonormal.
+pub fn estimate(
+    source: &MatchTarget,
+    target: &MatchTarget,
+    points: &[TrianglePoint],
+    source_size: usize,
+    target_size: usize,
+) -> Mat<f64> {
+    let functions = &target.basis.eigenfunctions;
+    let mut pulled = Mat::<f64>::zeros(points.len(), target_size);
+    for j in 0..target_size {
+        let column = functions.col_as_slice(j);
+        for (i, value) in pulled.col_as_slice_mut(j).iter_mut().enumerate() {
+            let corners = target.surface.triangles[points[i].triangle as usize];
+            let weighted = |c: usize| f64::from(points[i].barycentric[c]) * column[corners[c] as usize];
+            *value = (weighted(0) + weighted(1) + weighted(2)) * source.surface.lumped_mass[i];
+        }
+    }
+    product(source.basis.eigenfunctions.subcols(0, source_size).transpose(), pulled.as_ref())
+}

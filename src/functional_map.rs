@@ -1,0 +1,89 @@
+//! A functional map: the matrix C with `phi(image of x) = phi(x) C`, row vectors of eigenfunctions.
+//!
+//! M. Ovsjanikov, M. Ben-Chen, J. Solomon, A. Butscher, L. Guibas, "Functional Maps: A Flexible
+//! Representation of Maps Between Shapes", 2012. A reflection is its own inverse, so its C is
+//! symmetric and orthogonal; projecting to the nearest such matrix is ours (measured in
+//! `docs/method.md`).
+
+use crate::dense::{cholesky_solve, gram_cholesky, product, symmetric_eigen};
+use crate::error::{Error, Result};
+use faer::{Mat, MatRef};
+
+/// What C is projected to after it was estimated from points.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Projection {
+    /// The nearest orthogonal matrix: right for any isometry.
+    Orthogonal,
+    /// The nearest symmetric orthogonal matrix: right for a map that is its own inverse.
+    Involution,
+    /// None: the least-squares estimate itself.
+    None,
+}
+
+/// The diagonal map of a parity vector.
+pub fn from_parity(parity: &[i8]) -> Mat<f64> {
+    Mat::from_fn(parity.len(), parity.len(), |i, j| if i == j { f64::from(parity[i]) } else { 0.0 })
+}
+
+/// Least-squares C of size `size` with `rows C = rows[partner]`, then projected.
+///
+/// `rows` is samples x at least `size`; `gram` is `rows^T rows` (at least `size` x `size`).
+pub fn estimate(
+    rows: MatRef<f64>,
+    gram: MatRef<f64>,
+    partner: &[u32],
+    size: usize,
+    projection: Projection,
+) -> Result<Mat<f64>> {
+    let source = rows.subcols(0, size);
+    let images = Mat::from_fn(rows.nrows(), size, |i, j| rows[(partner[i] as usize, j)]);
+    let mut map = product(source.transpose(), images.as_ref());
+    let lower = gram_cholesky(gram.submatrix(0, 0, size, size))?;
+    cholesky_solve(lower.as_ref(), map.as_mut());
+    project(map, projection)
+}
+
+/// Applies a projection.
+pub fn project(map: Mat<f64>, projection: Projection) -> Result<Mat<f64>> {
+    match projection {
+        Projection::None => Ok(map),
+        Projection::Orthogonal => nearest_orthogonal(&map),
+        Projection::Involution => nearest_involution(&map),
+    }
+}
+
+/// The orthogonal matrix nearest to `map` in the Frobenius norm (the polar factor).
+pub fn nearest_orthogonal(map: &Mat<f64>) -> Result<Mat<f64>> {
+    let svd = map.thin_svd().map_err(|error| Error::Internal(format!("singular values: {error:?}")))?;
+    Ok(product(svd.U(), svd.V().transpose()))
+}
+
+/// The symmetric orthogonal matrix nearest to `map`: eigenvalues of its symmetric part go to +-1.
+pub fn nearest_involution(map: &Mat<f64>) -> Result<Mat<f64>> {
+    let size = map.nrows();
+    let symmetric = Mat::from_fn(size, size, |i, j| 0.5 * (map[(i, j)] + map[(j, i)]));
+    let (values, vectors) = symmetric_eigen(symmetric.as_ref())?;
+    let signed =
+        Mat::from_fn(size, size, |i, j| if values[j] < 0.0 { -vectors[(i, j)] } else { vectors[(i, j)] });
+    Ok(product(signed.as_ref(), vectors.transpose()))
+}
+
+/// How far the map is from commuting with the Laplacian: `|C L - L C|^2 / (size mean(eigenvalue^2))`.
+///
+/// 0 for an isometry.
+pub fn commutator(map: &Mat<f64>, eigenvalues: &[f64]) -> f64 {
+    let size = map.nrows();
+    let squares: f64 = eigenvalues[..size].iter().map(|value| value * value).sum();
+    let mut total = 0.0;
+    for j in 0..size {
+        for i in 0..size {
+            total += (map[(i, j)] * (eigenvalues[j] - eigenvalues[i])).powi(2);
+        }
+    }
+    total / squares.max(f64::MIN_POSITIVE)
+}
+
+/// Trace over size: 1 for the identity, about 0 for a reflection.
+pub fn mean_trace(map: &Mat<f64>) -> f64 {
+    (0..map.nrows()).map(|i| map[(i, i)]).sum::<f64>() / map.nrows() as f64
+}

@@ -1,0 +1,59 @@
+//! Intrinsic reflectional symmetry of a surface mesh.
+//!
+//! The modules read in pipeline order; data flows one way and each file imports only from the
+//! files above it:
+//!
+//! | stage | module |
+//! |---|---|
+//! | shared vocabulary | [`error`], [`options`], [`limits`], [`progress`], [`atomic_file`], [`symmetry_kind`] |
+//! | any mesh file -> validated triangle mesh | [`mesh`] |
+//! | one shell -> stiffness, lumped mass | [`laplacian`] |
+//! | operators -> eigenvalues, eigenfunctions | [`eigenbasis`], [`sampling`] |
+//! | eigenfunctions -> parity of each, with its probability | [`sign_network`] |
+//! | eigenfunctions -> parity vectors | [`parity_search`] |
+//! | parity -> functional map, refined and scored | [`functional_map`], [`refinement`], [`candidate_score`], [`candidates`] |
+//! | functional map -> map of all vertices | [`mesh_descent`], [`full_refinement`] |
+//! | all spectral stages of one shell | [`shell_symmetry`] |
+//! | other shells, confidence, sides | [`companions`], [`confidence`], [`fixed_curve`] |
+//! | connectivity that is itself mirrored -> the exact bijection | [`automorphism`] |
+//! | what the caller gets | [`correspondence`], [`assembly`], [`pipeline`], [`report`] |
+//! | a symmetry -> mirrored selections, attributes, displacements, positions | [`mirror_tools`] |
+//! | a symmetry -> colours that make pairs visible, a picture | [`pair_colour`], `picture` |
+//! | all of it for C | [`ffi`] |
+#![deny(unsafe_code)]
+
+pub mod assembly;
+pub mod atomic_file;
+pub mod automorphism;
+pub mod candidate_score;
+pub mod candidates;
+pub mod companions;
+pub mod confidence;
+pub mod correspondence;
+pub mod dense;
+pub mod eigenbasis;
+pub mod error;
+pub mod ffi;
+pub mod fixed_curve;
+pub mod full_refinement;
+pub mod functional_map;
+pub mod laplacian;
+pub mod limits;
+pub mod mesh;
+pub mod mesh_descent;
+pub mod mirror_tools;
+pub mod options;
+pub mod pair_colour;
+pub mod parity_search;
+#[cfg(feature = "cli")]
+pub mod picture;
+pub mod pipeline;
+pub mod progress;
+pub mod refinement;
+pub mod report;
+pub mod sampling;
+pub mod shell_symmetry;
+pub mod sign_network;
+pub mod symmetry_kind;
+
+pub use error::{Error, Result};

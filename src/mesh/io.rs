@@ -1,0 +1,219 @@
+//! Mesh files: PLY, OBJ, OFF and STL in, PLY with result attributes and plain maps out.
+//!
+//! Counts in headers are never trusted: what is allocated is bounded by the size of the file, and the
+//! limits are checked first.
+
+mod obj;
+mod off;
+mod ply;
+mod scanner;
+mod stl;
+
+use super::PolygonMesh;
+use crate::atomic_file::write_atomically;
+use crate::error::{Error, Result};
+use crate::limits::Limits;
+use ply::PlyFile;
+use scanner::Fault;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+/// The file formats that are read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Format {
+    /// Stanford polygons, ascii or binary.
+    Ply,
+    /// Wavefront.
+    Obj,
+    /// Geomview's object file.
+    Off,
+    /// Stereolithography, ascii or binary; corners at one position become one vertex.
+    Stl,
+}
+
+impl Format {
+    /// The name as users know it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Format::Ply => "PLY",
+            Format::Obj => "OBJ",
+            Format::Off => "OFF",
+            Format::Stl => "STL",
+        }
+    }
+
+    fn of_extension(path: &Path) -> Option<Format> {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+            "ply" => Some(Format::Ply),
+            "obj" => Some(Format::Obj),
+            "off" => Some(Format::Off),
+            "stl" => Some(Format::Stl),
+            _ => None,
+        }
+    }
+
+    /// The format that the first bytes prove; OBJ has no mark of its own.
+    fn of_content(bytes: &[u8]) -> Option<Format> {
+        if ply::is_ply(bytes) {
+            Some(Format::Ply)
+        } else if off::is_off(bytes) {
+            Some(Format::Off)
+        } else if stl::is_stl(bytes) {
+            Some(Format::Stl)
+        } else {
+            None
+        }
+    }
+}
+
+/// What a file holds, not yet validated, and what is needed to write its own attributes back.
+#[derive(Debug, Clone)]
+pub struct MeshFile {
+    /// Vertices and faces in the file's order and numbering.
+    pub polygons: PolygonMesh,
+    /// The format by content.
+    pub format: Format,
+    /// What the reader did that a user may want to know, as sentences.
+    pub notes: Vec<String>,
+    ply: Option<PlyFile>,
+}
+
+impl MeshFile {
+    fn new(polygons: PolygonMesh, format: Format, notes: Vec<String>) -> MeshFile {
+        MeshFile { polygons, format, notes, ply: None }
+    }
+
+    /// Whether the file has vertex colours of its own (PLY only; other formats' are not read).
+    pub fn has_vertex_colours(&self) -> bool {
+        self.ply.as_ref().is_some_and(|ply| ply.has_vertex_property("red"))
+    }
+}
+
+/// Per-vertex results to write. One value per vertex of the file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VertexAttribute {
+    /// Name of the property; colours are always `red`, `green`, `blue`.
+    pub name: String,
+    /// The values.
+    pub values: AttributeValues,
+}
+
+/// Values of a [`VertexAttribute`], by type.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AttributeValues {
+    /// `int`.
+    Int(Vec<i32>),
+    /// `float`.
+    Float(Vec<f32>),
+    /// Three `uchar`: red, green, blue.
+    Color(Vec<[u8; 3]>),
+}
+
+/// Reads a mesh file. The format is the extension's unless the content proves another.
+///
+/// # Errors
+/// [`Error::File`] naming the line or byte and what to do; [`Error::Limit`].
+pub fn read(path: &Path, limits: &Limits) -> Result<MeshFile> {
+    let bytes = read_limited(path, limits)?;
+    parse(path, &bytes, limits)
+}
+
+/// Reads a mesh from the bytes of a file; `path` gives the extension and stands in messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn parse(path: &Path, bytes: &[u8], limits: &Limits) -> Result<MeshFile> {
+    let result = choose_format(path, bytes).and_then(|(format, note)| {
+        let mut file = match format {
+            Format::Ply => ply::parse(bytes, limits),
+            Format::Obj => obj::parse(bytes, limits),
+            Format::Off => off::parse(bytes, limits),
+            Format::Stl => stl::parse(bytes, limits),
+        }?;
+        file.notes.extend(note);
+        Ok(file)
+    });
+    result.map_err(|fault| fault.into_error(path))
+}
+
+/// Writes a binary little-endian PLY: the file's own content and the attributes.
+///
+/// A PLY's own elements, properties and comments are kept with their types and order; a property of the
+/// same name as an attribute is replaced where it stands. Other formats give positions (as double where
+/// float would change them) and faces.
+///
+/// # Errors
+/// [`Error::File`] if it cannot be written, and then the target is as it was; [`Error::Internal`] if an
+/// attribute has not one value per vertex.
+pub fn write_ply(path: &Path, file: &MeshFile, attributes: &[VertexAttribute]) -> Result<()> {
+    let columns = ply::columns(attributes, file.polygons.positions.len())?;
+    match &file.ply {
+        Some(ply) => write_atomically(path, |out| ply.write(out, &columns)),
+        None => {
+            let ply = PlyFile::of_polygons(&file.polygons);
+            write_atomically(path, |out| ply.write(out, &columns))
+        }
+    }
+}
+
+/// Writes a vertex map: one 0-based partner per line, -1 for none.
+///
+/// # Errors
+/// [`Error::File`] if it cannot be written, and then the target is as it was.
+pub fn write_map(path: &Path, partners: &[i32]) -> Result<()> {
+    write_atomically(path, |out| partners.iter().try_for_each(|partner| writeln!(out, "{partner}")))
+}
+
+fn read_limited(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
+    let unreadable = |error: std::io::Error| Error::File {
+        path: path.to_path_buf(),
+        message: format!("cannot be read: {error}; check the name and the permissions"),
+    };
+    let file = File::open(path).map_err(unreadable)?;
+    let expected = file.metadata().map_err(unreadable)?.len();
+    limits.check_file_bytes(expected)?;
+    // The length is checked again while reading, for pipes and for files that grow.
+    let mut bytes = Vec::with_capacity(expected as usize);
+    file.take(limits.file_bytes.saturating_add(1)).read_to_end(&mut bytes).map_err(unreadable)?;
+    limits.check_file_bytes(bytes.len() as u64)?;
+    Ok(bytes)
+}
+
+/// Ends a face after the corners pushed so far.
+fn close_face(polygons: &mut PolygonMesh) -> Result<(), Fault> {
+    let corners = polygons.face_vertices.len() as u64;
+    let limit = u64::from(u32::MAX);
+    let offset = u32::try_from(corners).map_err(|_| Error::Limit {
+        what: "the number of face corners",
+        found: corners,
+        limit,
+    })?;
+    polygons.face_offsets.push(offset);
+    Ok(())
+}
+
+fn choose_format(path: &Path, bytes: &[u8]) -> Result<(Format, Option<String>), Fault> {
+    if bytes.is_empty() {
+        return Err(Fault::new("the file is empty; export it again"));
+    }
+    if bytes.starts_with(&[0x1f, 0x8b]) || bytes.starts_with(b"PK\x03\x04") {
+        return Err(Fault::new("the file is compressed; unpack it first"));
+    }
+    match (Format::of_extension(path), Format::of_content(bytes)) {
+        (Some(named), Some(found)) if named != found => {
+            let (named, name) = (named.name(), found.name());
+            Ok((
+                found,
+                Some(format!(
+                    "The content is {name}, not {named} as the file's name says; it was read as {name}."
+                )),
+            ))
+        }
+        (Some(format), _) | (None, Some(format)) => Ok((format, None)),
+        (None, None) => Err(Fault::new(
+            "the format is not known; name the file .ply, .obj, .off or .stl, or export one of these",
+        )),
+    }
+}

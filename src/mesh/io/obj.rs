@@ -1,0 +1,180 @@
+//! OBJ (Wavefront): vertices and polygons; groups, materials, normals and texture coordinates are skipped.
+
+use super::scanner::{Fault, Scanner, parse_integer, quote};
+use super::{Format, MeshFile, PolygonMesh, close_face};
+use crate::limits::Limits;
+
+/// Reads an OBJ file.
+pub fn parse(bytes: &[u8], limits: &Limits) -> Result<MeshFile, Fault> {
+    let mut scanner = Scanner::new(bytes).with_comments(b'#');
+    let mut reader = Reader {
+        polygons: PolygonMesh { face_offsets: vec![0], ..PolygonMesh::default() },
+        furthest: None,
+        lines: 0,
+        curved: 0,
+    };
+    loop {
+        reader.statement(&mut scanner, limits)?;
+        if !scanner.skip_line() {
+            break;
+        }
+    }
+    reader.check_furthest()?;
+    let notes = reader.notes();
+    Ok(MeshFile::new(reader.polygons, Format::Obj, notes))
+}
+
+struct Reader<'a> {
+    polygons: PolygonMesh,
+    /// Highest vertex that a face refers to, and where: a face may stand before its vertices.
+    furthest: Option<(u32, Scanner<'a>)>,
+    lines: usize,
+    curved: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn statement(&mut self, scanner: &mut Scanner<'a>, limits: &Limits) -> Result<(), Fault> {
+        match scanner.token_in_line() {
+            Some(b"v") => {
+                limits.check_vertices(self.polygons.positions.len() as u64 + 1)?;
+                self.vertex(scanner)
+            }
+            Some(b"f" | b"fo") => {
+                limits.check_faces(self.polygons.face_offsets.len() as u64)?;
+                self.face(scanner)
+            }
+            Some(b"l" | b"p") => {
+                self.lines += 1;
+                Ok(())
+            }
+            Some(b"curv" | b"curv2" | b"surf") => {
+                self.curved += 1;
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn vertex(&mut self, scanner: &mut Scanner) -> Result<(), Fault> {
+        let mut position = [0.0; 3];
+        for coordinate in &mut position {
+            let what = format_args!("vertex {}", self.polygons.positions.len() + 1);
+            *coordinate = match word(scanner) {
+                Some(word) => scanner.parse_number(word, what)?,
+                None => {
+                    return Err(
+                        scanner.fault(format_args!("{what} has fewer than three coordinates; add them"))
+                    );
+                }
+            };
+        }
+        self.polygons.positions.push(position);
+        Ok(())
+    }
+
+    fn face(&mut self, scanner: &mut Scanner<'a>) -> Result<(), Fault> {
+        while let Some(corner) = word(scanner) {
+            let vertex = self.resolve(scanner, corner)?;
+            if self.furthest.as_ref().is_none_or(|(furthest, _)| vertex > *furthest) {
+                self.furthest = Some((vertex, scanner.clone()));
+            }
+            self.polygons.face_vertices.push(vertex);
+        }
+        close_face(&mut self.polygons)
+    }
+
+    /// The 0-based vertex of a corner like `7`, `7/1`, `7//3` or `-1/-1/-1`.
+    fn resolve(&self, scanner: &Scanner, corner: &[u8]) -> Result<u32, Fault> {
+        let digits = corner.split(|&byte| byte == b'/').next().unwrap_or_default();
+        let face = self.polygons.face_offsets.len();
+        let Some(index) = parse_integer(digits) else {
+            return Err(scanner.fault(format_args!(
+                "face {face} has {} where a vertex index should be; correct the line or export the file again",
+                quote(corner)
+            )));
+        };
+        let count = self.polygons.positions.len() as i64;
+        let vertex = if index < 0 { count + index } else { index - 1 };
+        u32::try_from(vertex).map_err(|_| {
+            scanner.fault(format_args!(
+                "face {face} refers to vertex {index}; indices count from 1, or back from -1 over the {count} \
+                 vertices above the line"
+            ))
+        })
+    }
+
+    fn check_furthest(&self) -> Result<(), Fault> {
+        let count = self.polygons.positions.len();
+        match &self.furthest {
+            Some((vertex, scanner)) if *vertex as usize >= count => Err(scanner.fault(format_args!(
+                "a face refers to vertex {}, but the file has only {count}; it is cut off, export it again",
+                u64::from(*vertex) + 1
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let mut notes = Vec::new();
+        if self.lines > 0 {
+            notes.push(format!("{} lines and points without a surface were skipped.", self.lines));
+        }
+        if self.curved > 0 {
+            notes.push(format!(
+                "{} free-form curves and surfaces were skipped; only polygons are read.",
+                self.curved
+            ));
+        }
+        notes
+    }
+}
+
+/// The next word of the statement, which a backslash continues on the next line.
+fn word<'a>(scanner: &mut Scanner<'a>) -> Option<&'a [u8]> {
+    loop {
+        match scanner.token_in_line()? {
+            b"\\" => {
+                scanner.skip_line();
+            }
+            [word @ .., b'\\'] => {
+                scanner.skip_line();
+                return Some(word);
+            }
+            word => return Some(word),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> MeshFile {
+        parse(text.as_bytes(), &Limits::default()).expect("a readable file")
+    }
+
+    #[test]
+    fn all_forms_of_corners_are_read() {
+        let file = read(
+            "# made by hand\nmtllib a.mtl\no thing\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0 0.5 0.5 0.5\nvn 0 0 1\nvt 0 0\n\
+             g side\nf 1 2 3\nf 1/1 2/1 3/1\nf 1//1 2//1 3//1\nv 0 1 0\nf -4/1/1 -3/1/1 \\\n -2/1/1 -1/1/1\nl 1 2\n",
+        );
+        assert_eq!(file.polygons.positions, [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]);
+        assert_eq!(file.polygons.face_offsets, [0, 3, 6, 9, 13]);
+        assert_eq!(file.polygons.face_vertices, [0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 3]);
+        assert_eq!(file.notes, ["1 lines and points without a surface were skipped."]);
+    }
+
+    #[test]
+    fn a_bad_line_is_named() {
+        let message = |text: &str| match parse(text.as_bytes(), &Limits::default()) {
+            Err(Fault::Content(message)) => message,
+            other => panic!("{other:?}"),
+        };
+        assert!(message("v 0 0 0\nv 1 x 0\n").starts_with("line 2: vertex 2 has \"x\""));
+        assert!(message("v 0 0\n").starts_with("line 1: vertex 1 has fewer than three coordinates"));
+        assert!(message("v 0 0 0\n\nf 0 1 2\n").starts_with("line 3: face 1 refers to vertex 0;"));
+        assert!(message("v 0 0 0\rf -1 -2 -1\r").starts_with("line 2: face 1 refers to vertex -2;"));
+        assert!(message("f a b c").starts_with("line 1: face 1 has \"a\""));
+    }
+}

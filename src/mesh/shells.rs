@@ -1,0 +1,134 @@
+//! Shells: the connected components of the surface, each a small mesh of its own.
+
+use super::edges::UnionFind;
+use super::polygons::bucket;
+use super::vector::{Vector, triangle_area};
+use super::{Mesh, NONE};
+
+/// One connected component, in numbering and scale of its own.
+#[derive(Debug, Clone)]
+pub struct Shell {
+    /// The mesh's point of each local point, rising.
+    pub points: Vec<u32>,
+    /// Positions of the local points, centred at their mean; the shell's own area is 1.
+    pub positions: Vec<Vector>,
+    /// Triangles over local points.
+    pub triangles: Vec<[u32; 3]>,
+    /// The mesh's triangle of each local triangle, rising.
+    pub triangle_of_local: Vec<u32>,
+    /// Whether the triangles are consistently oriented.
+    pub orientable: bool,
+    /// Length in the shell's unit of one unit of the mesh's positions; the shell's share of the area
+    /// is `1 / scale^2`. It is 0 for a shell without any area, whose positions stay in the mesh's unit.
+    pub scale: f64,
+}
+
+impl Shell {
+    /// The shell's share of the mesh's area, 0..=1.
+    pub fn area(&self) -> f64 {
+        if self.scale > 0.0 { (self.scale * self.scale).recip() } else { 0.0 }
+    }
+}
+
+/// Which shell each point belongs to, shells numbered by falling area.
+pub struct Partition {
+    /// Shell of each point.
+    pub shell_of_point: Vec<u32>,
+    /// Number of shells.
+    pub count: usize,
+}
+
+/// Splits points into shells: points are in one shell where a chain of triangles joins them.
+pub fn partition(triangles: &[[u32; 3]], positions: &[Vector]) -> Partition {
+    let mut sets = UnionFind::new(positions.len());
+    for &[a, b, c] in triangles {
+        sets.join(a, b);
+        sets.join(b, c);
+    }
+    let mut area = vec![0.0; positions.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|point| positions[point as usize]);
+        area[sets.find(triangle[0]) as usize] += triangle_area(a, b, c);
+    }
+    let points = positions.len() as u32;
+    let mut roots: Vec<u32> = (0..points).filter(|&point| sets.find(point) == point).collect();
+    roots.sort_by(|&a, &b| area[b as usize].total_cmp(&area[a as usize]));
+    let mut shell_of_root = vec![NONE; positions.len()];
+    for (shell, &root) in roots.iter().enumerate() {
+        shell_of_root[root as usize] = shell as u32;
+    }
+    let shell_of_point = (0..points).map(|point| shell_of_root[sets.find(point) as usize]).collect();
+    Partition { shell_of_point, count: roots.len() }
+}
+
+impl Mesh {
+    /// All shells, by falling area. O(mesh) for all together.
+    pub fn shells(&self) -> Vec<Shell> {
+        let (point_starts, points) = bucket(self.shell_of_point.iter().copied(), self.shell_count);
+        let shell_of_triangle =
+            self.triangles.iter().map(|triangle| self.shell_of_point[triangle[0] as usize]);
+        let (triangle_starts, triangles) = bucket(shell_of_triangle, self.shell_count);
+        let mut local_of_point = vec![NONE; self.positions.len()];
+        (0..self.shell_count)
+            .map(|shell| {
+                let points = &points[point_starts[shell] as usize..point_starts[shell + 1] as usize];
+                let triangles =
+                    &triangles[triangle_starts[shell] as usize..triangle_starts[shell + 1] as usize];
+                self.extract(shell, points, triangles, &mut local_of_point)
+            })
+            .collect()
+    }
+
+    fn extract(&self, shell: usize, points: &[u32], triangles: &[u32], local_of_point: &mut [u32]) -> Shell {
+        for (local, &point) in points.iter().enumerate() {
+            local_of_point[point as usize] = local as u32;
+        }
+        let local_triangles: Vec<[u32; 3]> = triangles
+            .iter()
+            .map(|&triangle| self.triangles[triangle as usize].map(|point| local_of_point[point as usize]))
+            .collect();
+        let mut positions: Vec<Vector> = points.iter().map(|&point| self.positions[point as usize]).collect();
+        centre(&mut positions);
+        let scale = scale_to_unit_area(&mut positions, &local_triangles);
+        Shell {
+            points: points.to_vec(),
+            positions,
+            triangles: local_triangles,
+            triangle_of_local: triangles.to_vec(),
+            orientable: self.shell_orientable[shell],
+            scale,
+        }
+    }
+}
+
+/// Moves the mean of `positions` to the origin and returns it.
+pub fn centre(positions: &mut [Vector]) -> Vector {
+    let count = positions.len() as f64;
+    let mean = [0, 1, 2].map(|axis| positions.iter().map(|position| position[axis]).sum::<f64>() / count);
+    for position in positions.iter_mut() {
+        *position = [0, 1, 2].map(|axis| position[axis] - mean[axis]);
+    }
+    mean
+}
+
+/// Total area.
+pub fn total_area(positions: &[Vector], triangles: &[[u32; 3]]) -> f64 {
+    triangles
+        .iter()
+        .map(|triangle| triangle.map(|at| positions[at as usize]))
+        .map(|[a, b, c]| triangle_area(a, b, c))
+        .sum()
+}
+
+/// Scales `positions` so that the area is 1 and returns the factor; leaves them and returns 0 if there is no area.
+fn scale_to_unit_area(positions: &mut [Vector], triangles: &[[u32; 3]]) -> f64 {
+    let area = total_area(positions, triangles);
+    if area <= 0.0 {
+        return 0.0;
+    }
+    let scale = area.sqrt().recip();
+    for position in positions.iter_mut() {
+        *position = position.map(|coordinate| coordinate * scale);
+    }
+    scale
+}

@@ -1,0 +1,32 @@
+//! The few operations on 3-vectors that the mesh's files share.
+
+/// A position or direction.
+pub type Vector = [f64; 3];
+
+/// `a - b`.
+pub fn subtract(a: Vector, b: Vector) -> Vector {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// Cross product.
+pub fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Scalar product.
+pub fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Squared length.
+pub fn squared_norm(a: Vector) -> f64 {
+    dot(a, a)
+}
+
+/// Area of a triangle, exactly 0 where its corners are collinear to within rounding.
+pub fn triangle_area(a: Vector, b: Vector, c: Vector) -> f64 {
+    let (ab, ac, bc) = (subtract(b, a), subtract(c, a), subtract(c, b));
+    let longest = squared_norm(ab).max(squared_norm(ac)).max(squared_norm(bc));
+    let area = 0.5 * squared_norm(cross(ab, ac)).sqrt();
+    if area <= 8.0 * f64::EPSILON * longest { 0.0 } else { area }
+}

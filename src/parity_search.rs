@@ -1,0 +1,190 @@
+//! Parity of the first eigenfunctions without a network: a beam search over their images.
+//!
+//! Under a reflection every eigenfunction with a simple eigenvalue is even (+1) or odd (-1)
+//! (M. Ovsjanikov, J. Sun, L. Guibas, "Global Intrinsic Symmetries of Shapes", 2008). Where two
+//! eigenvalues nearly coincide, noise mixes their functions, and the reflection acts on the pair by
+//! any 2 x 2 reflection; a few angles of it are tried beside the four sign pairs. A start (a block
+//! diagonal matrix S) is judged by how near the transformed embedding comes to the embedding itself:
+//! `mean over x of min over y |phi(x) S - phi(y)|^2`, which is extended one block at a time.
+
+use crate::sampling::Samples;
+use faer::Mat;
+
+/// Samples whose image is sought, and samples among which it is sought.
+const SOURCES: usize = 300;
+const TARGETS: usize = 600;
+/// Eigenvalues closer than this ratio are taken as a pair that may mix.
+const NEAR_RATIO: f64 = 1.2;
+/// Angles tried for a mixed pair, besides those of the sign pairs, in degrees.
+const MIXED_ANGLES: [f64; 6] = [45.0, 90.0, 135.0, 225.0, 270.0, 315.0];
+
+/// How one block of eigenfunctions is transformed: 1 x 1 or 2 x 2, row by row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Block {
+    Single(f32),
+    Pair([[f32; 2]; 2]),
+}
+
+struct Beam {
+    blocks: Vec<Block>,
+    /// sources x targets: squared distances so far.
+    distances: Vec<f32>,
+}
+
+/// Columns of a block at the targets, and their transformed values at the sources.
+struct Step<'a> {
+    columns: &'a [Vec<f32>],
+    block: Block,
+}
+
+/// The best starts at each length of `lengths` (ascending), best first, `width` of each.
+///
+/// A start may be one longer than asked for, where a mixed pair straddles the length.
+/// Cost: O(width x longest x SOURCES x TARGETS).
+pub fn search(samples: &Samples, eigenvalues: &[f64], lengths: &[usize], width: usize) -> Vec<Vec<Mat<f64>>> {
+    let longest = lengths.last().copied().unwrap_or(0).min(samples.rows.ncols());
+    let (sources, targets) = (samples.len().min(SOURCES), samples.len().min(TARGETS));
+    let mut beams = vec![Beam { blocks: Vec::new(), distances: vec![0.0; sources * targets] }];
+    let mut found = Vec::new();
+    let mut index = 0;
+    while index < longest {
+        let pair =
+            index + 1 < samples.rows.ncols() && eigenvalues[index + 1] < NEAR_RATIO * eigenvalues[index];
+        let size = if pair { 2 } else { 1 };
+        let columns: Vec<Vec<f32>> = (index..index + size)
+            .map(|j| (0..targets).map(|i| samples.rows[(i, j)] as f32).collect())
+            .collect();
+        beams = extend_all(&beams, &columns, sources, width);
+        for _ in lengths.iter().filter(|length| index < **length && **length <= index + size) {
+            found.push(beams.iter().map(|beam| matrix(&beam.blocks)).collect());
+        }
+        index += size;
+    }
+    found
+}
+
+fn extend_all(beams: &[Beam], columns: &[Vec<f32>], sources: usize, width: usize) -> Vec<Beam> {
+    let options = block_options(columns.len());
+    let mut ranked: Vec<(f32, usize, Block)> = Vec::with_capacity(options.len() * beams.len());
+    for (parent, beam) in beams.iter().enumerate() {
+        for &block in &options {
+            ranked.push((extended_energy(beam, &Step { columns, block }, sources), parent, block));
+        }
+    }
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ranked.truncate(width);
+    let extend_one =
+        |&(_, parent, block): &(f32, usize, Block)| extend(&beams[parent], &Step { columns, block }, sources);
+    ranked.iter().map(extend_one).collect()
+}
+
+fn block_options(size: usize) -> Vec<Block> {
+    if size == 1 {
+        return vec![Block::Single(1.0), Block::Single(-1.0)];
+    }
+    let reflection = |degrees: f64| {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        Block::Pair([[cosine as f32, sine as f32], [sine as f32, -cosine as f32]])
+    };
+    let same = [1.0, -1.0].map(|sign| Block::Pair([[sign, 0.0], [0.0, sign]]));
+    same.into_iter().chain([0.0, 180.0].into_iter().chain(MIXED_ANGLES).map(reflection)).collect()
+}
+
+fn matrix(blocks: &[Block]) -> Mat<f64> {
+    let size = |block: &Block| if matches!(block, Block::Single(_)) { 1 } else { 2 };
+    let total = blocks.iter().map(size).sum();
+    let mut out = Mat::zeros(total, total);
+    let mut at = 0;
+    for block in blocks {
+        match block {
+            Block::Single(sign) => out[(at, at)] = f64::from(*sign),
+            Block::Pair(rows) => {
+                for (i, row) in rows.iter().enumerate() {
+                    for (j, value) in row.iter().enumerate() {
+                        out[(at + i, at + j)] = f64::from(*value);
+                    }
+                }
+            }
+        }
+        at += size(block);
+    }
+    out
+}
+
+impl Step<'_> {
+    /// The block's coordinates of the image of `source`.
+    fn image(&self, source: usize) -> [f32; 2] {
+        match self.block {
+            Block::Single(sign) => [sign * self.columns[0][source], 0.0],
+            Block::Pair([[a, b], [c, d]]) => {
+                let (x, y) = (self.columns[0][source], self.columns[1][source]);
+                [x * a + y * c, x * b + y * d]
+            }
+        }
+    }
+}
+
+fn extended_energy(beam: &Beam, step: &Step, sources: usize) -> f32 {
+    let targets = step.columns[0].len();
+    let mut total = 0.0;
+    for (source, row) in beam.distances.chunks_exact(targets).enumerate().take(sources) {
+        let image = step.image(source);
+        total += match step.columns {
+            [single] => smallest(row, single, image[0]),
+            [first, second] => smallest_of_pair(row, first, second, image),
+            _ => unreachable!("a block has one or two columns"),
+        };
+    }
+    total / sources as f32
+}
+
+/// `min over y of row[y] + (value - column[y])^2`, in lanes that the compiler vectorises.
+fn smallest(row: &[f32], column: &[f32], value: f32) -> f32 {
+    const LANES: usize = 16;
+    let mut lanes = [f32::MAX; LANES];
+    let (row_chunks, row_rest) = row.as_chunks::<LANES>();
+    let (column_chunks, column_rest) = column.as_chunks::<LANES>();
+    for (distances, entries) in row_chunks.iter().zip(column_chunks) {
+        for lane in 0..LANES {
+            let difference = value - entries[lane];
+            let candidate = difference * difference + distances[lane];
+            lanes[lane] = if candidate < lanes[lane] { candidate } else { lanes[lane] };
+        }
+    }
+    let rest = row_rest.iter().zip(column_rest).map(|(distance, entry)| distance + (value - entry).powi(2));
+    lanes.into_iter().chain(rest).fold(f32::MAX, f32::min)
+}
+
+/// The same for two columns.
+fn smallest_of_pair(row: &[f32], first: &[f32], second: &[f32], image: [f32; 2]) -> f32 {
+    const LANES: usize = 16;
+    let mut lanes = [f32::MAX; LANES];
+    let (row_chunks, row_rest) = row.as_chunks::<LANES>();
+    let ((a_chunks, a_rest), (b_chunks, b_rest)) = (first.as_chunks::<LANES>(), second.as_chunks::<LANES>());
+    for ((distances, a), b) in row_chunks.iter().zip(a_chunks).zip(b_chunks) {
+        for lane in 0..LANES {
+            let (u, v) = (image[0] - a[lane], image[1] - b[lane]);
+            let candidate = u * u + v * v + distances[lane];
+            lanes[lane] = if candidate < lanes[lane] { candidate } else { lanes[lane] };
+        }
+    }
+    let rest = row_rest.iter().zip(a_rest).zip(b_rest);
+    let rest = rest.map(|((distance, a), b)| distance + (image[0] - a).powi(2) + (image[1] - b).powi(2));
+    lanes.into_iter().chain(rest).fold(f32::MAX, f32::min)
+}
+
+fn extend(beam: &Beam, step: &Step, sources: usize) -> Beam {
+    let mut distances = beam.distances.clone();
+    let targets = step.columns[0].len();
+    for (source, row) in distances.chunks_exact_mut(targets).enumerate().take(sources) {
+        let image = step.image(source);
+        for (column, value) in step.columns.iter().zip(image) {
+            for (distance, entry) in row.iter_mut().zip(column) {
+                *distance += (value - entry) * (value - entry);
+            }
+        }
+    }
+    let mut blocks = beam.blocks.clone();
+    blocks.push(step.block);
+    Beam { blocks, distances }
+}

@@ -1,0 +1,274 @@
+//! `detect`: the only caller of all stages.
+
+use crate::assembly::{PointMap, Summary, symmetry};
+use crate::automorphism;
+use crate::candidate_score::Score;
+use crate::companions::{self, Companion, Primary};
+use crate::confidence::{confidence, evidence};
+use crate::correspondence::Symmetry;
+use crate::eigenbasis::Eigenbasis;
+use crate::error::Result;
+use crate::fixed_curve::{odd_function, zero_set};
+use crate::full_refinement::MatchTarget;
+use crate::laplacian::IntrinsicSurface;
+use crate::mesh::half_edges::HalfEdges;
+use crate::mesh::{Attachment, Mesh, RepairReport, Shell, attach};
+use crate::options::Options;
+use crate::progress::Progress;
+use crate::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, signs};
+use crate::sign_network::SignPrediction;
+use crate::symmetry_kind::SymmetryKind;
+use std::time::Instant;
+
+/// A candidate that scores above this is not worth refining on all vertices.
+const LARGEST_SCORE: f64 = -2.0;
+/// A finished map whose first 12 eigenfunctions fail to commute with the Laplacian by more than this is no
+/// symmetry: chosen on generated shapes, `docs/method.md`.
+const LARGEST_COMMUTATOR: f64 = 0.02;
+
+/// What was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// At least one symmetry.
+    Found,
+    /// No map came near to a symmetry; the report holds the evidence.
+    None,
+}
+
+/// Numbers behind the outcome.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct Report {
+    /// Vertices of the caller's mesh.
+    pub vertices: usize,
+    /// Faces of the caller's mesh.
+    pub faces: usize,
+    /// Shells (connected components).
+    pub shells: usize,
+    /// What was repaired.
+    pub repairs: RepairReport,
+    /// Eigenvalues of the largest shell, scaled to unit area, the constant function's zero left out.
+    pub eigenvalues: Vec<f64>,
+    /// Parity of the first eigenfunctions as the sign network sees it; empty without the network.
+    pub signs: Vec<SignPrediction>,
+    /// One sentence that says why the outcome is what it is.
+    pub evidence: String,
+    /// Seconds of wall time by stage, in order.
+    pub seconds: Vec<(String, f64)>,
+}
+
+/// The outcome, the symmetries found (best first; empty if none) and the evidence.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct Detection {
+    /// Found or none.
+    pub outcome: Outcome,
+    /// Best first, at most `options.symmetries`.
+    pub symmetries: Vec<Symmetry>,
+    /// Numbers behind the outcome.
+    pub report: Report,
+}
+
+/// Finds the intrinsic symmetries of `mesh`.
+///
+/// The symmetry is sought on the largest shell; every other shell is then given its partner.
+///
+/// # Errors
+/// [`crate::Error::Option`], [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Detection> {
+    options.validate()?;
+    let mut clock = Clock::start();
+    progress.report("shells", 0.0)?;
+    let shells = mesh.shells();
+    let surface = IntrinsicSurface::new(&shells[0]);
+    clock.lap("laplacian");
+    let shell = PreparedShell::new(surface, options, progress)?;
+    clock.lap("eigenfunctions");
+    let signs = signs(&shell, options)?;
+    clock.lap("sign network");
+    let found = candidates(&shell, &signs, options.symmetries, options, progress)?;
+    clock.lap("candidates");
+    let mut maps = Vec::new();
+    for candidate in found.iter().filter(|candidate| candidate.score.total_of_kind() <= LARGEST_SCORE) {
+        let kind = candidate.score.kind().unwrap_or(SymmetryKind::Reflection);
+        maps.push((finish(&shell, candidate, progress)?, kind));
+    }
+    let evidence = sentence(found.first().map(|candidate| candidate.score), maps.first().map(|map| &map.0));
+    maps.retain(|(map, _)| map.commutator <= LARGEST_COMMUTATOR);
+    clock.lap("refinement");
+    let assembler = Assembler::new(mesh, &shells, &shell)?;
+    let mut symmetries = Vec::new();
+    for (map, kind) in &maps {
+        symmetries.push(assembler.assemble(map, *kind, progress)?);
+    }
+    clock.lap("correspondence");
+    progress.report("done", 1.0)?;
+    let outcome = if symmetries.is_empty() { Outcome::None } else { Outcome::Found };
+    let report = Report { signs, ..report(mesh, &shell.basis, evidence, clock.laps) };
+    Ok(Detection { outcome, symmetries, report })
+}
+
+fn sentence(candidate: Option<Score>, finished: Option<&ShellSymmetry>) -> String {
+    let Some(score) = candidate else { return "no candidate map reverses orientation".into() };
+    let seen = format!(
+        "score {:.2}, orientation correlation {:+.2} (-1 for a reflection), {:.0} % of the samples hardly move",
+        score.total(),
+        score.orientation,
+        100.0 * score.fixed
+    );
+    match finished {
+        None => format!("the best candidate is too poor to be refined: {seen}"),
+        Some(map) => format!(
+            "the best map fails to commute with the Laplacian by {:.4} (accepted up to {:.4}): {seen}",
+            map.commutator, LARGEST_COMMUTATOR
+        ),
+    }
+}
+
+fn report(mesh: &Mesh, basis: &Eigenbasis, evidence: String, seconds: Vec<(String, f64)>) -> Report {
+    Report {
+        vertices: mesh.point_of_vertex.len(),
+        faces: mesh.face_count,
+        shells: mesh.shell_count,
+        repairs: mesh.repairs.clone(),
+        eigenvalues: basis.eigenvalues.clone(),
+        signs: Vec::new(),
+        evidence,
+        seconds,
+    }
+}
+
+/// Wall time by stage.
+struct Clock {
+    last: Instant,
+    laps: Vec<(String, f64)>,
+}
+
+impl Clock {
+    fn start() -> Clock {
+        Clock { last: Instant::now(), laps: Vec::new() }
+    }
+
+    fn lap(&mut self, stage: &str) {
+        let now = Instant::now();
+        self.laps.push((stage.into(), (now - self.last).as_secs_f64()));
+        self.last = now;
+    }
+}
+
+/// What turning a shell's map into the caller's symmetry needs, prepared once.
+struct Assembler<'a> {
+    mesh: &'a Mesh,
+    shells: &'a [Shell],
+    shell: &'a PreparedShell,
+    target: MatchTarget<'a>,
+    attachments: Vec<Attachment>,
+    half_edges: HalfEdges,
+}
+
+impl<'a> Assembler<'a> {
+    fn new(mesh: &'a Mesh, shells: &'a [Shell], shell: &'a PreparedShell) -> Result<Self> {
+        let attachments = if shells.len() > 1 { attach(mesh, shells, 0) } else { Vec::new() };
+        let target = MatchTarget::new(&shell.surface, &shell.basis);
+        let half_edges = HalfEdges::new(mesh.positions.len(), &mesh.polygon_offsets, &mesh.polygon_points)?;
+        Ok(Assembler { mesh, shells, shell, target, attachments, half_edges })
+    }
+
+    fn assemble(&self, found: &ShellSymmetry, kind: SymmetryKind, progress: &Progress) -> Result<Symmetry> {
+        let mut map = PointMap::empty(self.mesh);
+        let seen = evidence(&self.target, found.map.nrows(), &found.images);
+        let trust = confidence(&seen, found.margin);
+        map.insert(&self.shells[0], &self.shells[0], &found.images, &trust);
+        let odd = self.odd(found);
+        for (local, &point) in self.shells[0].points.iter().enumerate() {
+            map.odd[point as usize] = odd[local];
+        }
+        if self.shells.len() > 1 {
+            self.add_companions(&mut map, found, &trust, &odd, progress)?;
+        }
+        progress.report("connectivity", 0.97)?;
+        let exact = automorphism::find(&self.half_edges, &map.partner, &map.confidence, kind, progress)?;
+        if let Some(found) = exact {
+            map.replace_by_connectivity(self.mesh, &found);
+        }
+        let curve = match kind {
+            SymmetryKind::Reflection => zero_set(&self.mesh.triangles, &map.odd),
+            SymmetryKind::HalfTurn => Vec::new(),
+        };
+        Ok(symmetry(self.mesh, &map, curve, Summary { kind, score: found.score.total() }))
+    }
+
+    fn odd(&self, found: &ShellSymmetry) -> Vec<f64> {
+        odd_function(&self.shell.surface, &self.shell.basis, &found.images)
+    }
+
+    fn add_companions(
+        &self,
+        map: &mut PointMap,
+        found: &ShellSymmetry,
+        trust: &[f32],
+        odd: &[f64],
+        progress: &Progress,
+    ) -> Result<()> {
+        let primary = Primary { index: 0, basis: &self.shell.basis, partners: &found.images.partners };
+        let companions = companions::find(self.shells, &self.attachments, &primary, progress)?;
+        for (own, companion) in companions.iter().enumerate() {
+            let Some(companion) = companion else { continue };
+            let anchors = &self.attachments[own].anchors;
+            let share = companion_share(companion);
+            let trust: Vec<f32> = anchors.iter().map(|&anchor| share * trust[anchor as usize]).collect();
+            map.insert(&self.shells[own], &self.shells[companion.target], &companion.images, &trust);
+            let anchors_odd: Vec<f64> = anchors.iter().map(|&anchor| odd[anchor as usize]).collect();
+            map.insert_sides(&self.shells[own], own, companion, &anchors_odd);
+        }
+        Ok(())
+    }
+}
+
+/// How much of the anchors' confidence a companion keeps: all for a perfect pairing.
+fn companion_share(companion: &Companion) -> f32 {
+    (1.0 - companion.mismatch).clamp(0.0, 1.0)
+}
+
+/// The lowest eigenpairs of a whole mesh, for training and curiosity.
+#[derive(Debug, Clone)]
+pub struct Eigen {
+    /// Ascending, the constant function left out; units of 1 / area of the largest shell.
+    pub eigenvalues: Vec<f64>,
+    /// Caller's vertices x count, row by row; NaN where the vertex is not on the largest shell.
+    pub eigenfunctions: Vec<f64>,
+    /// Lumped mass of each caller's vertex, summing to 1 over the largest shell's points; 0 elsewhere.
+    pub lumped_mass: Vec<f64>,
+    /// Relative residual of each pair.
+    pub residuals: Vec<f64>,
+}
+
+/// Computes the `count` lowest non-constant eigenpairs of the largest shell.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+pub fn eigen(mesh: &Mesh, count: usize, progress: &Progress) -> Result<Eigen> {
+    let shells = mesh.shells();
+    let surface = IntrinsicSurface::new(&shells[0]);
+    let basis = Eigenbasis::new(&surface, count, progress)?;
+    let mut local = vec![crate::mesh::NONE; mesh.positions.len()];
+    for (index, &point) in shells[0].points.iter().enumerate() {
+        local[point as usize] = index as u32;
+    }
+    let vertices = mesh.point_of_vertex.len();
+    let mut eigenfunctions = vec![f64::NAN; vertices * basis.count()];
+    let mut lumped_mass = vec![0.0; vertices];
+    for (vertex, &point) in mesh.point_of_vertex.iter().enumerate() {
+        if point == crate::mesh::NONE || local[point as usize] == crate::mesh::NONE {
+            continue;
+        }
+        let row = local[point as usize] as usize;
+        for j in 0..basis.count() {
+            eigenfunctions[vertex * basis.count() + j] = basis.eigenfunctions[(row, j)];
+        }
+        if mesh.vertex_of_point[point as usize] == vertex as u32 {
+            lumped_mass[vertex] = surface.lumped_mass[row];
+        }
+    }
+    progress.report("done", 1.0)?;
+    Ok(Eigen { eigenvalues: basis.eigenvalues, eigenfunctions, lumped_mass, residuals: basis.residuals })
+}

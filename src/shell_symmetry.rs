@@ -1,0 +1,145 @@
+//! The symmetries of one shell: all spectral stages in order.
+
+use crate::candidate_score::Score;
+use crate::candidates::{self, Candidate};
+use crate::eigenbasis::Eigenbasis;
+use crate::error::Result;
+use crate::full_refinement::{self, MatchTarget, VertexImages};
+use crate::functional_map::{self, Projection};
+use crate::laplacian::IntrinsicSurface;
+use crate::options::Options;
+use crate::progress::Progress;
+use crate::refinement::SampleRefiner;
+use crate::sampling::Samples;
+use crate::sign_network::{REFERENCES, SignNetwork, SignPrediction, area_weighted_samples};
+use crate::symmetry_kind::SymmetryKind;
+use faer::Mat;
+
+/// Sizes of the functional map on samples after a candidate is chosen.
+const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
+/// Sizes of the functional map on all vertices.
+const FULL_SIZES: [usize; 4] = [50, 60, 75, 100];
+
+/// Leading eigenfunctions by which a finished map is judged: poses and noise disturb the higher ones.
+const JUDGED_FUNCTIONS: usize = 12;
+
+/// Eigenfunctions whose sign is predicted, and vertices the network looks at.
+const PREDICTED_SIGNS: usize = 12;
+const NETWORK_POINTS: usize = 512;
+
+/// One symmetry of a shell.
+#[derive(Debug, Clone)]
+pub struct ShellSymmetry {
+    /// Functional map after the last refinement.
+    pub map: Mat<f64>,
+    /// Images of all vertices.
+    pub images: VertexImages,
+    /// Score of the candidate it came from.
+    pub score: Score,
+    /// Margin of the candidate it came from.
+    pub margin: f64,
+    /// Failure of the finished map's first 12 eigenfunctions, unprojected, to commute with the Laplacian: 0
+    /// for an isometry.
+    pub commutator: f64,
+}
+
+/// A shell with its operators and eigenbasis.
+pub struct PreparedShell {
+    /// Laplacian.
+    pub surface: IntrinsicSurface,
+    /// Eigenbasis.
+    pub basis: Eigenbasis,
+    /// Farthest-point samples.
+    pub samples: Samples,
+}
+
+impl PreparedShell {
+    /// Factorises and solves: the costly part that does not depend on the map.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+    pub fn new(surface: IntrinsicSurface, options: &Options, progress: &Progress) -> Result<PreparedShell> {
+        let basis = Eigenbasis::new(&surface, options.eigenfunctions, progress)?;
+        let samples = Samples::farthest(&basis, options.samples);
+        Ok(PreparedShell { surface, basis, samples })
+    }
+}
+
+/// Parity of a shell's first eigenfunctions as the network sees it, overruled by the signs the caller knows.
+///
+/// Empty if the caller wants no network and knows nothing, or the library was built without one.
+///
+/// # Errors
+/// [`crate::Error::Model`] or [`crate::Error::File`] if a model of the caller's own cannot be used.
+pub fn signs(shell: &PreparedShell, options: &Options) -> Result<Vec<SignPrediction>> {
+    let k = shell.basis.count().min(PREDICTED_SIGNS);
+    let mut signs = match &options.model {
+        _ if options.network == 0 || k < REFERENCES => Vec::new(),
+        Some(path) => predict(&SignNetwork::from_file(path)?, shell, k)?,
+        None if cfg!(feature = "onnx") => predict(SignNetwork::shared()?, shell, k)?,
+        None => Vec::new(),
+    };
+    let known = &options.known_signs[..options.known_signs.len().min(shell.basis.count())];
+    if known.iter().any(|&sign| sign != 0) {
+        signs.resize(signs.len().max(known.len()), SignPrediction::UNKNOWN);
+        for (sign, &known) in signs.iter_mut().zip(known).filter(|(_, known)| **known != 0) {
+            *sign = SignPrediction::certain(known > 0);
+        }
+    }
+    Ok(signs)
+}
+
+fn predict(network: &SignNetwork, shell: &PreparedShell, k: usize) -> Result<Vec<SignPrediction>> {
+    let picked = area_weighted_samples(&shell.surface.lumped_mass, NETWORK_POINTS);
+    let functions = &shell.basis.eigenfunctions;
+    let rows: Vec<f64> =
+        picked.iter().flat_map(|&vertex| (0..k).map(move |j| functions[(vertex, j)])).collect();
+    network.predict(&rows, picked.len(), k)
+}
+
+/// Distinct candidate maps of a shell, best first: reflections, then half turns if `most` is more than 1.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn candidates(
+    shell: &PreparedShell,
+    signs: &[SignPrediction],
+    most: usize,
+    options: &Options,
+    progress: &Progress,
+) -> Result<Vec<Candidate>> {
+    let found =
+        candidates::find(&shell.surface, &shell.basis, &shell.samples, signs, options.beam_width, progress)?;
+    let of_kind =
+        |kind| found.iter().filter(move |candidate| candidate.score.kind() == Some(kind)).cloned().collect();
+    let eigenvalues = &shell.basis.eigenvalues;
+    let mut kept = candidates::distinct(of_kind(SymmetryKind::Reflection), &shell.samples, eigenvalues, most);
+    if kept.len() < most && most > 1 {
+        let left = most - kept.len();
+        kept.extend(candidates::distinct(of_kind(SymmetryKind::HalfTurn), &shell.samples, eigenvalues, left));
+    }
+    Ok(kept)
+}
+
+/// Refines a candidate on all samples, then on all vertices.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn finish(shell: &PreparedShell, candidate: &Candidate, progress: &Progress) -> Result<ShellSymmetry> {
+    let refiner = SampleRefiner::new(&shell.samples);
+    let map = refiner.refine(candidate.map.clone(), &POLISH_SIZES, Projection::Involution)?;
+    let vertices = &shell.samples.vertices;
+    let partners = refiner.partners(&map);
+    let seeds: Vec<(u32, u32)> = vertices
+        .iter()
+        .zip(&partners)
+        .map(|(vertex, partner)| (*vertex, vertices[*partner as usize]))
+        .collect();
+    let target = MatchTarget::new(&shell.surface, &shell.basis);
+    let sizes: Vec<usize> = FULL_SIZES.into_iter().filter(|size| *size <= shell.basis.count()).collect();
+    let (map, images) = full_refinement::refine(&target, map, &seeds, &sizes, progress)?;
+    let size = map.nrows().min(JUDGED_FUNCTIONS);
+    let free = full_refinement::estimate(&target, &target, &images.points, size, size);
+    let commutator = functional_map::commutator(&free, &shell.basis.eigenvalues);
+    Ok(ShellSymmetry { commutator, map, images, score: candidate.score, margin: candidate.margin })
+}

@@ -1,0 +1,331 @@
+//! `detect` on the example meshes, whose truth is known, and on meshes with little to detect.
+
+mod support;
+
+use intrinsym::error::Error;
+use intrinsym::mesh::{Mesh, NONE, PolygonMesh};
+use intrinsym::options::{OPTIONS, Options};
+use intrinsym::pipeline::{Detection, Outcome, detect};
+use intrinsym::progress::{CancelToken, Progress};
+use std::cell::{Cell, RefCell};
+use std::collections::BTreeSet;
+use support::*;
+
+fn detected(mesh: &Mesh, options: &Options) -> Detection {
+    let detection = detect(mesh, options, &Progress::default()).unwrap();
+    println!("{:?}: {}", detection.outcome, detection.report.evidence);
+    for symmetry in &detection.symmetries {
+        println!(
+            "  {:?} score {:.3}, confidence {:.3}, exact {:.3}, curves {:?}",
+            symmetry.kind,
+            symmetry.score,
+            symmetry.mean_confidence,
+            symmetry.exact_share,
+            symmetry.fixed_curve.iter().map(|curve| (curve.points.len(), curve.closed)).collect::<Vec<_>>()
+        );
+    }
+    assert_keeps_its_contract(mesh, options, &detection);
+    detection
+}
+
+/// Mean and share beyond 0.05 of the distances to the true partners, in sqrt(area).
+fn errors(mesh: &PolygonMesh, partner: &[i32], truth: &[u32]) -> (f64, f64) {
+    let roads = Roads::new(mesh);
+    let pairs = partner.iter().zip(truth).map(|(&partner, &truth)| (partner as u32, truth));
+    let distances: Vec<f64> = pairs.map(|(a, b)| roads.distance(a, b)).collect();
+    let mean = distances.iter().sum::<f64>() / distances.len() as f64;
+    let far = distances.iter().filter(|distance| **distance > 0.05).count() as f64 / distances.len() as f64;
+    println!("  mean error {mean:.4} sqrt(area), {far:.4} beyond 0.05");
+    (mean, far)
+}
+
+fn wrong_partners(partner: &[i32], truth: &[u32]) -> usize {
+    partner.iter().zip(truth).filter(|(found, truth)| **found != **truth as i32).count()
+}
+
+#[test]
+fn the_human_is_mapped_exactly() {
+    let found = detected(&validated(&example("human")), &Options::default());
+    assert_eq!(found.outcome, Outcome::Found);
+    let best = &found.symmetries[0];
+    assert!(best.exact_share > 0.999, "{}", best.exact_share);
+    assert_eq!(wrong_partners(&best.partner, &example_truth("human")), 0);
+    assert!(best.mean_confidence > 0.99, "{}", best.mean_confidence);
+}
+
+#[test]
+fn the_humans_fixed_curve_is_one_loop_through_its_fixed_vertices_and_parts_its_sides() {
+    let polygons = example("human");
+    let truth = example_truth("human");
+    let best = detected(&validated(&polygons), &Options::default()).symmetries.swap_remove(0);
+    let [curve] = &best.fixed_curve[..] else { panic!("{} curves", best.fixed_curve.len()) };
+    assert!(curve.closed);
+    assert!(curve.points.iter().all(|point| point.from == point.to), "it runs through vertices");
+    let met: BTreeSet<u32> = curve.points.iter().map(|point| point.from).collect();
+    let fixed: BTreeSet<u32> = (0..truth.len() as u32).filter(|v| truth[*v as usize] == *v).collect();
+    assert_eq!((met, curve.points.len()), (fixed.clone(), fixed.len()));
+    for (vertex, &partner) in truth.iter().enumerate() {
+        assert_eq!(best.side[partner as usize], -best.side[vertex], "{vertex} and its partner {partner}");
+        assert_eq!(best.side[vertex] == 0, partner as usize == vertex, "side of {vertex}");
+    }
+    for corners in polygons.face_offsets.windows(2) {
+        let corners = &polygons.face_vertices[corners[0] as usize..corners[1] as usize];
+        let sides: BTreeSet<i8> = corners.iter().map(|corner| best.side[*corner as usize]).collect();
+        assert!(!(sides.contains(&1) && sides.contains(&-1)), "no face of this mesh lies on both sides");
+    }
+}
+
+#[test]
+fn the_human_without_mirrored_connectivity_is_near_the_truth() {
+    // One diagonal cut at random in every quad: the spectral map is all there is.
+    let quads = example("human");
+    let mut state = 1u32;
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    for face in quads.face_offsets.windows(2) {
+        let corners = &quads.face_vertices[face[0] as usize..face[1] as usize];
+        state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        let first = (state >> 31) as usize;
+        let corner = |k: usize| corners[(first + k) % corners.len()];
+        triangles.extend((1..corners.len() - 1).map(|k| [corner(0), corner(k), corner(k + 1)]));
+    }
+    let mesh = polygon_mesh(&quads.positions, &triangles);
+    let validated_mesh = validated(&mesh);
+    let found = detected(&validated_mesh, &Options::default());
+    let best = &found.symmetries[0];
+    assert_eq!(best.exact_share, 0.0);
+    let (mean, far) = errors(&mesh, &best.partner, &example_truth("human"));
+    // Measured: 0.024 and 0.083, most of it along the fingers.
+    assert!(mean < 0.03 && far < 0.1, "{mean} {far}");
+    let [curve] = &best.fixed_curve[..] else { panic!("{} curves", best.fixed_curve.len()) };
+    assert!(curve.closed);
+    let sides = true_sides(&quads, &example_truth("human"));
+    let agreement: i32 = sides.iter().zip(&best.side).map(|(a, b)| i32::from(a * b)).sum();
+    let fixed: Vec<Vector> =
+        (0..sides.len()).filter(|v| sides[*v] == 0).map(|v| quads.positions[v]).collect();
+    let mut wrong = 0;
+    for (vertex, position) in quads.positions.iter().enumerate() {
+        if i32::from(sides[vertex] * best.side[vertex]) * agreement.signum() < 0 {
+            wrong += 1;
+            let away = fixed.iter().map(|at| distance(*at, *position)).fold(f64::MAX, f64::min);
+            let away = away / validated_mesh.unit_length;
+            assert!(away < 0.05, "{vertex} is on the wrong side, {away} sqrt(area) from the true curve");
+        }
+    }
+    println!("  {wrong} of {} vertices on the wrong side", sides.len());
+    // Measured: 3.4 to 4.1 %, on 1.1 % of the area.
+    assert!(wrong * 20 < sides.len(), "{wrong} vertices on the wrong side");
+}
+
+/// +1 and -1 on the two parts into which the fixed vertices divide the mesh, 0 on them.
+fn true_sides(mesh: &PolygonMesh, truth: &[u32]) -> Vec<i8> {
+    let fixed = |vertex: u32| truth[vertex as usize] == vertex;
+    let mut sides: Vec<i8> =
+        (0..truth.len() as u32).map(|vertex| if fixed(vertex) { 0 } else { -1 }).collect();
+    let first = sides.iter().position(|side| *side == -1).unwrap();
+    sides[first] = 1;
+    let mut grows = true;
+    while grows {
+        grows = false;
+        for ends in mesh.face_offsets.windows(2) {
+            let corners = &mesh.face_vertices[ends[0] as usize..ends[1] as usize];
+            if corners.iter().any(|corner| sides[*corner as usize] == 1) {
+                for corner in corners.iter().filter(|corner| !fixed(**corner)) {
+                    grows |= sides[*corner as usize] == -1;
+                    sides[*corner as usize] = 1;
+                }
+            }
+        }
+    }
+    assert!(truth.iter().zip(&sides).all(|(partner, side)| sides[*partner as usize] == -side));
+    sides
+}
+
+#[test]
+fn the_quadruped_is_near_the_truth() {
+    let mesh = example("quadruped");
+    let found = detected(&validated(&mesh), &Options::default());
+    assert_eq!(found.outcome, Outcome::Found);
+    let (mean, far) = errors(&mesh, &found.symmetries[0].partner, &example_truth("quadruped"));
+    // Measured: 0.022 and 0.084; an edge is about 0.02 long, and the truth is known to an edge.
+    assert!(mean < 0.03 && far < 0.1, "{mean} {far}");
+}
+
+#[test]
+fn every_shell_of_the_human_maps_to_one_shell_and_back() {
+    let polygons = example("human_shells");
+    let mesh = validated(&polygons);
+    assert_eq!(mesh.shell_count, 10);
+    let best = detected(&mesh, &Options::default()).symmetries.swap_remove(0);
+    let shell_of = |vertex: u32| mesh.shell_of_point[mesh.point_of_vertex[vertex as usize] as usize];
+    let shells_met = |partners: &dyn Fn(u32) -> u32| -> Vec<BTreeSet<u32>> {
+        let mut met = vec![BTreeSet::new(); 10];
+        for vertex in
+            (0..polygons.positions.len() as u32).filter(|v| mesh.point_of_vertex[*v as usize] != NONE)
+        {
+            met[shell_of(vertex) as usize].insert(shell_of(partners(vertex)));
+        }
+        met
+    };
+    assert!(best.partner.iter().all(|partner| *partner >= 0));
+    let truth = example_truth("human_shells");
+    let found = shells_met(&|vertex| best.partner[vertex as usize] as u32);
+    assert_eq!(found, shells_met(&|vertex| truth[vertex as usize]));
+    assert!(found.iter().all(|met| met.len() == 1));
+    let partner: Vec<u32> = found.iter().map(|met| *met.first().unwrap()).collect();
+    assert!((0..10).all(|shell| partner[partner[shell] as usize] as usize == shell));
+    println!("{} vertices are not exact", wrong_partners(&best.partner, &truth));
+    let (mean, far) = errors(&polygons, &best.partner, &truth);
+    assert!(mean < 0.005 && far < 0.02, "{mean} {far}");
+}
+
+#[test]
+#[ignore = "the eyeballs are turned and a row of teeth is half unmirrored: companions' anchors do not orient them"]
+fn every_shell_of_the_human_is_mapped_exactly() {
+    let mesh = validated(&example("human_shells"));
+    let best = detected(&mesh, &Options::default()).symmetries.swap_remove(0);
+    assert_eq!(wrong_partners(&best.partner, &example_truth("human_shells")), 0);
+}
+
+#[test]
+#[ignore = "the antipodal map leaves no point in place, yet a curve is drawn where its odd function jumps"]
+fn a_map_without_fixed_points_has_no_fixed_curve() {
+    let polygons = icosphere(3);
+    let best = detected(&validated(&polygons), &Options::default()).symmetries.swap_remove(0);
+    let moved =
+        |(from, to): (usize, &i32)| distance(polygons.positions[from], polygons.positions[*to as usize]);
+    let least = best.partner.iter().enumerate().map(moved).fold(f64::MAX, f64::min);
+    assert!(least < 0.5 || best.fixed_curve.is_empty(), "every vertex moves by {least} radii or more");
+}
+
+#[test]
+fn the_blob_has_no_symmetry() {
+    let found = detected(&validated(&example("blob")), &Options::default());
+    assert_eq!(found.outcome, Outcome::None);
+    assert!(found.symmetries.is_empty());
+    assert!(found.report.evidence.contains("commute"), "{}", found.report.evidence);
+}
+
+#[test]
+fn the_fixed_curve_of_a_creature_lies_in_its_mirror_plane() {
+    for turn in [0.0, 0.4] {
+        let polygons = creature(4, turn);
+        let mesh = validated(&polygons);
+        let best = detected(&mesh, &Options::default()).symmetries.swap_remove(0);
+        assert_eq!(best.fixed_curve.len(), 1, "turn {turn}");
+        assert!(best.fixed_curve[0].closed);
+        let x = |vertex: u32| polygons.positions[vertex as usize][0] / mesh.unit_length;
+        for point in &best.fixed_curve[0].points {
+            let at = x(point.from) + f64::from(point.t) * (x(point.to) - x(point.from));
+            assert!(at.abs() < 0.05, "turn {turn}: {at} sqrt(area) from the mirror plane");
+        }
+        let vertices = 0..polygons.positions.len() as u32;
+        let sign = vertices.clone().map(|v| f64::from(best.side[v as usize]) * x(v)).sum::<f64>().signum();
+        for vertex in vertices.filter(|v| x(*v).abs() > 0.05) {
+            let side = best.side[vertex as usize];
+            assert_eq!(f64::from(side), sign * x(vertex).signum(), "turn {turn}: side of {vertex}");
+            assert_eq!(best.side[best.partner[vertex as usize] as usize], -side, "turn {turn}: {vertex}");
+        }
+    }
+}
+
+#[test]
+fn small_and_degenerate_meshes_are_answered() {
+    let tetrahedron = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let corner = |i: usize| [(i & 1) as f64, (i >> 1 & 1) as f64, (i >> 2) as f64];
+    let cube: Vec<Vector> = (0..8).map(corner).collect();
+    let cube_faces = [[0u32, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let mut needles = rectangle(3, 40, [1e-4, 1.0]);
+    needles.positions[7] = needles.positions[3];
+    let meshes = [
+        ("tetrahedron", polygon_mesh(&tetrahedron, &[[0u32, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]])),
+        ("cube", polygon_mesh(&cube, &cube_faces)),
+        ("triangle", polygon_mesh(&tetrahedron[..3], &[[0u32, 1, 2]])),
+        ("quad", polygon_mesh(&cube[..4], &[[0u32, 1, 3, 2]])),
+        ("two triangles apart", polygon_mesh(&cube[..6], &[[0u32, 1, 2], [3, 4, 5]])),
+        ("small grid", rectangle(3, 3, [1.0, 1.0])),
+        ("grid", rectangle(20, 33, [1.0, 1.3])),
+        ("needles", needles),
+        ("small sphere", icosphere(1)),
+        ("sphere", icosphere(3)),
+        ("small creature", creature(1, 0.4)),
+    ];
+    for (name, mesh) in meshes {
+        println!("{name}");
+        detected(&validated(&mesh), &Options { symmetries: 4, ..Options::default() });
+    }
+}
+
+#[test]
+fn progress_rises_from_0_to_1_and_names_its_stages() {
+    let calls = RefCell::new(Vec::new());
+    let callback = |stage: &str, fraction: f64| calls.borrow_mut().push((stage.to_string(), fraction));
+    let progress = Progress::new(Some(&callback), CancelToken::default());
+    let mesh = validated(&creature(3, 0.4));
+    detect(&mesh, &Options::default(), &progress).unwrap();
+    let calls = calls.into_inner();
+    assert_eq!(calls[0].1, 0.0);
+    assert_eq!(calls.last().unwrap().1, 1.0);
+    assert!(calls.is_sorted_by(|a, b| a.1 <= b.1), "{calls:?}");
+    assert!(calls.iter().all(|(stage, _)| !stage.is_empty()));
+    let stages: BTreeSet<&String> = calls.iter().map(|(stage, _)| stage).collect();
+    assert!(stages.len() >= 4, "{stages:?}");
+}
+
+#[test]
+fn cancelling_at_any_report_stops_the_call_there() {
+    let mesh = validated(&creature(3, 0.4));
+    let cancelled_at = |last: usize| {
+        let (token, count) = (CancelToken::default(), Cell::new(0));
+        let callback = |_: &str, _: f64| {
+            count.set(count.get() + 1);
+            if count.get() == last {
+                token.cancel();
+            }
+        };
+        let progress = Progress::new(Some(&callback), token.clone());
+        (detect(&mesh, &Options::default(), &progress), count.get())
+    };
+    let (complete, reports) = cancelled_at(usize::MAX);
+    assert!(complete.is_ok() && reports > 10);
+    for last in [1, 2, 3, reports / 3, reports / 2, reports - 2, reports - 1] {
+        let (result, count) = cancelled_at(last);
+        assert!(matches!(result, Err(Error::Cancelled)), "report {last} of {reports}: {result:?}");
+        assert_eq!(count, last, "no report follows the cancellation");
+    }
+    let token = CancelToken::default();
+    token.cancel();
+    let result = detect(&mesh, &Options::default(), &Progress::new(None, token));
+    assert!(matches!(result, Err(Error::Cancelled)));
+}
+
+#[test]
+fn options_outside_their_range_are_refused() {
+    let mesh = validated(&icosphere(1));
+    for (index, spec) in OPTIONS.iter().enumerate() {
+        let with = |value: usize| {
+            let mut values = OPTIONS.map(|spec| spec.default);
+            values[index] = value;
+            let [eigenfunctions, samples, symmetries, beam_width, network] = values;
+            Options { eigenfunctions, samples, symmetries, beam_width, network, ..Options::default() }
+        };
+        for value in [spec.minimum, spec.default, spec.maximum] {
+            assert!(with(value).validate().is_ok(), "{} {value}", spec.name);
+        }
+        let below = spec.minimum.checked_sub(1);
+        for value in [spec.maximum + 1, usize::MAX].into_iter().chain(below) {
+            let error = detect(&mesh, &with(value), &Progress::default()).unwrap_err();
+            assert!(matches!(error, Error::Option { name, .. } if name == spec.name), "{value}: {error}");
+            let range = format!("{}..={}", spec.minimum, spec.maximum);
+            assert!(error.to_string().contains(&range), "{error}");
+        }
+    }
+}
+
+#[test]
+fn no_more_symmetries_are_returned_than_asked_for() {
+    let mesh = validated(&icosphere(3));
+    for symmetries in [1, 3] {
+        let found = detected(&mesh, &Options { symmetries, ..Options::default() });
+        assert!((1..=symmetries).contains(&found.symmetries.len()), "{}", found.symmetries.len());
+    }
+}

@@ -1,0 +1,236 @@
+//! Meshes that the stage and property tests share: made in code, or read from `examples/`.
+#![allow(dead_code)] // each test binary uses a part
+
+use intrinsym::correspondence::Symmetry;
+use intrinsym::limits::Limits;
+use intrinsym::mesh::{Mesh, PolygonMesh, io};
+use intrinsym::options::Options;
+use intrinsym::pipeline::{Detection, Outcome};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+pub type Vector = [f64; 3];
+
+pub fn polygon_mesh<F: AsRef<[u32]>>(positions: &[Vector], faces: &[F]) -> PolygonMesh {
+    let mut mesh =
+        PolygonMesh { positions: positions.to_vec(), face_offsets: vec![0], face_vertices: Vec::new() };
+    for face in faces {
+        mesh.face_vertices.extend_from_slice(face.as_ref());
+        mesh.face_offsets.push(mesh.face_vertices.len() as u32);
+    }
+    mesh
+}
+
+pub fn validated(mesh: &PolygonMesh) -> Mesh {
+    Mesh::new(mesh, &Limits::default()).expect("a usable mesh")
+}
+
+pub fn dot(a: Vector, b: Vector) -> f64 {
+    (0..3).map(|axis| a[axis] * b[axis]).sum()
+}
+
+pub fn distance(a: Vector, b: Vector) -> f64 {
+    let difference = [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+    dot(difference, difference).sqrt()
+}
+
+fn unit(a: Vector) -> Vector {
+    a.map(|coordinate| coordinate / dot(a, a).sqrt())
+}
+
+/// A unit icosphere: `10 * 4^levels + 2` vertices.
+pub fn icosphere(levels: usize) -> PolygonMesh {
+    let golden = (1.0 + 5f64.sqrt()) / 2.0;
+    let mut points: Vec<Vector> = Vec::new();
+    for (a, b) in [(1.0, golden), (-1.0, golden), (1.0, -golden), (-1.0, -golden)] {
+        points.extend([[0.0, a, b], [a, b, 0.0], [b, 0.0, a]].map(unit));
+    }
+    let edge = (0..12).map(|i| distance(points[0], points[i])).filter(|d| *d > 0.1).fold(9.0, f64::min);
+    let near = |a: usize, b: usize| a != b && distance(points[a], points[b]) < 1.01 * edge;
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    for a in 0..12 {
+        for b in (a + 1..12).filter(|&b| near(a, b)) {
+            for c in (b + 1..12).filter(|&c| near(a, c) && near(b, c)) {
+                triangles.push([a as u32, b as u32, c as u32]);
+            }
+        }
+    }
+    for _ in 0..levels {
+        triangles = subdivided(&mut points, &triangles);
+    }
+    polygon_mesh(&points, &triangles)
+}
+
+fn subdivided(points: &mut Vec<Vector>, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
+    let mut middles = BTreeMap::new();
+    let mut middle = |a: u32, b: u32| {
+        *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+            let (p, q) = (points[a as usize], points[b as usize]);
+            points.push(unit([p[0] + q[0], p[1] + q[1], p[2] + q[2]]));
+            points.len() as u32 - 1
+        })
+    };
+    let split = |&[a, b, c]: &[u32; 3]| {
+        let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+        [[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]
+    };
+    triangles.iter().flat_map(split).collect()
+}
+
+/// Rotation by `angle` (radians) about `axis`.
+pub fn rotated(point: Vector, axis: Vector, angle: f64) -> Vector {
+    let (axis, (sine, cosine)) = (unit(axis), angle.sin_cos());
+    let cross = [0, 1, 2].map(|i: usize| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        axis[j] * point[k] - axis[k] * point[j]
+    });
+    let along = dot(axis, point) * (1.0 - cosine);
+    [0, 1, 2].map(|i| point[i] * cosine + cross[i] * sine + axis[i] * along)
+}
+
+/// Limbs of [`creature`]: direction (x >= 0; off the middle they come in mirrored pairs), length, width.
+const LIMBS: [(Vector, f64, f64); 5] = [
+    ([0.0, 0.2, 1.0], 1.3, 18.0),
+    ([0.0, -1.0, -0.35], 0.7, 26.0),
+    ([1.0, 0.45, 0.25], 1.6, 22.0),
+    ([0.75, -0.5, -0.7], 1.0, 24.0),
+    ([0.35, 0.9, -0.3], 0.45, 40.0),
+];
+
+/// The distance of the creature's surface from the origin: symmetric in x and in nothing else.
+fn creature_radius(direction: Vector) -> f64 {
+    let bump = |limb: Vector, length: f64, width: f64| length * (width * (dot(direction, limb) - 1.0)).exp();
+    let both = |&(limb, length, width): &(Vector, f64, f64)| {
+        let limb = unit(limb);
+        let mirrored = [-limb[0], limb[1], limb[2]];
+        bump(limb, length, width) + if limb[0] > 0.0 { bump(mirrored, length, width) } else { 0.0 }
+    };
+    1.0 + LIMBS.iter().map(both).sum::<f64>()
+}
+
+/// A lump with limbs, symmetric in x. With `turn` 0 its mesh is mirrored too; with another angle
+/// (radians) only its surface is, and left and right share no connectivity.
+pub fn creature(levels: usize, turn: f64) -> PolygonMesh {
+    let mut mesh = icosphere(levels);
+    for position in &mut mesh.positions {
+        let direction = rotated(*position, [1.0, 2.0, 3.0], turn);
+        let radius = creature_radius(direction);
+        *position = direction.map(|coordinate| coordinate * radius);
+    }
+    mesh
+}
+
+/// The vertex nearest to the mirror image of each vertex of [`creature`].
+pub fn creature_truth(mesh: &PolygonMesh) -> Vec<u32> {
+    let nearest = |&[x, y, z]: &Vector| {
+        let image = [-x, y, z];
+        let away = |i: &usize| distance(mesh.positions[*i], image);
+        (0..mesh.positions.len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap() as u32
+    };
+    mesh.positions.iter().map(nearest).collect()
+}
+
+/// A flat grid of `columns * rows` squares of the given size, each cut into two triangles.
+pub fn rectangle(columns: usize, rows: usize, [width, height]: [f64; 2]) -> PolygonMesh {
+    let at = |i: usize, count: usize, length: f64| length * i as f64 / count as f64;
+    let positions: Vec<Vector> = (0..=rows)
+        .flat_map(|j| (0..=columns).map(move |i| [at(i, columns, width), at(j, rows, height), 0.0]))
+        .collect();
+    let index = |i: usize, j: usize| (j * (columns + 1) + i) as u32;
+    let squares = (0..rows).flat_map(|j| (0..columns).map(move |i| (i, j)));
+    let cut = |(i, j): (usize, usize)| {
+        let [a, b, c, d] = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)];
+        if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
+    };
+    polygon_mesh(&positions, &squares.flat_map(cut).collect::<Vec<_>>())
+}
+
+fn example_path(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)
+}
+
+/// A mesh of `examples/`, as its file gives it.
+pub fn example(name: &str) -> PolygonMesh {
+    io::read(&example_path(&format!("{name}.ply")), &Limits::default()).unwrap().polygons
+}
+
+/// Its table of true partners.
+pub fn example_truth(name: &str) -> Vec<u32> {
+    let table = std::fs::read_to_string(example_path(&format!("{name}.mirror"))).unwrap();
+    table.lines().map(|line| line.parse().unwrap()).collect()
+}
+
+/// Distances along edges, for points that lie near each other.
+pub struct Roads {
+    neighbours: Vec<Vec<(u32, f64)>>,
+}
+
+impl Roads {
+    /// Lengths in sqrt(area).
+    pub fn new(polygons: &PolygonMesh) -> Roads {
+        let mesh = validated(polygons);
+        let mut neighbours = vec![Vec::new(); polygons.positions.len()];
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|point| mesh.vertex_of_point[point as usize]);
+            for (a, b) in [(a, b), (b, c), (c, a), (b, a), (c, b), (a, c)] {
+                let length = distance(polygons.positions[a as usize], polygons.positions[b as usize]);
+                neighbours[a as usize].push((b, length / mesh.unit_length));
+            }
+        }
+        Roads { neighbours }
+    }
+
+    /// The shortest way along edges by Dijkstra's algorithm, at most 1.
+    pub fn distance(&self, from: u32, to: u32) -> f64 {
+        let mut reached = BTreeMap::from([(from, 0.0)]);
+        let mut queue = std::collections::BTreeSet::from([(0u64, from)]);
+        // Distances are not negative, so their bits are ordered as they are.
+        while let Some((bits, vertex)) = queue.pop_first() {
+            let here = f64::from_bits(bits);
+            if vertex == to || here > 1.0 {
+                return here.min(1.0);
+            }
+            for &(next, length) in &self.neighbours[vertex as usize] {
+                let there = here + length;
+                if reached.get(&next).is_none_or(|known| there < *known) {
+                    reached.insert(next, there);
+                    queue.insert((there.to_bits(), next));
+                }
+            }
+        }
+        1.0
+    }
+}
+
+/// What the documentation of [`Detection`] and [`Symmetry`] promises.
+pub fn assert_keeps_its_contract(mesh: &Mesh, options: &Options, found: &Detection) {
+    assert_eq!(found.outcome == Outcome::Found, !found.symmetries.is_empty());
+    assert!(found.symmetries.len() <= options.symmetries);
+    assert!(found.symmetries.is_sorted_by(|a, b| a.score <= b.score), "best first");
+    assert!(found.report.eigenvalues.is_sorted() && !found.report.evidence.is_empty());
+    assert_eq!((found.report.vertices, found.report.faces), (mesh.point_of_vertex.len(), mesh.face_count));
+    for symmetry in &found.symmetries {
+        for vertex in 0..mesh.point_of_vertex.len() {
+            assert_vertex_keeps_its_contract(mesh, symmetry, vertex);
+        }
+        assert!((0.0..=1.0).contains(&symmetry.mean_confidence) && symmetry.score.is_finite());
+        assert!((0.0..=1.0).contains(&symmetry.exact_share));
+        for point in symmetry.fixed_curve.iter().flat_map(|curve| &curve.points) {
+            assert!((0.0..=1.0).contains(&point.t), "{point:?}");
+        }
+    }
+}
+
+fn assert_vertex_keeps_its_contract(mesh: &Mesh, symmetry: &Symmetry, vertex: usize) {
+    let partner = symmetry.partner[vertex];
+    assert!((-1..mesh.point_of_vertex.len() as i32).contains(&partner));
+    assert!((0.0..=1.0).contains(&symmetry.confidence[vertex]), "{}", symmetry.confidence[vertex]);
+    assert!((-1..=1).contains(&symmetry.side[vertex]));
+    let Some(point) = symmetry.surface_point[vertex] else {
+        assert_eq!((partner, symmetry.side[vertex]), (-1, 0));
+        return;
+    };
+    assert!(partner >= 0 && (point.face as usize) < mesh.face_count);
+    assert!(point.barycentric.iter().all(|weight| (0.0..=1.0).contains(weight)), "{point:?}");
+    assert!((point.barycentric.iter().sum::<f32>() - 1.0).abs() < 1e-5, "{point:?}");
+}

@@ -1,0 +1,1 @@
+"""Data generation, labelling, training, evaluation and export of SignNet."""

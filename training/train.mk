@@ -1,0 +1,40 @@
+# The sign network from nothing: virtual environment, data, training, export, figures. Included by Makefile.
+.PHONY: train train-test train-setup train-evaluate design-table
+
+TRAIN_OUT ?= build/training
+TRAIN_SHAPES ?= 6500
+TRAIN_STEPS ?= 14000
+TRAIN_SEED ?= 1
+PYTHON ?= python3
+TRAIN_PYTHON = $(TRAIN_OUT)/venv/bin/python
+# One thread each: the two workers below fill two cores, and results do not depend on the number of cores.
+TRAIN_ENVIRONMENT = OMP_NUM_THREADS=1 PYTHONHASHSEED=0
+
+train-setup: $(TRAIN_OUT)/venv/.ready
+
+$(TRAIN_OUT)/venv/.ready: training/requirements.txt training/requirements-data.txt
+	$(PYTHON) -m venv $(TRAIN_OUT)/venv
+	$(TRAIN_PYTHON) -m pip install --quiet -r training/requirements.txt
+	$(TRAIN_PYTHON) -m pip install --quiet --no-deps -r training/requirements-data.txt
+	touch $@
+
+$(TRAIN_OUT)/data.ready: $(TRAIN_OUT)/venv/.ready
+	cargo build --release --locked --no-default-features --features cli
+	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.dataset --count $(TRAIN_SHAPES) --seed $(TRAIN_SEED)001 --jobs 2 --out $(TRAIN_OUT)/train.npz
+	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.dataset --count 300 --seed $(TRAIN_SEED)002 --jobs 2 --out $(TRAIN_OUT)/calibration.npz
+	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.dataset --count 500 --seed $(TRAIN_SEED)003 --jobs 2 --out $(TRAIN_OUT)/test.npz
+	touch $@
+
+train: $(TRAIN_OUT)/data.ready ## Make the sign network from nothing (under 30 minutes on two cores)
+	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.train --data $(TRAIN_OUT)/train.npz --calibration $(TRAIN_OUT)/calibration.npz --steps $(TRAIN_STEPS) --out $(TRAIN_OUT)/signnet.npz
+	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.export $(TRAIN_OUT)/signnet.npz models/signnet.onnx
+	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.evaluate models/signnet.onnx --data $(TRAIN_OUT)/test.npz
+
+train-evaluate: $(TRAIN_OUT)/venv/.ready ## Measure the shipped sign network on the public benchmark at $$SCB_DATA
+	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.evaluate models/signnet.onnx --benchmark "$$SCB_DATA" --cache $(TRAIN_OUT)/benchmark
+
+train-test: $(TRAIN_OUT)/venv/.ready ## Test the training package (a tiny training run, no downloads beyond the environment)
+	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m pytest -q training/tests
+
+design-table: $(TRAIN_OUT)/data.ready ## Train and measure the designs that the paper compares
+	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.design_table --folder $(TRAIN_OUT) --out $(TRAIN_OUT)/design_table.md
