@@ -4,7 +4,7 @@
 .PHONY: help demo test fmt examples clean setup setup-test header check-header test-c
 
 help: ## Say what can be made
-	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-12s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 setup:
 	@scripts/setup.sh
@@ -23,6 +23,7 @@ test: setup-test ## Check format and lints, run all tests
 	cargo nextest run --release --locked
 	@$(MAKE) --no-print-directory test-c
 	@$(MAKE) --no-print-directory test-python
+	@$(MAKE) --no-print-directory test-blender
 
 test-c: ## Test the C library: C and C++ programs under sanitizers, and an installed copy
 	cmake -S . -B out/cmake -DCMAKE_BUILD_TYPE=Release -DINTRINSYM_CARGO_FLAGS=
@@ -43,4 +44,5 @@ clean: ## Remove everything that was built or written
 	rm -rf out
 
 include python/python.mk
+include blender_addon/blender.mk
 include training/train.mk

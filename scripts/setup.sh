@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes sure that everything the build needs is there; installs it on Debian and Ubuntu, and says plainly
 # what is missing on any other system. Does nothing, quickly, where all is installed.
-# usage: setup.sh [nextest|python]
+# usage: setup.sh [nextest|python|blender]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -93,6 +93,16 @@ check_python() {
     install_packages python3 python3-venv
 }
 
+# Blender 4.5 as a Python module, for the tests of the extension: Python 3.11, and the libraries that it links.
+BLENDER_PACKAGES=(libgl1 libice6 libsm6 libx11-6 libxext6 libxfixes3 libxi6 libxkbcommon0 libxrender1)
+
+check_blender() {
+    if command -v apt-get >/dev/null; then install_packages "${BLENDER_PACKAGES[@]}"; fi
+    "${BLENDER_PYTHON:-python3.11}" -c 'import ensurepip, venv' 2>/dev/null && return
+    fail "Python 3.11 with its module venv is needed for the tests of the Blender extension" \
+        "(Blender 4.5 runs in no other); BLENDER_PYTHON may name it"
+}
+
 if [ "${1:-}" = nextest ]; then PACKAGES+=(cmake); fi
 if command -v apt-get >/dev/null; then install_packages "${PACKAGES[@]}"; else check_tools; fi
 check_rust
@@ -101,3 +111,7 @@ if [ "${1:-}" = nextest ]; then
     check_nextest
 fi
 if [ "${1:-}" = python ]; then check_python; fi
+if [ "${1:-}" = blender ]; then
+    check_python
+    check_blender
+fi

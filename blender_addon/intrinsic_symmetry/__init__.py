@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Intrinsic Symmetry: the mirror image of every vertex, in any pose and with any connectivity.
+
+The mathematics is in the package `intrinsym`, the wheel beside this add-on. Here is what Blender needs of it:
+
+    preferences     defaults, from the library's own table of options
+    mesh_data       meshes and attributes as numpy arrays, in any mode
+    stored_map      the map that is kept on a mesh, and when it is refused
+    detection       one detection in a worker thread
+    labels          what the network and the user say of each eigenfunction
+    elements        mirror images of edges and faces
+    mirroring       which way values go, and how far
+    ops_*           operators, one file for each thing that a user does
+    panels          the sidebar tab Symmetry
+"""
+
+from . import (
+    labels,
+    ops_attributes,
+    ops_detect,
+    ops_positions,
+    ops_select,
+    ops_shape_keys,
+    ops_vertex_groups,
+    panels,
+    preferences,
+)
+
+_MODULES = (
+    preferences,
+    labels,
+    ops_detect,
+    ops_select,
+    ops_vertex_groups,
+    ops_shape_keys,
+    ops_attributes,
+    ops_positions,
+    panels,
+)
+
+
+def register():
+    for module in _MODULES:
+        module.register()
+
+
+def unregister():
+    for module in reversed(_MODULES):
+        module.unregister()

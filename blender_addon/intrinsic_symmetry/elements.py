@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mirror images of edges and faces, from those of their vertices."""
+
+import numpy as np
+
+from . import mesh_data
+
+
+def edge_partners(mesh, partner):
+    """(edges,) the edge between the partners of each edge's ends; -1 where that is no edge of the mesh."""
+    ends = mesh_data.edges(mesh).astype(np.int64)
+    if not len(ends):
+        return np.zeros(0, np.int64)
+    keys = np.sort(ends, axis=1) @ (len(partner), 1)
+    wanted = np.sort(partner[ends], axis=1).astype(np.int64) @ (len(partner), 1)
+    order = np.argsort(keys)
+    place = order[np.clip(np.searchsorted(keys, wanted, sorter=order), 0, len(keys) - 1)]
+    return np.where(keys[place] == wanted, place, -1)
+
+
+def exact_face_partners(mesh, partner):
+    """(faces,) the face of the partners of each face's vertices; -1 where that is no face of the mesh."""
+    offsets, corners = mesh_data.polygons(mesh)
+    pieces = [piece.tolist() for piece in np.split(corners, offsets[1:-1])] if len(corners) else []
+    number = {frozenset(piece): face for face, piece in enumerate(pieces)}
+    images = (number.get(frozenset(partner[piece].tolist()), -1) for piece in pieces)
+    return np.fromiter(images, np.int64, len(pieces))
+
+
+def face_partners(mesh, symmetry):
+    """(faces,) the face of the partners, or else the one that holds most of the exact images of its vertices."""
+    exact = exact_face_partners(mesh, symmetry.partner)
+    offsets, corners = mesh_data.polygons(mesh)
+    images = symmetry.surface_points.faces.astype(np.int64)
+    images[images == 2**32 - 1] = -1
+    for face in np.flatnonzero(exact < 0):
+        faces, counts = np.unique(images[corners[offsets[face] : offsets[face + 1]]], return_counts=True)
+        exact[face] = faces[counts.argmax()]
+    return exact

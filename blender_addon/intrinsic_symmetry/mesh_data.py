@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Meshes as numpy arrays.
+
+Everything here needs object mode, where Blender's arrays can be read and written at once; `object_mode` goes there
+from any mode and comes back.
+"""
+
+from contextlib import contextmanager
+
+import bpy
+import intrinsym
+import numpy as np
+
+
+class MeshProblem(Exception):
+    """What the user has to know; the text is shown as it is."""
+
+
+def why_not(context):
+    """Why the active object cannot be worked on, or nothing."""
+    object = context.active_object
+    if object is None or object.type != "MESH":
+        return "Needs an active mesh object"
+    if object.data.library is not None:
+        return "The mesh is linked from another file: make it local first"
+    return None
+
+
+@contextmanager
+def object_mode(context):
+    """The active object, in object mode; the mode it was in comes back at the end."""
+    object = context.active_object
+    mode = object.mode
+    if mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    try:
+        yield object
+    finally:
+        if mode != "OBJECT":
+            bpy.ops.object.mode_set(mode=mode)
+
+
+def polygons(mesh):
+    """Faces of any size, as `intrinsym.Polygons`."""
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    offsets = np.empty(len(mesh.polygons) + 1, np.int32)
+    mesh.polygons.foreach_get("loop_start", offsets[:-1])
+    offsets[-1] = len(corners)
+    return intrinsym.Polygons(offsets, corners)
+
+
+def edges(mesh):
+    """(edges, 2) vertex numbers."""
+    ends = np.empty(2 * len(mesh.edges), np.int32)
+    mesh.edges.foreach_get("vertices", ends)
+    return ends.reshape(-1, 2)
+
+
+def positions(mesh):
+    """(vertices, 3) float32 of the base shape."""
+    return _coordinates(mesh.vertices)
+
+
+def key_positions(key):
+    """(vertices, 3) float32 of a shape key."""
+    return _coordinates(key.data)
+
+
+def _coordinates(points):
+    values = np.empty(3 * len(points), np.float32)
+    points.foreach_get("co", values)
+    return values.reshape(-1, 3)
+
+
+def set_key_positions(key, values):
+    key.data.foreach_set("co", np.ascontiguousarray(values, np.float32).ravel())
+
+
+def evaluated_positions(object, depsgraph):
+    """(vertices, 3) float32 after all modifiers."""
+    evaluated = object.evaluated_get(depsgraph).data
+    if len(evaluated.vertices) != len(object.data.vertices):
+        raise MeshProblem(
+            f"The modifiers of {object.name} turn {len(object.data.vertices)} vertices into "
+            f"{len(evaluated.vertices)}: choose base positions, or switch those modifiers off"
+        )
+    return positions(evaluated)
+
+
+def shown_positions(object):
+    """(vertices, 3) float32 of the shape that edits go to: the active shape key, or the base shape."""
+    key = object.active_shape_key
+    return positions(object.data) if key is None else key_positions(key)
+
+
+def set_shown_positions(object, values):
+    """Writes what `shown_positions` reads; a changed basis takes the base shape along."""
+    mesh, key = object.data, object.active_shape_key
+    if key is not None:
+        set_key_positions(key, values)
+    if key is None or key == mesh.shape_keys.reference_key:
+        mesh.vertices.foreach_set("co", np.ascontiguousarray(values, np.float32).ravel())
+    mesh.update()
+
+
+#: data_type of an attribute: the name of its values, how many, and their kind.
+LAYOUTS = {
+    "FLOAT": ("value", 1, np.float32),
+    "INT": ("value", 1, np.int32),
+    "INT8": ("value", 1, np.int32),
+    "BOOLEAN": ("value", 1, bool),
+    "FLOAT_VECTOR": ("vector", 3, np.float32),
+    "FLOAT2": ("vector", 2, np.float32),
+    "FLOAT_COLOR": ("color", 4, np.float32),
+    "BYTE_COLOR": ("color", 4, np.float32),
+}
+
+
+def read_attribute(attribute):
+    """(elements,) or (elements, components) of an attribute of one of LAYOUTS."""
+    name, components, kind = LAYOUTS[attribute.data_type]
+    values = np.empty(components * len(attribute.data), kind)
+    attribute.data.foreach_get(name, values)
+    return values if components == 1 else values.reshape(-1, components)
+
+
+def write_attribute(mesh, name, kind, values):
+    """Stores values, one row for each vertex, in the POINT attribute; replaces one of another type."""
+    attribute = mesh.attributes.get(name)
+    if attribute is not None and (attribute.data_type, attribute.domain) != (kind, "POINT"):
+        mesh.attributes.remove(attribute)
+        attribute = None
+    if attribute is None:
+        mesh.attributes.new(name, kind, "POINT")
+    update_attribute(mesh.attributes[name], values)  # fetched again: creating one moves the others
+
+
+def update_attribute(attribute, values):
+    name, _, number = LAYOUTS[attribute.data_type]
+    attribute.data.foreach_set(name, np.ascontiguousarray(values, number).ravel())
+
+
+def selected_vertices(mesh):
+    """(vertices,) bool."""
+    flags = np.empty(len(mesh.vertices), bool)
+    mesh.vertices.foreach_get("select", flags)
+    return flags

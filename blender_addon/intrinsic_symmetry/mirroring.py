@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What all mirror operators share: which way values go, how far each vertex is changed, and which may change."""
+
+import bpy
+import numpy as np
+from intrinsym import Merge, SymmetryKind
+
+from . import mesh_data
+
+DIRECTIONS = (
+    ("LEFT_TO_RIGHT", "Left to Right", "The left side (mostly +X) wins", Merge.POSITIVE_WINS),
+    ("RIGHT_TO_LEFT", "Right to Left", "The right side (mostly -X) wins", Merge.NEGATIVE_WINS),
+    ("AVERAGE", "Average", "Both sides take the mean", Merge.AVERAGE),
+    ("SWAP", "Exchange", "Both sides take the other's", Merge.SWAP),
+)
+MERGE = {identifier: merge for identifier, _, _, merge in DIRECTIONS}
+
+
+class MirrorProperties:
+    """Properties of an operator that mirrors. Mix in before bpy.types.Operator."""
+
+    direction: bpy.props.EnumProperty(
+        name="Direction",
+        description="Which side takes the values of the other",
+        items=[entry[:3] for entry in DIRECTIONS],
+        default="LEFT_TO_RIGHT",
+    )
+    selected_only: bpy.props.BoolProperty(
+        name="Selected Only",
+        description="In edit mode with a selection, change only the selected vertices and their mirror images",
+        default=True,
+    )
+    minimum_confidence: bpy.props.FloatProperty(
+        name="Minimum Confidence",
+        description="Leave vertices alone whose mirror image is less certain than this",
+        min=0.0, max=1.0, default=0.0, subtype="FACTOR",
+    )
+    soft: bpy.props.BoolProperty(
+        name="Soft by Confidence",
+        description="Change each vertex only by the share of its confidence",
+        default=False,
+    )
+
+    @property
+    def merge(self):
+        return MERGE[self.direction]
+
+    def how(self):
+        """Keywords of the library's mirror tools."""
+        return {"minimum_confidence": self.minimum_confidence, "weight_by_confidence": self.soft}
+
+    def shares(self, symmetry):
+        """(vertices,) how much of the mirrored value each vertex takes, as the library's tools do."""
+        return shares(symmetry, self.merge, **self.how())
+
+    def may_change(self, object, mode, symmetry):
+        """(vertices,) bool: the selection and its mirror image, or all."""
+        everything = np.ones(len(symmetry.partner), bool)
+        if not self.selected_only or mode != "EDIT":
+            return everything
+        selected = mesh_data.selected_vertices(object.data)
+        return selected | symmetry.mirror_selection(selected) if selected.any() else everything
+
+
+def shares(symmetry, merge, *, minimum_confidence=0.0, weight_by_confidence=False):
+    """(vertices,) share of the mirrored value in the new one, 0..1: what `intrinsym.Symmetry.mirror_values` does
+    inside, needed where names are exchanged on the way. A test holds the two together."""
+    if merge in (Merge.POSITIVE_WINS, Merge.NEGATIVE_WINS):
+        if symmetry.kind == SymmetryKind.HALF_TURN:
+            raise mesh_data.MeshProblem("A half turn has no left and right: choose Average or Exchange")
+        taken = (symmetry.side == (-1 if merge == Merge.POSITIVE_WINS else 1)).astype(float)
+    else:
+        taken = np.full(len(symmetry.side), 0.5 if merge == Merge.AVERAGE else 1.0)
+    if weight_by_confidence:
+        taken *= symmetry.confidence
+    taken[(symmetry.partner < 0) | (symmetry.confidence < minimum_confidence)] = 0.0
+    return taken
+
+
+def blend(own, image, share):
+    """Own values where the share is 0, the mirror image's where it is 1; rows are vertices."""
+    share = share.reshape(-1, *[1] * (own.ndim - 1))
+    return np.where(share >= 1, image, (1 - share) * own + share * image)

@@ -1,0 +1,214 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Detect: find the symmetry and keep it on the mesh; choose among several; exchange its sides; remove it."""
+
+import bpy
+import intrinsym
+
+from . import detection, mesh_data, preferences, stored_map
+from .operator_base import MapOperator, MeshOperator, sentence
+
+#: The running detection, for the panel; only one at a time.
+running = []
+
+
+def keep(object, core_mesh, found, index=0):
+    """Stores one of the symmetries found; returns the sentence for the user. Needs object mode."""
+    mesh = object.data
+    now = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
+    if now.connectivity_hash != core_mesh.connectivity_hash:
+        raise mesh_data.MeshProblem("The mesh was changed while its symmetry was being found: Detect again")
+    stored_map.store(mesh, core_mesh, found[index])
+    mesh.update()
+    return about(found[index])
+
+
+def about(symmetry):
+    """One sentence about a symmetry."""
+    kind = "Reflection" if symmetry.kind == intrinsym.SymmetryKind.REFLECTION else "Half turn"
+    exact = f", {symmetry.exact_share:.0%} from mirrored connectivity" if symmetry.exact_share > 0 else ""
+    return f"{kind}, mean confidence {symmetry.mean_confidence:.2f}{exact}"
+
+
+class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):
+    """Find the mirror image of every vertex, in any pose, and keep it on the mesh"""
+
+    bl_idname = "intrinsic_symmetry.detect"
+    bl_label = "Detect Symmetry"
+
+    source: bpy.props.EnumProperty(
+        name="Positions", description="Which shape of the mesh is looked at", items=detection.SOURCES
+    )
+    use_labels: bpy.props.BoolProperty(
+        name="Use Corrections", description="Obey the signs that were set under Correct and Label", default=True
+    )
+
+    def execute(self, context):
+        try:
+            with mesh_data.object_mode(context) as object:
+                job = self._start(context, object)
+                return self._finish(object, job)
+        except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
+            self.report({"ERROR"}, sentence(problem))
+            return {"CANCELLED"}
+
+    def invoke(self, context, _event):
+        if bpy.app.background:
+            return self.execute(context)
+        if running:
+            self.report({"WARNING"}, "A detection is running already; Esc cancels it")
+            return {"CANCELLED"}
+        try:
+            with mesh_data.object_mode(context) as object:
+                self._job = self._start(context, object)
+        except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
+            self.report({"ERROR"}, sentence(problem))
+            return {"CANCELLED"}
+        running.append(self._job)
+        self._name = object.name
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(0.1, window=context.window)
+        manager.progress_begin(0, 100)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type == "ESC" and event.value == "PRESS":
+            self._job.cancel()
+            return {"RUNNING_MODAL"}
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        if self._job.is_running():
+            self._show_progress(context)
+            return {"PASS_THROUGH"}
+        self._leave(context)
+        return self._conclude(context)
+
+    def cancel(self, context):
+        """Blender's own: the window closes."""
+        self._job.cancel()
+        self._leave(context)
+
+    def _start(self, context, object):
+        from . import labels
+
+        arguments = preferences.detect_arguments(context)
+        signs = labels.known_signs(object.data) if self.use_labels else []
+        if signs:
+            arguments["known_signs"] = signs
+        core_mesh = detection.core_mesh_of(object, self.source, context.evaluated_depsgraph_get())
+        return detection.Job(core_mesh, arguments)
+
+    def _finish(self, object, job):
+        """Waits for the worker and keeps what it found; object mode."""
+        from . import labels
+
+        found = job.answer()
+        labels.take_predictions(object.data, found.report["report"])
+        if not found:
+            self.report({"WARNING"}, f"No symmetry found: {found.report['report']['evidence']}")
+            return {"CANCELLED"}
+        text = keep(object, job.core_mesh, found)
+        detection.remember(object.data, job.core_mesh, found)
+        self.report({"INFO"}, text)
+        return {"FINISHED"}
+
+    def _conclude(self, context):
+        """The end of a modal run; the user may have gone to another object meanwhile."""
+        object = context.active_object
+        if object is None or object.name != self._name:
+            self.report({"WARNING"}, f"{self._name} is not the active object any more: its symmetry was not kept")
+            return {"CANCELLED"}
+        try:
+            with mesh_data.object_mode(context):
+                return self._finish(object, self._job)
+        except intrinsym.CancelledError:
+            self.report({"INFO"}, "Cancelled")
+        except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
+            self.report({"ERROR"}, sentence(problem))
+        return {"CANCELLED"}
+
+    def _show_progress(self, context):
+        fraction = self._job.fraction
+        context.window_manager.progress_update(100 * fraction)
+        context.workspace.status_text_set(
+            f"Detecting symmetry: {self._job.stage}, {fraction:.0%}   (Esc to cancel)"
+        )
+        for area in context.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+    def _leave(self, context):
+        running.remove(self._job)
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        context.workspace.status_text_set(None)
+
+
+class INTRINSIC_SYMMETRY_OT_choose(MeshOperator, bpy.types.Operator):
+    """Use another of the symmetries that were found (Preferences: Symmetries says how many are looked for)"""
+
+    bl_idname = "intrinsic_symmetry.choose"
+    bl_label = "Choose Symmetry"
+
+    index: bpy.props.IntProperty(name="Number", description="1 is the best one", default=1, min=1, max=16)
+
+    def run(self, _context, object, _mode):
+        remembered = detection.remembered(object.data)
+        if remembered is None:
+            raise mesh_data.MeshProblem("Nothing was found on this mesh since Blender was started: Detect first")
+        core_mesh, found = remembered
+        if self.index > len(found):
+            raise mesh_data.MeshProblem(f"There is no symmetry {self.index}: {len(found)} found")
+        return keep(object, core_mesh, found, self.index - 1)
+
+
+class INTRINSIC_SYMMETRY_OT_exchange_sides(MapOperator, bpy.types.Operator):
+    """Call the left side right and the right side left"""
+
+    bl_idname = "intrinsic_symmetry.exchange_sides"
+    bl_label = "Exchange Sides"
+
+    def run_with(self, _symmetry, _context, object, _mode):
+        stored_map.exchange_sides(object.data)
+        return "Left and right are exchanged"
+
+
+class INTRINSIC_SYMMETRY_OT_clear(MeshOperator, bpy.types.Operator):
+    """Remove the stored symmetry from the mesh"""
+
+    bl_idname = "intrinsic_symmetry.clear"
+    bl_label = "Remove Symmetry"
+
+    @classmethod
+    def poll(cls, context):
+        problem = mesh_data.why_not(context)
+        if problem is None and stored_map.RECORD not in context.active_object.data:
+            problem = "No symmetry is stored on this mesh"
+        if problem:
+            cls.poll_message_set(problem)
+        return problem is None
+
+    def run(self, _context, object, _mode):
+        stored_map.clear(object.data)
+        return "The symmetry was removed"
+
+
+_register, _unregister = bpy.utils.register_classes_factory(
+    (
+        INTRINSIC_SYMMETRY_OT_detect,
+        INTRINSIC_SYMMETRY_OT_choose,
+        INTRINSIC_SYMMETRY_OT_exchange_sides,
+        INTRINSIC_SYMMETRY_OT_clear,
+    )
+)
+
+
+def register():
+    _register()
+
+
+def unregister():
+    for job in running:
+        job.cancel()
+    detection.forget_all()
+    _unregister()

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sidebar tab Symmetry of the 3D viewport."""
+
+import bpy
+
+from . import detection, ops_detect, stored_map
+
+
+class SymmetryPanel:
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Symmetry"
+
+
+class INTRINSIC_SYMMETRY_PT_detect(SymmetryPanel, bpy.types.Panel):
+    bl_label = "Intrinsic Symmetry"
+
+    def draw(self, context):
+        layout = self.layout
+        if ops_detect.running:
+            job = ops_detect.running[0]
+            layout.progress(factor=job.fraction, text=f"{job.stage.capitalize()}   (Esc to cancel)")
+            return
+        row = layout.row(align=True)
+        row.operator("intrinsic_symmetry.detect", icon="MOD_MIRROR").source = "BASE"
+        row.operator_menu_enum("intrinsic_symmetry.detect", "source", text="", icon="DOWNARROW_HLT")
+        object = context.active_object
+        if object is None or object.type != "MESH":
+            return
+        self._status(layout, object)
+
+    def _status(self, layout, object):
+        problem = stored_map.why_none(object)
+        if problem:
+            layout.label(text=problem, icon="INFO")
+            return
+        record = object.data[stored_map.RECORD]
+        column = layout.column(align=True)
+        column.label(text=f"Mean confidence {record['mean_confidence']:.2f}", icon="CHECKMARK")
+        if record["exact_share"] > 0:
+            column.label(text=f"{record['exact_share']:.0%} from mirrored connectivity", icon="BLANK1")
+        row = layout.row(align=True)
+        row.operator("intrinsic_symmetry.exchange_sides", icon="ARROW_LEFTRIGHT")
+        row.operator("intrinsic_symmetry.clear", text="", icon="X")
+        self._alternatives(layout, object.data)
+
+    def _alternatives(self, layout, mesh):
+        remembered = detection.remembered(mesh)
+        if remembered is None or len(remembered[1]) < 2:
+            return
+        row = layout.row(align=True)
+        row.label(text="Use symmetry")
+        for number in range(1, len(remembered[1]) + 1):
+            row.operator("intrinsic_symmetry.choose", text=str(number)).index = number
+
+
+class INTRINSIC_SYMMETRY_PT_select(SymmetryPanel, bpy.types.Panel):
+    bl_label = "Select"
+    bl_parent_id = "INTRINSIC_SYMMETRY_PT_detect"
+
+    def draw(self, _context):
+        column = self.layout.column(align=True)
+        column.operator("intrinsic_symmetry.select", icon="RESTRICT_SELECT_OFF")
+        column.operator("intrinsic_symmetry.select", text="Extend to Both Sides").extend = True
+        column.operator("intrinsic_symmetry.select_line")
+        column.operator("intrinsic_symmetry.select_to_line")
+
+
+class INTRINSIC_SYMMETRY_PT_mirror(SymmetryPanel, bpy.types.Panel):
+    bl_label = "Mirror"
+    bl_parent_id = "INTRINSIC_SYMMETRY_PT_detect"
+
+    def draw(self, _context):
+        column = self.layout.column(align=True)
+        for name, icon in (
+            ("mirror_vertex_groups", "GROUP_VERTEX"),
+            ("mirror_shape_keys", "SHAPEKEY_DATA"),
+            ("mirror_attribute", "SPREADSHEET"),
+        ):
+            column.operator_menu_enum(f"intrinsic_symmetry.{name}", "direction", icon=icon)
+
+
+class INTRINSIC_SYMMETRY_PT_shape(SymmetryPanel, bpy.types.Panel):
+    bl_label = "Shape"
+    bl_parent_id = "INTRINSIC_SYMMETRY_PT_detect"
+
+    def draw(self, _context):
+        column = self.layout.column(align=True)
+        column.operator_menu_enum("intrinsic_symmetry.symmetrize", "direction", icon="MOD_MIRROR")
+        column.operator("intrinsic_symmetry.remember", icon="PINNED")
+        column.operator("intrinsic_symmetry.mirror_edit", icon="UV_SYNC_SELECT")
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (
+        INTRINSIC_SYMMETRY_PT_detect,
+        INTRINSIC_SYMMETRY_PT_select,
+        INTRINSIC_SYMMETRY_PT_mirror,
+        INTRINSIC_SYMMETRY_PT_shape,
+    )
+)

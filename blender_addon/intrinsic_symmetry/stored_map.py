@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The map that is kept on a mesh: attributes of the POINT domain, and a record that says what they belong to.
+
+| attribute | type | meaning |
+|---|---|---|
+| symmetry_partner | INT | the vertex that is the mirror image; -1 none |
+| symmetry_confidence | FLOAT | 0..1 |
+| symmetry_side | INT | 1 left (mostly +X), -1 right, 0 on the line between them |
+| symmetry_face | INT | the face that holds the exact mirror image; -1 none |
+| symmetry_corner_0, _1, _2 | INT | three vertices of that face |
+| symmetry_bary | FLOAT_VECTOR | their weights |
+
+Editing rots such numbers silently, so the record holds a hash of the connectivity and a checksum of the attributes,
+and a map that does not fit its mesh any more is refused.
+"""
+
+import zlib
+from dataclasses import dataclass
+
+import intrinsym
+import numpy as np
+
+from . import mesh_data
+
+RECORD = "intrinsic_symmetry"
+PARTNER, CONFIDENCE, SIDE = "symmetry_partner", "symmetry_confidence", "symmetry_side"
+FACE, BARY = "symmetry_face", "symmetry_bary"
+CORNERS = ("symmetry_corner_0", "symmetry_corner_1", "symmetry_corner_2")
+KINDS = {PARTNER: "INT", CONFIDENCE: "FLOAT", SIDE: "INT", FACE: "INT", BARY: "FLOAT_VECTOR"}
+KINDS.update(dict.fromkeys(CORNERS, "INT"))
+_NONE = 2**32 - 1
+
+
+class StaleMap(mesh_data.MeshProblem):
+    """There is no map that fits the mesh."""
+
+
+@dataclass(frozen=True)
+class FixedLine:
+    """One piece of the line between left and right; see `intrinsym.CurveLine`."""
+
+    edges: np.ndarray  # (points, 2) int32
+    parameters: np.ndarray  # (points,) float32
+    closed: bool
+
+    def positions(self, vertices):
+        """(points, 3) for (vertices, 3)."""
+        t = self.parameters[:, None]
+        return (1 - t) * vertices[self.edges[:, 0]] + t * vertices[self.edges[:, 1]]
+
+    def nearest_vertices(self):
+        """(points,) the nearer end of each point's edge."""
+        return np.where(self.parameters < 0.5, self.edges[:, 0], self.edges[:, 1])
+
+
+def names():
+    """Names of all attributes of a stored map."""
+    return list(KINDS)
+
+
+def why_none(object):
+    """Why there is no map to use, as far as can be seen without reading the mesh; or nothing."""
+    record = object.data.get(RECORD)
+    if record is None:
+        return "Detect the symmetry first"
+    if object.mode != "EDIT" and record["vertices"] != len(object.data.vertices):
+        return "The mesh has changed since: Detect again"
+    return None
+
+
+def store(mesh, core_mesh, symmetry):
+    """Keeps a map on its mesh. The side that lies more toward +X becomes 1."""
+    points = symmetry.surface_points
+    values = {
+        PARTNER: symmetry.partner,
+        CONFIDENCE: symmetry.confidence,
+        SIDE: symmetry.side.astype(np.int32) * _left(symmetry.side, mesh_data.positions(mesh)),
+        FACE: points.faces.astype(np.int64),
+        BARY: points.barycentrics,
+    }
+    values.update(zip(CORNERS, points.corners.T.astype(np.int64)))
+    for name, kind in KINDS.items():
+        given = np.where(values[name] == _NONE, -1, values[name]) if kind == "INT" else values[name]
+        mesh_data.write_attribute(mesh, name, kind, given)
+    mesh[RECORD] = _record(mesh, core_mesh, symmetry)
+
+
+def _left(side, positions):
+    """1 or -1: which of the core's sides lies more toward +X."""
+    if not (np.any(side > 0) and np.any(side < 0)):
+        return 1
+    return 1 if positions[side > 0, 0].mean() >= positions[side < 0, 0].mean() else -1
+
+
+def _record(mesh, core_mesh, symmetry):
+    record = {
+        "connectivity": f"{core_mesh.connectivity_hash:016x}",
+        "checksum": _checksum(mesh),
+        "vertices": core_mesh.vertex_count,
+        "kind": int(symmetry.kind),
+        "mean_confidence": float(symmetry.mean_confidence),
+        "exact_share": float(symmetry.exact_share),
+    }
+    for number, line in enumerate(symmetry.fixed_curve):
+        record[f"line_{number}"] = {
+            "edges": line.edges.astype(np.int32).ravel().tolist(),
+            "parameters": line.parameters.astype(float).tolist(),
+            "closed": line.closed,
+        }
+    return record
+
+
+def _checksum(mesh):
+    total = 0
+    for name in KINDS:
+        total = zlib.crc32(mesh_data.read_attribute(mesh.attributes[name]).tobytes(), total)
+    return f"{total:08x}"
+
+
+def load(mesh):
+    """The stored map as an `intrinsym.Symmetry`. Raises StaleMap."""
+    record = mesh.get(RECORD)
+    if record is None or any(_attribute(mesh, name) is None for name in KINDS):
+        raise StaleMap("This mesh has no stored symmetry: Detect first")
+    core_mesh = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
+    if record["connectivity"] != f"{core_mesh.connectivity_hash:016x}":
+        raise StaleMap("The mesh has other vertices or faces than when its symmetry was found: Detect again")
+    if record["checksum"] != _checksum(mesh):
+        raise StaleMap("The stored symmetry has been changed by an edit: Detect again")
+    read = {name: mesh_data.read_attribute(mesh.attributes[name]) for name in KINDS}
+    corners = np.stack([read[name] for name in CORNERS], axis=1)
+    points = intrinsym.SurfacePoints(read[FACE].astype(np.uint32), corners.astype(np.uint32), read[BARY])
+    kind = intrinsym.SymmetryKind(record["kind"])
+    return core_mesh.restore(kind, read[PARTNER], read[CONFIDENCE], read[SIDE].astype(np.int8), points)
+
+
+def _attribute(mesh, name):
+    attribute = mesh.attributes.get(name)
+    fits = attribute is not None and (attribute.data_type, attribute.domain) == (KINDS[name], "POINT")
+    return attribute if fits else None
+
+
+def fixed_lines(mesh):
+    """The pieces of the line between left and right; empty for a half turn."""
+    record, found = mesh.get(RECORD, {}), []
+    while (line := record.get(f"line_{len(found)}")) is not None:
+        edges = np.array(line["edges"][:], np.int32).reshape(-1, 2)
+        found.append(FixedLine(edges, np.array(line["parameters"][:], np.float32), bool(line["closed"])))
+    return found
+
+
+def exchange_sides(mesh):
+    """Left becomes right."""
+    mesh_data.update_attribute(mesh.attributes[SIDE], -mesh_data.read_attribute(mesh.attributes[SIDE]))
+    mesh[RECORD]["checksum"] = _checksum(mesh)
+
+
+def clear(mesh):
+    """Removes the map and its record."""
+    for name in KINDS:
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
+    if RECORD in mesh:
+        del mesh[RECORD]

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A Blender with the extension installed from its zip, as a user does it, and bodies of examples/ in it."""
+
+import os
+import shutil
+import tempfile
+from pathlib import Path
+
+_RESOURCES = tempfile.mkdtemp(prefix="intrinsym_blender_")
+os.environ["BLENDER_USER_RESOURCES"] = _RESOURCES  # before bpy is imported
+
+import bpy  # noqa: E402
+import numpy as np  # noqa: E402
+import pytest  # noqa: E402
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLES = ROOT / "examples"
+MODULE = "bl_ext.user_default.intrinsic_symmetry"
+
+
+def extension_zip():
+    found = sorted((ROOT / "out" / "blender").glob("intrinsic_symmetry-*.zip"))
+    if not found:
+        pytest.exit("out/blender holds no extension: make blender-extension", returncode=1)
+    return found[-1]
+
+
+def pytest_configure():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    install()
+
+
+def install():
+    bpy.ops.extensions.package_install_files(
+        repo="user_default", filepath=str(extension_zip()), enable_on_install=True
+    )
+
+
+def pytest_unconfigure():
+    shutil.rmtree(_RESOURCES, ignore_errors=True)
+
+
+def module(name):
+    """A module of the installed extension."""
+    import importlib
+
+    return importlib.import_module(f"{MODULE}.{name}")
+
+
+def new_object(mesh, name="object"):
+    """Links a mesh to the scene as the active and only selected object."""
+    bpy.context.view_layer.update()
+    for other in bpy.context.view_layer.objects:
+        other.select_set(False)
+    object = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(object)
+    bpy.context.view_layer.objects.active = object
+    object.select_set(True)
+    return object
+
+
+def read_example(name):
+    """A mesh of examples/, polygons as they are."""
+    import intrinsym
+
+    source = intrinsym.Mesh.read(EXAMPLES / f"{name}.ply")
+    offsets, corners = source.polygons
+    faces = [corners[a:b].tolist() for a, b in zip(offsets[:-1], offsets[1:])]
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(source.vertices.tolist(), [], faces)
+    return mesh
+
+
+def truth_of(name):
+    return np.loadtxt(EXAMPLES / f"{name}.mirror", dtype=np.int64)
+
+
+def attribute(mesh, name):
+    return module("mesh_data").read_attribute(mesh.attributes[name])
+
+
+def positions(mesh):
+    return module("mesh_data").positions(mesh).astype(float)
+
+
+def select(object, vertices):
+    """Selects vertices, and the edges and faces between them, in object mode."""
+    flags = np.zeros(len(object.data.vertices), bool)
+    flags[vertices] = True
+    module("ops_select").write_selection(bpy.context, object.data, flags)
+
+
+def selected(object):
+    """Numbers of the selected vertices, in any mode."""
+    with module("mesh_data").object_mode(bpy.context):
+        return np.flatnonzero(module("mesh_data").selected_vertices(object.data))
+
+
+@pytest.fixture(autouse=True)
+def clean_scene():
+    """Each test starts in object mode, without objects, in vertex select mode."""
+    yield
+    if bpy.context.object and bpy.context.object.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    for object in list(bpy.data.objects):
+        bpy.data.objects.remove(object)
+    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
+
+
+_detected = {}
+
+
+def _with_symmetry(name):
+    """An object with its symmetry detected once a session."""
+    if name not in _detected or _detected[name] not in bpy.data.meshes.keys():
+        object = new_object(read_example(name), name)
+        assert bpy.ops.intrinsic_symmetry.detect() == {"FINISHED"}
+        object.data.use_fake_user = True
+        _detected[name] = object.data.name
+        bpy.data.objects.remove(object)
+    return new_object(bpy.data.meshes[_detected[name]].copy(), name)
+
+
+@pytest.fixture
+def human():
+    """The posed human, 13,380 vertices, quads, its connectivity mirrored; with its symmetry."""
+    return _with_symmetry("human")
+
+
+@pytest.fixture
+def quadruped():
+    """An animal in stride whose left and right share no connectivity; with its symmetry."""
+    return _with_symmetry("quadruped")
+
+
+@pytest.fixture
+def truth():
+    return truth_of("human")
+
+
+@pytest.fixture(params=["OBJECT", "EDIT"])
+def mode(request):
+    """Each test that asks for it runs in both modes."""
+    return request.param
+
+
+def enter(mode):
+    if bpy.context.object.mode != mode:
+        bpy.ops.object.mode_set(mode=mode)

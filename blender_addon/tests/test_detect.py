@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Detect, and what it keeps on the mesh."""
+
+import bpy
+import numpy as np
+import pytest
+from conftest import attribute, enter, module, new_object, positions, read_example
+
+detect = bpy.ops.intrinsic_symmetry.detect
+
+
+def test_the_posed_human_is_paired_exactly(human, truth):
+    mesh = human.data
+    assert np.array_equal(attribute(mesh, "symmetry_partner"), truth)
+    assert attribute(mesh, "symmetry_confidence").mean() > 0.9
+    side = attribute(mesh, "symmetry_side")
+    assert np.array_equal(side[truth], -side)
+    assert positions(mesh)[side == 1, 0].mean() > positions(mesh)[side == -1, 0].mean()
+
+
+def test_exact_points_lie_on_the_faces_that_are_named(quadruped):
+    mesh = quadruped.data
+    faces, bary = attribute(mesh, "symmetry_face"), attribute(mesh, "symmetry_bary")
+    corners = np.stack([attribute(mesh, f"symmetry_corner_{k}") for k in range(3)], axis=1)
+    assert np.allclose(bary.sum(axis=1), 1, atol=1e-5)
+    for vertex in range(0, len(faces), 97):
+        assert set(corners[vertex]) <= set(mesh.polygons[faces[vertex]].vertices)
+
+
+def test_it_runs_in_both_modes_and_comes_back(mode):
+    object = new_object(read_example("quadruped"))
+    enter(mode)
+    assert detect() == {"FINISHED"}
+    assert object.mode == mode
+    enter("OBJECT")
+    assert attribute(object.data, "symmetry_partner").min() >= 0
+
+
+def test_every_source_of_positions():
+    object = new_object(read_example("quadruped"))
+    object.shape_key_add(name="Basis")
+    object.shape_key_add(name="Other")
+    object.active_shape_key_index = 1
+    object.modifiers.new("wave", "WAVE").height = 0.01
+    for source in ("BASE", "KEY", "EVALUATED"):
+        assert detect(source=source) == {"FINISHED"}, source
+
+
+def test_evaluated_positions_of_another_number_of_vertices_are_refused():
+    object = new_object(read_example("quadruped"))
+    object.modifiers.new("subdivide", "SUBSURF").levels = 1
+    with pytest.raises(RuntimeError, match="turn 3398 vertices into"):
+        detect(source="EVALUATED")
+    assert detect(source="BASE") == {"FINISHED"}
+
+
+def test_no_symmetry_is_an_answer_and_leaves_the_mesh_alone():
+    object = new_object(read_example("blob"))
+    assert detect() == {"CANCELLED"}
+    assert "symmetry_partner" not in object.data.attributes
+
+
+def test_poll_says_what_is_missing():
+    with pytest.raises(RuntimeError, match="Needs an active mesh object"):
+        detect()
+    new_object(read_example("quadruped"))
+    with pytest.raises(RuntimeError, match="Detect the symmetry first"):
+        bpy.ops.intrinsic_symmetry.select()
+
+
+def test_the_library_s_errors_are_shown():
+    new_object(bpy.data.meshes.new("empty"))
+    with pytest.raises(RuntimeError, match="(?i)the mesh cannot be used"):
+        detect()
+    mesh = bpy.data.meshes.new("not a number")
+    mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, float("nan"), 0)], [], [(0, 1, 2)])
+    new_object(mesh)
+    with pytest.raises(RuntimeError, match="vertex 2"):
+        detect()
+
+
+def test_preferences_reach_the_library():
+    preferences = bpy.context.preferences.addons[module("preferences").__package__].preferences
+    new_object(read_example("quadruped"))
+    preferences.model = "/nowhere/network.onnx"
+    try:
+        with pytest.raises(RuntimeError, match="network.onnx"):
+            detect()
+    finally:
+        preferences.model = ""
+    preferences.symmetries = 3
+    try:
+        arguments = module("preferences").detect_arguments(bpy.context)
+    finally:
+        preferences.property_unset("symmetries")
+    assert arguments["symmetries"] == 3 and "model" not in arguments
+
+
+def test_one_of_several_symmetries_can_be_chosen():
+    preferences = bpy.context.preferences.addons[module("preferences").__package__].preferences
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=24, y_subdivisions=16, size=2)
+    object = bpy.context.object
+    object.scale = (1, 1, 1)
+    for vertex in object.data.vertices:  # a rectangle, bent
+        vertex.co = (1.5 * vertex.co.x, vertex.co.y, 0.2 * vertex.co.x * vertex.co.x)
+    preferences.symmetries = 4
+    try:
+        assert detect() == {"FINISHED"}
+    finally:
+        preferences.property_unset("symmetries")
+    first = attribute(object.data, "symmetry_partner")
+    assert bpy.ops.intrinsic_symmetry.choose(index=2) == {"FINISHED"}
+    assert not np.array_equal(first, attribute(object.data, "symmetry_partner"))
+    with pytest.raises(RuntimeError, match="no symmetry 16"):
+        bpy.ops.intrinsic_symmetry.choose(index=16)
+
+
+def test_sides_can_be_exchanged_and_the_map_removed(human, mode):
+    before = attribute(human.data, "symmetry_side")
+    enter(mode)
+    assert bpy.ops.intrinsic_symmetry.exchange_sides() == {"FINISHED"}
+    enter("OBJECT")
+    assert np.array_equal(attribute(human.data, "symmetry_side"), -before)
+    enter(mode)
+    assert bpy.ops.intrinsic_symmetry.select_line() == {"FINISHED"}  # the map is still accepted
+    assert bpy.ops.intrinsic_symmetry.clear() == {"FINISHED"}
+    enter("OBJECT")
+    assert not [a.name for a in human.data.attributes if a.name.startswith("symmetry_")]
+    assert not bpy.ops.intrinsic_symmetry.clear.poll()
+
+
+def test_a_job_can_be_watched_and_cancelled():
+    import intrinsym
+
+    detection = module("detection")
+    object = new_object(read_example("human"))
+    core_mesh = detection.core_mesh_of(object, "BASE", bpy.context.evaluated_depsgraph_get())
+    job = detection.Job(core_mesh, {})
+    while job.is_running() and job.fraction == 0:
+        pass
+    assert job.stage and 0 < job.fraction <= 1
+    job.cancel()
+    with pytest.raises(intrinsym.CancelledError):
+        job.answer()

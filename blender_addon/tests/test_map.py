@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The stored map: undo, staleness, saving."""
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from conftest import attribute, enter, module, new_object, read_example, select, selected
+
+detect = bpy.ops.intrinsic_symmetry.detect
+
+
+def test_undo_and_redo():
+    new_object(read_example("quadruped"), "undone")
+    bpy.ops.ed.undo_push(message="before")
+    detect("EXEC_DEFAULT", True)
+    assert "symmetry_partner" in bpy.data.objects["undone"].data.attributes
+    bpy.ops.ed.undo()
+    mesh = bpy.data.objects["undone"].data
+    assert "symmetry_partner" not in mesh.attributes and module("stored_map").RECORD not in mesh
+    bpy.ops.ed.redo()
+    mesh = bpy.data.objects["undone"].data
+    assert module("stored_map").load(mesh).partner.min() >= 0
+
+
+def test_undo_in_edit_mode(human):
+    side = attribute(human.data, "symmetry_side")
+    left = np.flatnonzero(side == 1)[:20]
+    select(human, left)
+    enter("EDIT")
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.intrinsic_symmetry.select("EXEC_DEFAULT", True)
+    assert not set(selected(bpy.context.object)) & set(left)
+    bpy.ops.ed.undo()
+    assert set(selected(bpy.context.object)) == set(left)
+
+
+def _cut_one_edge(object):
+    data = bmesh.new()
+    data.from_mesh(object.data)
+    data.edges.ensure_lookup_table()
+    bmesh.ops.subdivide_edges(data, edges=[data.edges[0]], cuts=1)
+    data.to_mesh(object.data)
+    data.free()
+
+
+@pytest.mark.parametrize("operator", ["select", "select_line", "symmetrize", "exchange_sides"])
+def test_a_stale_map_is_refused(quadruped, mode, operator):
+    _cut_one_edge(quadruped)
+    enter(mode)
+    with pytest.raises(RuntimeError, match="Detect again"):
+        getattr(bpy.ops.intrinsic_symmetry, operator)()
+    assert detect() == {"FINISHED"}
+    assert bpy.ops.intrinsic_symmetry.select_line() == {"FINISHED"}
+
+
+def test_a_flipped_diagonal_is_noticed(quadruped):
+    data = bmesh.new()
+    data.from_mesh(quadruped.data)
+    inner = next(edge for edge in data.edges if len(edge.link_faces) == 2)
+    bmesh.ops.rotate_edges(data, edges=[inner])
+    data.to_mesh(quadruped.data)
+    data.free()
+    with pytest.raises(RuntimeError, match="other vertices or faces"):
+        bpy.ops.intrinsic_symmetry.select_line()
+
+
+def test_changed_attributes_are_noticed(quadruped):
+    quadruped.data.attributes["symmetry_partner"].data[0].value = 1
+    with pytest.raises(RuntimeError, match="changed by an edit"):
+        bpy.ops.intrinsic_symmetry.select_line()
+    quadruped.data.attributes.remove(quadruped.data.attributes["symmetry_bary"])
+    with pytest.raises(RuntimeError, match="Detect first"):
+        bpy.ops.intrinsic_symmetry.select_line()
+
+
+def test_moved_vertices_do_not_make_a_map_stale(quadruped, mode):
+    for vertex in quadruped.data.vertices:
+        vertex.co.z += 0.1 * vertex.co.x
+    enter(mode)
+    assert bpy.ops.intrinsic_symmetry.select_line() == {"FINISHED"}
+
+
+def test_the_stored_map_is_the_detected_one(quadruped):
+    stored_map, detection = module("stored_map"), module("detection")
+    object = new_object(read_example("quadruped"))
+    core_mesh = detection.core_mesh_of(object, "BASE", bpy.context.evaluated_depsgraph_get())
+    found = core_mesh.detect()[0]
+    stored = stored_map.load(quadruped.data)
+    assert np.array_equal(stored.partner, found.partner)
+    assert np.array_equal(stored.confidence, found.confidence)
+    assert np.array_equal(np.abs(stored.side), np.abs(found.side))
+    assert np.array_equal(stored.surface_points.barycentrics, found.surface_points.barycentrics)
+    lines = stored_map.fixed_lines(quadruped.data)
+    assert [line.closed for line in lines] == [line.closed for line in found.fixed_curve]
+    for line, curve in zip(lines, found.fixed_curve):
+        assert np.allclose(line.positions(core_mesh.vertices), curve.positions(core_mesh.vertices))
+
+
+def test_it_survives_saving(quadruped, tmp_path):
+    file = str(tmp_path / "saved.blend")
+    before = attribute(quadruped.data, "symmetry_partner")
+    lines = len(module("stored_map").fixed_lines(quadruped.data))
+    name = quadruped.name
+    bpy.ops.wm.save_as_mainfile(filepath=file)
+    bpy.ops.wm.open_mainfile(filepath=file)
+    object = bpy.data.objects[name]
+    bpy.context.view_layer.objects.active = object
+    assert np.array_equal(module("stored_map").load(object.data).partner, before)
+    assert len(module("stored_map").fixed_lines(object.data)) == lines
+    assert bpy.ops.intrinsic_symmetry.select_line() == {"FINISHED"}
+    with pytest.raises(RuntimeError, match="since Blender was started"):
+        bpy.ops.intrinsic_symmetry.choose(index=1)

@@ -1,0 +1,257 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mirror vertex groups, shape keys and attributes."""
+
+import bpy
+import numpy as np
+import pytest
+from conftest import attribute, enter, module, positions, select
+from intrinsym import Merge
+
+ops = bpy.ops.intrinsic_symmetry
+
+
+def _add_group(object, name, weights):
+    group = object.vertex_groups.new(name=name)
+    for vertex in np.flatnonzero(weights).tolist():
+        group.add((vertex,), float(weights[vertex]), "REPLACE")
+
+
+def _weights(object, name):
+    column = object.vertex_groups[name].index
+    return module("ops_vertex_groups").read_weights(object)[:, column]
+
+
+@pytest.fixture
+def bump(human):
+    """(vertices,) a smooth bump on the left side, 0..1."""
+    points, side = positions(human.data), attribute(human.data, "symmetry_side")
+    far = np.argmax(np.where(side == 1, points[:, 0], -np.inf))
+    distance = np.linalg.norm(points - points[far], axis=1) / np.ptp(points[:, 0])
+    return np.where(side == 1, np.maximum(1 - 3 * distance, 0), 0).astype(np.float32)
+
+
+@pytest.mark.parametrize("merge", list(Merge))
+@pytest.mark.parametrize("soft", [False, True])
+def test_shares_are_the_library_s(quadruped, merge, soft):
+    symmetry = module("stored_map").load(quadruped.data)
+    values = np.random.default_rng(0).normal(size=(len(symmetry.partner), 2))
+    how = {"minimum_confidence": 0.5, "weight_by_confidence": soft}
+    share = module("mirroring").shares(symmetry, merge, **how)
+    image = symmetry.mirror_values(values, Merge.SWAP)
+    blended = module("mirroring").blend(values, image, share)
+    assert np.allclose(blended, symmetry.mirror_values(values, merge, **how), atol=1e-6)
+
+
+def test_weights_go_to_the_group_of_the_other_side(human, truth, bump, mode):
+    _add_group(human, "Arm.L", bump)
+    select(human, [])
+    enter(mode)
+    assert ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    enter("OBJECT")
+    assert np.allclose(_weights(human, "Arm.R"), bump[truth], atol=1e-6)
+    assert np.array_equal(_weights(human, "Arm.L"), bump)
+
+
+def test_weights_in_weight_paint_mode(human, truth, bump):
+    _add_group(human, "Arm.L", bump)
+    enter("WEIGHT_PAINT")
+    ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT")
+    assert human.mode == "WEIGHT_PAINT"
+    enter("OBJECT")
+    assert np.allclose(_weights(human, "Arm.R"), bump[truth], atol=1e-6)
+
+
+def test_a_centre_group_is_mirrored_in_place(human, truth, bump):
+    _add_group(human, "Spine", bump)
+    ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT")
+    assert np.allclose(_weights(human, "Spine"), bump + bump[truth], atol=1e-6)
+    assert len(human.vertex_groups) == 1
+
+
+def test_names_can_stay(human, truth, bump):
+    _add_group(human, "Arm.L", bump)
+    ops.mirror_vertex_groups(direction="SWAP", exchange_names=False)
+    assert np.allclose(_weights(human, "Arm.L"), bump[truth], atol=1e-6)
+    assert "Arm.R" not in human.vertex_groups
+
+
+def test_average_of_a_pair(human, truth, bump):
+    _add_group(human, "Arm.L", bump)
+    _add_group(human, "Arm.R", 0.5 * bump[truth])
+    ops.mirror_vertex_groups(direction="AVERAGE")
+    assert np.allclose(_weights(human, "Arm.L"), 0.75 * bump, atol=1e-6)
+    assert np.allclose(_weights(human, "Arm.R"), 0.75 * bump[truth], atol=1e-6)
+
+
+def test_only_the_active_group_and_locked_ones(human, truth, bump):
+    _add_group(human, "Leg.L", bump)
+    _add_group(human, "Arm.L", bump)
+    human.vertex_groups.active = human.vertex_groups["Arm.L"]
+    ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT", all_groups=False)
+    assert "Leg.R" not in human.vertex_groups
+    assert np.allclose(_weights(human, "Arm.R"), bump[truth], atol=1e-6)
+    human.vertex_groups["Arm.R"].lock_weight = True
+    ops.mirror_vertex_groups(direction="SWAP")
+    assert np.allclose(_weights(human, "Arm.R"), bump[truth], atol=1e-6)
+
+
+def test_only_the_selection_and_its_image_change(human, truth, bump):
+    _add_group(human, "Arm.L", bump)
+    strong = np.flatnonzero(bump > 0.5)
+    select(human, strong)
+    enter("EDIT")
+    ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT")
+    enter("OBJECT")
+    found = _weights(human, "Arm.R")
+    assert np.allclose(found[truth[strong]], bump[strong], atol=1e-6)
+    rest = np.setdiff1d(np.arange(len(bump)), truth[strong])
+    assert (found[rest] == 0).all()
+
+
+def test_groups_are_needed(human):
+    with pytest.raises(RuntimeError, match="no vertex groups"):
+        ops.mirror_vertex_groups()
+
+
+def _key(object, name, displacement):
+    if object.data.shape_keys is None:
+        object.shape_key_add(name="Basis")
+    key = object.shape_key_add(name=name)
+    module("mesh_data").set_key_positions(key, positions(object.data) + displacement)
+    object.active_shape_key_index = object.data.shape_keys.key_blocks.find(name)
+
+
+def _displacement(object, name):
+    key = object.data.shape_keys.key_blocks[name]
+    base = module("mesh_data").key_positions(key.relative_key)
+    return module("mesh_data").key_positions(key).astype(float) - base
+
+
+def _normals(object):
+    normals = np.empty(3 * len(object.data.vertices), np.float32)
+    object.data.vertices.foreach_get("normal", normals)
+    return normals.reshape(-1, 3)
+
+
+def test_a_shape_key_is_carried_in_any_pose(human, truth, bump, mode):
+    """A swelling along the normals of the raised arm is one along the normals of the hanging arm."""
+    swelling = 0.01 * bump[:, None] * _normals(human)
+    _key(human, "Swell.L", swelling)
+    select(human, [])
+    enter(mode)
+    assert ops.mirror_shape_keys() == {"FINISHED"}
+    enter("OBJECT")
+    assert human.active_shape_key.name == "Swell.L"
+    carried = _displacement(human, "Swell.R")
+    wanted = 0.01 * bump[truth][:, None] * _normals(human)
+    assert np.abs(carried - wanted).max() < 0.0015
+    assert np.abs(_displacement(human, "Swell.L") - swelling).max() < 1e-6
+
+
+def test_a_shape_key_in_place(human, truth, bump):
+    swelling = 0.01 * bump[:, None] * _normals(human)
+    _key(human, "Swell", swelling)
+    ops.mirror_shape_keys(direction="LEFT_TO_RIGHT")
+    found = _displacement(human, "Swell")
+    both = 0.01 * (bump + bump[truth])[:, None] * _normals(human)
+    assert np.abs(found - both).max() < 0.0015
+    assert len(human.data.shape_keys.key_blocks) == 2
+
+
+def test_all_shape_keys_of_one_side(human, bump):
+    swelling = 0.01 * bump[:, None] * _normals(human)
+    _key(human, "Smile.L", swelling)
+    _key(human, "Smile.R", 0 * swelling)
+    _key(human, "Frown.R", 0 * swelling)
+    ops.mirror_shape_keys(all_keys=True, direction="LEFT_TO_RIGHT")
+    assert np.abs(_displacement(human, "Smile.R")).max() > 0.005
+    assert np.abs(_displacement(human, "Smile.L")).max() > 0.005
+    assert "Frown.L" in human.data.shape_keys.key_blocks
+
+
+def test_shape_keys_are_needed(human):
+    with pytest.raises(RuntimeError, match="no shape key"):
+        ops.mirror_shape_keys()
+    human.shape_key_add(name="Basis")
+    human.shape_key_add(name="Other")
+    human.active_shape_key_index = 0
+    with pytest.raises(RuntimeError, match="basis is active"):
+        ops.mirror_shape_keys()
+
+
+def _new_attribute(mesh, kind, domain, values):
+    mesh.attributes.new("mine", kind, domain)
+    module("mesh_data").update_attribute(mesh.attributes["mine"], values)
+
+
+@pytest.mark.parametrize("kind, columns", [("FLOAT", 1), ("FLOAT_COLOR", 4), ("INT", 1), ("BOOLEAN", 1), ("FLOAT2", 2)])
+def test_point_attributes(human, truth, mode, kind, columns):
+    random = np.random.default_rng(0).uniform(0, 9, (len(truth), columns))
+    random = random > 4 if kind == "BOOLEAN" else random
+    _new_attribute(human.data, kind, "POINT", random)
+    before = attribute(human.data, "mine")
+    select(human, [])
+    enter(mode)
+    assert ops.mirror_attribute(name="mine", direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    enter("OBJECT")
+    right = attribute(human.data, "symmetry_side") == -1
+    after = attribute(human.data, "mine")
+    assert np.allclose(after[right], before[truth][right], atol=1e-5)
+    assert np.array_equal(after[~right], before[~right])
+
+
+def test_crease_of_edges(human, truth):
+    mesh = human.data
+    crease = np.random.default_rng(0).random(len(mesh.edges)).astype(np.float32)
+    mesh.attributes.new("crease_edge", "FLOAT", "EDGE")
+    module("mesh_data").update_attribute(mesh.attributes["crease_edge"], crease)
+    ops.mirror_attribute(name="crease_edge", direction="SWAP")
+    after = attribute(mesh, "crease_edge")
+    number = {frozenset(edge.vertices): edge.index for edge in mesh.edges}
+    images = [number[frozenset(truth[list(edge.vertices)])] for edge in mesh.edges]
+    assert np.array_equal(after, crease[images])
+
+
+def test_face_sets_and_corner_colours(human, truth):
+    mesh = human.data
+    centres = np.array([np.mean([mesh.vertices[v].co.z for v in face.vertices]) for face in mesh.polygons])
+    _new_attribute(mesh, "INT", "FACE", (centres * 10).astype(int))
+    before = attribute(mesh, "mine")
+    ops.mirror_attribute(name="mine", direction="SWAP")
+    number = {frozenset(face.vertices): face.index for face in mesh.polygons}
+    images = [number[frozenset(truth[list(face.vertices)])] for face in mesh.polygons]
+    assert np.array_equal(attribute(mesh, "mine"), before[images])
+    corners = np.array([loop.vertex_index for loop in mesh.loops])
+    colours = np.random.default_rng(0).random((len(mesh.vertices), 4))
+    mesh.attributes.new("paint", "BYTE_COLOR", "CORNER")
+    module("mesh_data").update_attribute(mesh.attributes["paint"], colours[corners])
+    stored = attribute(mesh, "paint")
+    ops.mirror_attribute(name="paint", direction="SWAP")
+    by_vertex = np.zeros_like(colours)
+    by_vertex[corners] = stored
+    assert np.abs(attribute(mesh, "paint") - by_vertex[truth][corners]).max() < 0.01
+
+
+def test_attributes_of_an_irregular_mesh(quadruped):
+    """Exact images are points inside faces: a smooth function that is symmetric stays what it is."""
+    mesh = quadruped.data
+    side = attribute(mesh, "symmetry_side")
+    height = positions(mesh)[:, 2]
+    for domain, values in (("POINT", height), ("CORNER", height[[l.vertex_index for l in mesh.loops]])):
+        mesh.attributes.new(domain, "FLOAT", domain)
+        module("mesh_data").update_attribute(mesh.attributes[domain], values)
+        assert ops.mirror_attribute(name=domain, direction="LEFT_TO_RIGHT") == {"FINISHED"}
+        assert np.isfinite(attribute(mesh, domain)).all()
+    assert np.array_equal(attribute(mesh, "POINT")[side >= 0], height[side >= 0].astype(np.float32))
+
+
+def test_vectors_turn_with_the_surface(human, truth):
+    _new_attribute(human.data, "FLOAT_VECTOR", "POINT", _normals(human))
+    ops.mirror_attribute(name="mine", direction="SWAP", as_vector=True)
+    assert (np.einsum("vx,vx->v", attribute(human.data, "mine"), _normals(human)) > 0.99).mean() > 0.94
+
+
+def test_attributes_that_cannot_be_mirrored(human):
+    for name in ("position", "symmetry_partner", "nowhere"):
+        with pytest.raises(RuntimeError, match=name):
+            ops.mirror_attribute(name=name)

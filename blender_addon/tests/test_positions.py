@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Symmetrize positions, and mirror an edit."""
+
+import bpy
+import numpy as np
+import pytest
+from conftest import attribute, enter, module, positions, select
+
+ops = bpy.ops.intrinsic_symmetry
+
+
+def _dent(object, side, depth=0.005):
+    """Pushes a patch of a side's back in along its normals; (vertices, 3) displacement."""
+    mesh = object.data
+    points, sides = positions(mesh), attribute(mesh, "symmetry_side")
+    far = np.argmax(np.where(sides == side, points[:, 1], -np.inf))
+    distance = np.linalg.norm(points - points[far], axis=1) / np.ptp(points[:, 2])
+    normals = np.empty(points.size, np.float32)
+    mesh.vertices.foreach_get("normal", normals)
+    size = np.where(sides == side, np.maximum(0.03 - distance, 0) / 0.03, 0) * depth
+    return -size[:, None] * normals.reshape(-1, 3)
+
+
+def _move(object, displacement):
+    module("mesh_data").set_shown_positions(object, positions(object.data) + displacement)
+
+
+def test_symmetrize_removes_a_dent_of_the_losing_side(human, mode):
+    """The result depends on the winning side alone: with and without a dent in the other it is the same."""
+    whole, dent = positions(human.data), _dent(human, -1)
+    ops.symmetrize(direction="LEFT_TO_RIGHT")
+    wanted = positions(human.data)
+    module("mesh_data").set_shown_positions(human, whole + dent)
+    select(human, [])
+    enter(mode)
+    assert ops.symmetrize(direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    enter("OBJECT")
+    left_over = np.linalg.norm(positions(human.data) - wanted, axis=1)
+    deep = np.linalg.norm(dent, axis=1) > 0.002
+    assert left_over[deep].mean() < 0.25 * np.linalg.norm(dent[deep], axis=1).mean()
+    winning = attribute(human.data, "symmetry_side") == 1
+    assert np.abs(positions(human.data) - whole)[winning].max() < 1e-5
+
+
+def test_symmetrize_works_on_the_active_shape_key(human):
+    human.shape_key_add(name="Basis")
+    key = human.shape_key_add(name="Dented")
+    human.active_shape_key_index = 1
+    base = positions(human.data)
+    dented = base + _dent(human, -1)
+    module("mesh_data").set_key_positions(key, dented)
+    ops.symmetrize(direction="LEFT_TO_RIGHT")
+    assert np.array_equal(positions(human.data), base)
+    after = module("mesh_data").key_positions(human.data.shape_keys.key_blocks["Dented"])
+    right = attribute(human.data, "symmetry_side") == -1
+    assert np.abs(after - dented)[right].max() > 0.002 and np.abs(after - dented)[~right].max() < 1e-5
+
+
+def test_an_edit_is_mirrored(human, truth, mode):
+    before, dent = positions(human.data), _dent(human, 1)
+    enter(mode)
+    assert ops.remember() == {"FINISHED"}
+    enter("OBJECT")
+    _move(human, dent)
+    enter(mode)
+    assert ops.mirror_edit() == {"FINISHED"}
+    enter("OBJECT")
+    moved = positions(human.data) - before
+    left = attribute(human.data, "symmetry_side") == 1
+    assert np.abs(moved - dent)[left].max() < 1e-5
+    sizes = np.linalg.norm(dent, axis=1)
+    assert np.abs(np.linalg.norm(moved, axis=1)[truth] - sizes)[left].max() < 0.15 * sizes.max()
+    # Remembered is now the new shape: mirroring again changes nothing.
+    now = positions(human.data)
+    ops.mirror_edit()
+    assert np.abs(positions(human.data) - now).max() < 1e-6
+
+
+def test_a_whole_edit_mode_session(human, truth):
+    """Remember, move selected vertices with Blender's own operator, mirror: all without leaving edit mode."""
+    side = attribute(human.data, "symmetry_side")
+    left = np.flatnonzero(side == 1)[:30]
+    select(human, left)
+    enter("EDIT")
+    ops.remember()
+    bpy.ops.transform.translate(value=(0, 0, 0.01))
+    assert ops.mirror_edit(direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    enter("OBJECT")
+    before = attribute(human.data, "symmetry_remembered")
+    assert np.allclose(before, positions(human.data), atol=1e-5)
+
+
+def test_nothing_remembered(human, mode):
+    enter(mode)
+    with pytest.raises(RuntimeError, match="Remember Shape first"):
+        ops.mirror_edit()
+
+
+def test_a_half_turn_has_no_sides(human):
+    human.data["intrinsic_symmetry"]["kind"] = 1
+    with pytest.raises(RuntimeError, match="(?i)half turn"):
+        ops.symmetrize(direction="LEFT_TO_RIGHT")
