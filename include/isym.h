@@ -37,7 +37,7 @@ typedef struct isym_options isym_options;
 // Progress of a call, and the way to cancel it. Make one for each call: once cancelled it stays so.
 typedef struct isym_progress isym_progress;
 
-// What was found on a mesh: symmetries, best first, and a report. It never changes.
+// What was found on a mesh: symmetries (reflections, best first, then half turns) and a report. It never changes.
 typedef struct isym_result isym_result;
 
 // What a call answers: `ISYM_OK`, or one of the `ISYM_ERROR_` codes. A code is never given another meaning;

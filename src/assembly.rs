@@ -58,7 +58,7 @@ impl PointMap {
     }
 
     /// Replaces partners by those that the connectivity gives; points it does not cover stay as they are,
-    /// and so do shells whose edges it stretches as no symmetry does.
+    /// and so do shells whose edges it stretches as no symmetry does, and their partner shells.
     ///
     /// A bijection of a whole shell is certain: its confidence is 1.
     pub fn replace_by_connectivity(&mut self, mesh: &Mesh, found: &Automorphism) {
@@ -69,15 +69,19 @@ impl PointMap {
                 corner_of[point as usize] = (index as u32, corner);
             }
         }
+        let refused = |point: usize| stretch[mesh.shell_of_point[point] as usize] > LARGEST_STRETCH;
         for (point, &image) in found.partner.iter().enumerate() {
-            if image == NONE || stretch[mesh.shell_of_point[point] as usize] > LARGEST_STRETCH {
+            if image == NONE || refused(point) || refused(image as usize) {
                 continue;
             }
             let (triangle, corner) = corner_of[image as usize];
             let barycentric = std::array::from_fn(|c| if c == corner { 1.0 } else { 0.0 });
             self.partner[point] = image;
             self.image[point] = TrianglePoint { triangle, barycentric };
-            if found.exact[point] {
+            if found.exact[point]
+                && found.exact[image as usize]
+                && found.partner[image as usize] == point as u32
+            {
                 self.exact[point] = true;
                 self.confidence[point] = 1.0;
             }
@@ -266,4 +270,39 @@ fn mean_confidence(mesh: &Mesh, map: &PointMap) -> f64 {
         weight += area;
     }
     if weight > 0.0 { total / weight } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::limits::Limits;
+    use crate::mesh::PolygonMesh;
+
+    /// Weighted by its own lengths, one triangle's stretch is below the limit and its partner's above.
+    #[test]
+    fn a_pair_of_shells_is_exact_on_both_sides_or_on_none() {
+        let polygons = PolygonMesh {
+            positions: vec![
+                [0.0, 0.0, 0.0],
+                [1.0, 0.0, 0.0],
+                [0.5, 1.0, 0.0],
+                [5.0, 0.0, 0.0],
+                [6.5, 0.0, 0.0],
+                [5.75, 0.83, 0.0],
+            ],
+            face_offsets: vec![0, 3, 6],
+            face_vertices: vec![0, 1, 2, 3, 5, 4],
+        };
+        let mesh = Mesh::new(&polygons, &Limits::default()).expect("a usable mesh");
+        let partner = vec![3, 4, 5, 0, 1, 2];
+        let stretch = stretch_of_shells(&mesh, &partner);
+        assert!(stretch[0].min(stretch[1]) < LARGEST_STRETCH && stretch[0].max(stretch[1]) > LARGEST_STRETCH);
+        let mut map = PointMap::empty(&mesh);
+        map.replace_by_connectivity(
+            &mesh,
+            &Automorphism { partner, exact: vec![true; 6], covered: 6, complete: true },
+        );
+        assert_eq!(map.partner, [NONE; 6]);
+        assert_eq!(map.exact, [false; 6]);
+    }
 }

@@ -21,6 +21,8 @@ pub const ORIENTATION_FUNCTIONS: usize = 12;
 const FIXED_RADIUS: f64 = 0.15;
 /// Orientation correlations from minus this to this say neither reflection nor half turn.
 const ORIENTED: f64 = 0.3;
+/// Weight of the parities that a map contradicts.
+const DISAGREEMENT_WEIGHT: f64 = 4.0;
 /// Candidates nearer to the identity than this (mean trace) are refused.
 const IDENTITY_TRACE: f64 = 0.85;
 
@@ -42,7 +44,10 @@ pub struct Score {
 impl Score {
     /// The number that ranks candidates: lower is better.
     pub fn total(&self) -> f64 {
-        (self.commutator + 0.003).ln() + self.orientation + 3.0 * self.fixed + 4.0 * self.disagreement
+        (self.commutator + 0.003).ln()
+            + self.orientation
+            + 3.0 * self.fixed
+            + DISAGREEMENT_WEIGHT * self.disagreement
     }
 
     /// What the orientation says the map is; `None` between the two.
@@ -59,6 +64,11 @@ impl Score {
     /// [`Score::total`] with the orientation counted as evidence for either kind.
     pub fn total_of_kind(&self) -> f64 {
         self.total() - self.orientation - self.orientation.abs()
+    }
+
+    /// How far the map is from an isometry of its kind, whatever the network says: lower is better.
+    pub fn isometry(&self) -> f64 {
+        self.total_of_kind() - DISAGREEMENT_WEIGHT * self.disagreement
     }
 
     /// Whether the map is too near to the identity to be a symmetry.

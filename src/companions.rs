@@ -176,7 +176,7 @@ fn match_shells(
 ) -> Result<VertexImages> {
     let (queries, targets) = (&features.mirrored[source], &features.own[target]);
     let anchored = nearest(queries.as_ref(), targets.as_ref());
-    let start = vertex_images(&shells[target], queries, targets, anchored);
+    let start = vertex_images(&shells[target], anchored);
     let smallest = shells[source].points.len().min(shells[target].points.len());
     if !refined || smallest < 2 * SIZES[0] {
         return Ok(start);
@@ -191,7 +191,7 @@ fn match_shells(
     Ok(if trusted { better } else { start })
 }
 
-fn vertex_images(target: &Shell, queries: &Mat<f32>, targets: &Mat<f32>, partners: Vec<u32>) -> VertexImages {
+fn vertex_images(target: &Shell, partners: Vec<u32>) -> VertexImages {
     let mut corner_of = vec![(0u32, 0usize); target.points.len()];
     for (index, triangle) in target.triangles.iter().enumerate() {
         for (corner, &vertex) in triangle.iter().enumerate() {
@@ -203,9 +203,7 @@ fn vertex_images(target: &Shell, queries: &Mat<f32>, targets: &Mat<f32>, partner
         TrianglePoint { triangle, barycentric: std::array::from_fn(|c| if c == corner { 1.0 } else { 0.0 }) }
     };
     let points = partners.iter().map(point).collect();
-    let residuals =
-        partners.iter().enumerate().map(|(i, p)| row_distance(queries, i, targets, *p as usize)).collect();
-    VertexImages { partners, points, residuals }
+    VertexImages { partners, points }
 }
 
 /// ZoomOut between two shells from the anchors' map.

@@ -1,40 +1,31 @@
 //! Confidence: the probability that a partner lies within 0.05 sqrt(area) of the true mirror image.
 //!
-//! A logistic model of what can be seen without the truth: how well the vertex's embedded image is
-//! met, how far the vertex is from the image of its image, and how clearly the whole map beats the
-//! next distinct one. The weights are fitted on generated shapes with known truth (`docs/method.md`).
+//! A logistic model of what can be seen without the truth: how far the vertex is from the image of its image,
+//! how far its heat kernel signature is from its image's, and how clearly the whole map beats the next
+//! distinct one. The weights are fitted on generated shapes with known truth (`docs/method.md`).
 
 use crate::eigenbasis::Eigenbasis;
 use crate::full_refinement::{MatchTarget, TrianglePoint, VertexImages};
 use crate::laplacian::IntrinsicSurface;
 
-/// What the model sees of one vertex.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Evidence {
-    /// Distance between the embedded image and the point it was matched to, about in sqrt(area).
-    pub residual: f64,
-    /// Distance between the vertex and the image of its image, about in sqrt(area).
-    pub cycle: f64,
+/// Weights of the logistic model: constant, ln(round trip), ln(signature mismatch), margin.
+const WEIGHTS: [f64; 4] = [-1.8365, -0.1986, -0.3476, 1.1833];
+/// Added before each of the logarithms.
+const FLOORS: [f64; 2] = [0.002, 0.02];
+
+/// Confidence of every vertex, 0..=1, from its [`round_trips`] and its [`crate::signature::mismatch`], for a
+/// map that beats the next one by `margin` (0..=2).
+pub fn confidence(round_trips: &[f64], mismatch: &[f64], margin: f64) -> Vec<f32> {
+    let of_vertex = |(round_trip, mismatch): (&f64, &f64)| {
+        let local = WEIGHTS[1] * (round_trip + FLOORS[0]).ln() + WEIGHTS[2] * (mismatch + FLOORS[1]).ln();
+        (1.0 / (1.0 + (-(WEIGHTS[0] + local + WEIGHTS[3] * margin)).exp())) as f32
+    };
+    round_trips.iter().zip(mismatch).map(of_vertex).collect()
 }
 
-/// Weights of the logistic model: constant, ln(residual), ln(cycle), margin.
-const WEIGHTS: [f64; 4] = [-2.8436, -0.1561, -0.3748, 1.5342];
-/// Added before each logarithm.
-const FLOOR: f64 = 0.002;
-
-/// Confidence of every vertex, 0..=1, for a map that beats the next one by `margin` (0..=2).
-pub fn confidence(evidence: &[Evidence], margin: f64) -> Vec<f32> {
-    evidence
-        .iter()
-        .map(|seen| {
-            let local = WEIGHTS[1] * (seen.residual + FLOOR).ln() + WEIGHTS[2] * (seen.cycle + FLOOR).ln();
-            (1.0 / (1.0 + (-(WEIGHTS[0] + local + WEIGHTS[3] * margin)).exp())) as f32
-        })
-        .collect()
-}
-
-/// Evidence of every vertex of a shell that is mapped onto itself. O(vertices x size).
-pub fn evidence(target: &MatchTarget, size: usize, images: &VertexImages) -> Vec<Evidence> {
+/// Distance of every vertex from the image of its image in the embedding of the first `size` eigenfunctions, about
+/// in sqrt(area), for a shell that is mapped onto itself. O(vertices x size).
+pub fn round_trips(target: &MatchTarget, size: usize, images: &VertexImages) -> Vec<f64> {
     let stretch = embedding_stretch(target.surface, target.basis, size);
     let functions = target.basis.eigenfunctions.as_ref();
     let round_trip = |vertex: usize| {
@@ -51,12 +42,7 @@ pub fn evidence(target: &MatchTarget, size: usize, images: &VertexImages) -> Vec
         }
         squared.sqrt() / stretch[vertex]
     };
-    (0..images.partners.len())
-        .map(|vertex| Evidence {
-            residual: f64::from(images.residuals[vertex]) / stretch[images.partners[vertex] as usize],
-            cycle: round_trip(vertex),
-        })
-        .collect()
+    (0..images.points.len()).map(round_trip).collect()
 }
 
 fn value(target: &MatchTarget, point: &TrianglePoint, function: usize) -> f64 {

@@ -39,8 +39,6 @@ pub struct VertexImages {
     pub partners: Vec<u32>,
     /// Nearest point of the target.
     pub points: Vec<TrianglePoint>,
-    /// Distance in the embedding between the image under the map and `points`.
-    pub residuals: Vec<f32>,
 }
 
 impl<'a> MatchTarget<'a> {
@@ -79,18 +77,13 @@ impl<'a> MatchTarget<'a> {
         let targets = VertexRows::new(self.basis.eigenfunctions.as_ref(), map.ncols());
         let descent = MeshDescent { graph: &self.surface.stiffness, queries: &queries, targets: &targets };
         let partners = descent.run(&source.surface.stiffness, seeds, 2);
-        let mut points = Vec::with_capacity(partners.len());
-        let mut residuals = Vec::with_capacity(partners.len());
-        for (vertex, &partner) in partners.iter().enumerate() {
-            let (point, squared) = self.nearest_point(queries.row(vertex), &targets, partner);
-            points.push(point);
-            residuals.push(squared.max(0.0).sqrt());
-        }
-        VertexImages { partners, points, residuals }
+        let nearest = |(vertex, &partner)| self.nearest_point(queries.row(vertex), &targets, partner);
+        let points = partners.iter().enumerate().map(nearest).collect();
+        VertexImages { partners, points }
     }
 
     /// Nearest point among the triangles around `start`, walking on while it improves.
-    fn nearest_point(&self, query: &[f32], targets: &VertexRows, start: u32) -> (TrianglePoint, f32) {
+    fn nearest_point(&self, query: &[f32], targets: &VertexRows, start: u32) -> TrianglePoint {
         let mut best = (TrianglePoint { triangle: 0, barycentric: [1.0, 0.0, 0.0] }, f32::MAX);
         let mut visited = start;
         for _ in 0..3 {
@@ -107,7 +100,7 @@ impl<'a> MatchTarget<'a> {
             }
             visited = heaviest;
         }
-        best
+        best.0
     }
 
     /// The corner of `point`'s triangle with the largest weight.

@@ -13,6 +13,7 @@
 //! | eigenfunctions -> parity vectors | [`parity_search`] |
 //! | parity -> functional map, refined and scored | [`functional_map`], [`refinement`], [`candidate_score`], [`candidates`] |
 //! | functional map -> map of all vertices | [`mesh_descent`], [`full_refinement`] |
+//! | finished map -> is it a symmetry at all | [`signature`], [`acceptance`] |
 //! | all spectral stages of one shell | [`shell_symmetry`] |
 //! | other shells, confidence, sides | [`companions`], [`confidence`], [`fixed_curve`] |
 //! | connectivity that is itself mirrored -> the exact bijection | [`automorphism`] |
@@ -22,6 +23,7 @@
 //! | all of it for C | [`ffi`] |
 #![deny(unsafe_code)]
 
+pub mod acceptance;
 pub mod assembly;
 pub mod atomic_file;
 pub mod automorphism;
@@ -54,6 +56,7 @@ pub mod report;
 pub mod sampling;
 pub mod shell_symmetry;
 pub mod sign_network;
+pub mod signature;
 pub mod symmetry_kind;
 
 pub use error::{Error, Result};

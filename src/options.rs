@@ -18,6 +18,8 @@ pub struct Options {
     pub beam_width: usize,
     /// 1: the sign network proposes beside the search; 0: the search alone.
     pub network: usize,
+    /// Least plausibility, in percent, at which a map counts as a symmetry; 0 accepts every finished map.
+    pub plausibility: usize,
     /// A sign network of the caller's own instead of the embedded one: trusted input.
     pub model: Option<PathBuf>,
     /// Signs that a person knows, from the first eigenfunction on: 1 even, -1 odd, 0 unknown. They overrule
@@ -41,7 +43,7 @@ pub struct OptionSpec {
 }
 
 /// The table all hosts read.
-pub const OPTIONS: [OptionSpec; 5] = [
+pub const OPTIONS: [OptionSpec; 6] = [
     OptionSpec {
         name: "eigenfunctions",
         default: 50,
@@ -77,6 +79,13 @@ pub const OPTIONS: [OptionSpec; 5] = [
         maximum: 1,
         help: "Whether the sign network proposes even and odd eigenfunctions beside the search: 1 yes, 0 no.",
     },
+    OptionSpec {
+        name: "plausibility",
+        default: 50,
+        minimum: 0,
+        maximum: 100,
+        help: "Least plausibility in percent at which a map counts as a symmetry; 0 accepts the best map found.",
+    },
 ];
 
 impl Default for Options {
@@ -87,6 +96,7 @@ impl Default for Options {
             symmetries: OPTIONS[2].default,
             beam_width: OPTIONS[3].default,
             network: OPTIONS[4].default,
+            plausibility: OPTIONS[5].default,
             model: None,
             known_signs: Vec::new(),
         }
@@ -111,7 +121,7 @@ impl Options {
 
     /// The values in the order of [`OPTIONS`].
     pub fn values(&self) -> [usize; OPTIONS.len()] {
-        [self.eigenfunctions, self.samples, self.symmetries, self.beam_width, self.network]
+        [self.eigenfunctions, self.samples, self.symmetries, self.beam_width, self.network, self.plausibility]
     }
 
     /// Sets the option that is called `name` in [`OPTIONS`].
@@ -127,6 +137,7 @@ impl Options {
             &mut self.symmetries,
             &mut self.beam_width,
             &mut self.network,
+            &mut self.plausibility,
         ];
         *fields.into_iter().nth(index).expect("one field per option") = value;
         Ok(())

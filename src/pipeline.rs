@@ -1,10 +1,11 @@
 //! `detect`: the only caller of all stages.
 
+use crate::acceptance::Judgement;
 use crate::assembly::{PointMap, Summary, symmetry};
 use crate::automorphism;
 use crate::candidate_score::Score;
 use crate::companions::{self, Companion, Primary};
-use crate::confidence::{confidence, evidence};
+use crate::confidence::{confidence, round_trips};
 use crate::correspondence::Symmetry;
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
@@ -19,12 +20,6 @@ use crate::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, si
 use crate::sign_network::SignPrediction;
 use crate::symmetry_kind::SymmetryKind;
 use std::time::Instant;
-
-/// A candidate that scores above this is not worth refining on all vertices.
-const LARGEST_SCORE: f64 = -2.0;
-/// A finished map whose first 12 eigenfunctions fail to commute with the Laplacian by more than this is no
-/// symmetry: chosen on generated shapes, `docs/method.md`.
-const LARGEST_COMMUTATOR: f64 = 0.02;
 
 /// What was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -51,18 +46,20 @@ pub struct Report {
     pub eigenvalues: Vec<f64>,
     /// Parity of the first eigenfunctions as the sign network sees it; empty without the network.
     pub signs: Vec<SignPrediction>,
+    /// How the best finished map was judged, accepted or not; `None` if no candidate reverses orientation.
+    pub judged: Option<Judgement>,
     /// One sentence that says why the outcome is what it is.
     pub evidence: String,
     /// Seconds of wall time by stage, in order.
     pub seconds: Vec<(String, f64)>,
 }
 
-/// The outcome, the symmetries found (best first; empty if none) and the evidence.
+/// The outcome, the symmetries found (empty if none) and the evidence.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct Detection {
     /// Found or none.
     pub outcome: Outcome,
-    /// Best first, at most `options.symmetries`.
+    /// At most `options.symmetries`: reflections, best first, then half turns, best first.
     pub symmetries: Vec<Symmetry>,
     /// Numbers behind the outcome.
     pub report: Report,
@@ -88,12 +85,16 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let found = candidates(&shell, &signs, options.symmetries, options, progress)?;
     clock.lap("candidates");
     let mut maps = Vec::new();
-    for candidate in found.iter().filter(|candidate| candidate.score.total_of_kind() <= LARGEST_SCORE) {
+    for candidate in &found {
         let kind = candidate.score.kind().unwrap_or(SymmetryKind::Reflection);
         maps.push((finish(&shell, candidate, progress)?, kind));
     }
-    let evidence = sentence(found.first().map(|candidate| candidate.score), maps.first().map(|map| &map.0));
-    maps.retain(|(map, _)| map.commutator <= LARGEST_COMMUTATOR);
+    let judged = maps.first().map(|(map, _)| map.judged);
+    let evidence = match found.first().zip(judged) {
+        Some((candidate, judged)) => sentence(&candidate.score, &judged, options.plausibility),
+        None => "no candidate map reverses orientation".into(),
+    };
+    maps.retain(|(map, _)| map.judged.accepted(options.plausibility));
     clock.lap("refinement");
     let assembler = Assembler::new(mesh, &shells, &shell)?;
     let mut symmetries = Vec::new();
@@ -103,38 +104,31 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     clock.lap("correspondence");
     progress.report("done", 1.0)?;
     let outcome = if symmetries.is_empty() { Outcome::None } else { Outcome::Found };
-    let report = Report { signs, ..report(mesh, &shell.basis, evidence, clock.laps) };
-    Ok(Detection { outcome, symmetries, report })
-}
-
-fn sentence(candidate: Option<Score>, finished: Option<&ShellSymmetry>) -> String {
-    let Some(score) = candidate else { return "no candidate map reverses orientation".into() };
-    let seen = format!(
-        "score {:.2}, orientation correlation {:+.2} (-1 for a reflection), {:.0} % of the samples hardly move",
-        score.total(),
-        score.orientation,
-        100.0 * score.fixed
-    );
-    match finished {
-        None => format!("the best candidate is too poor to be refined: {seen}"),
-        Some(map) => format!(
-            "the best map fails to commute with the Laplacian by {:.4} (accepted up to {:.4}): {seen}",
-            map.commutator, LARGEST_COMMUTATOR
-        ),
-    }
-}
-
-fn report(mesh: &Mesh, basis: &Eigenbasis, evidence: String, seconds: Vec<(String, f64)>) -> Report {
-    Report {
+    let report = Report {
         vertices: mesh.point_of_vertex.len(),
         faces: mesh.face_count,
         shells: mesh.shell_count,
         repairs: mesh.repairs.clone(),
-        eigenvalues: basis.eigenvalues.clone(),
-        signs: Vec::new(),
+        eigenvalues: shell.basis.eigenvalues.clone(),
+        signs,
+        judged,
         evidence,
-        seconds,
-    }
+        seconds: clock.laps,
+    };
+    Ok(Detection { outcome, symmetries, report })
+}
+
+fn sentence(score: &Score, judged: &Judgement, least: usize) -> String {
+    format!(
+        "the best map is a symmetry with a plausibility of {:.0} % (accepted from {least} %): heat kernel \
+         signatures of partners differ by {:.3}, score {:.2}, orientation correlation {:+.2} (-1 for a \
+         reflection), {:.0} % of the samples hardly move",
+        100.0 * judged.plausibility,
+        judged.signature_mismatch,
+        score.total(),
+        score.orientation,
+        100.0 * score.fixed
+    )
 }
 
 /// Wall time by stage.
@@ -175,8 +169,8 @@ impl<'a> Assembler<'a> {
 
     fn assemble(&self, found: &ShellSymmetry, kind: SymmetryKind, progress: &Progress) -> Result<Symmetry> {
         let mut map = PointMap::empty(self.mesh);
-        let seen = evidence(&self.target, found.map.nrows(), &found.images);
-        let trust = confidence(&seen, found.margin);
+        let round_trips = round_trips(&self.target, found.map.nrows(), &found.images);
+        let trust = confidence(&round_trips, &found.mismatch, found.margin);
         map.insert(&self.shells[0], &self.shells[0], &found.images, &trust);
         let odd = self.odd(found);
         for (local, &point) in self.shells[0].points.iter().enumerate() {

@@ -1,17 +1,19 @@
 //! The symmetries of one shell: all spectral stages in order.
 
+use crate::acceptance::Judgement;
 use crate::candidate_score::Score;
 use crate::candidates::{self, Candidate};
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::full_refinement::{self, MatchTarget, VertexImages};
-use crate::functional_map::{self, Projection};
+use crate::functional_map::Projection;
 use crate::laplacian::IntrinsicSurface;
 use crate::options::Options;
 use crate::progress::Progress;
 use crate::refinement::SampleRefiner;
 use crate::sampling::Samples;
 use crate::sign_network::{REFERENCES, SignNetwork, SignPrediction, area_weighted_samples};
+use crate::signature;
 use crate::symmetry_kind::SymmetryKind;
 use faer::Mat;
 
@@ -19,9 +21,6 @@ use faer::Mat;
 const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
 /// Sizes of the functional map on all vertices.
 const FULL_SIZES: [usize; 4] = [50, 60, 75, 100];
-
-/// Leading eigenfunctions by which a finished map is judged: poses and noise disturb the higher ones.
-const JUDGED_FUNCTIONS: usize = 12;
 
 /// Eigenfunctions whose sign is predicted, and vertices the network looks at.
 const PREDICTED_SIGNS: usize = 12;
@@ -38,9 +37,10 @@ pub struct ShellSymmetry {
     pub score: Score,
     /// Margin of the candidate it came from.
     pub margin: f64,
-    /// Failure of the finished map's first 12 eigenfunctions, unprojected, to commute with the Laplacian: 0
-    /// for an isometry.
-    pub commutator: f64,
+    /// Difference of the heat kernel signatures of each vertex and its image: 0 for an isometry.
+    pub mismatch: Vec<f64>,
+    /// Whether the map is a symmetry at all.
+    pub judged: Judgement,
 }
 
 /// A shell with its operators and eigenbasis.
@@ -138,8 +138,8 @@ pub fn finish(shell: &PreparedShell, candidate: &Candidate, progress: &Progress)
     let target = MatchTarget::new(&shell.surface, &shell.basis);
     let sizes: Vec<usize> = FULL_SIZES.into_iter().filter(|size| *size <= shell.basis.count()).collect();
     let (map, images) = full_refinement::refine(&target, map, &seeds, &sizes, progress)?;
-    let size = map.nrows().min(JUDGED_FUNCTIONS);
-    let free = full_refinement::estimate(&target, &target, &images.points, size, size);
-    let commutator = functional_map::commutator(&free, &shell.basis.eigenvalues);
-    Ok(ShellSymmetry { commutator, map, images, score: candidate.score, margin: candidate.margin })
+    let mismatch = signature::mismatch(&shell.surface, &shell.basis, &images);
+    let mean = signature::mean(&shell.surface, mismatch.iter().copied());
+    let judged = Judgement::new(&candidate.score, mean);
+    Ok(ShellSymmetry { map, images, score: candidate.score, margin: candidate.margin, mismatch, judged })
 }

@@ -121,7 +121,7 @@ impl SignNetwork {
     /// `eigenfunctions` holds `samples` rows of `k` numbers: the eigenfunctions (constant left out, by
     /// rising eigenvalue) at points spread in proportion to area, see [`area_weighted_samples`]. Scale
     /// and sign of each column do not matter. Rows are thinned out evenly, or repeated, to the number
-    /// of points that the model takes (512). Cost: `O(k * points)`, about 0.3 ms an eigenfunction.
+    /// of points that the model takes (256). Cost: `O(k * points)`, about 0.3 ms an eigenfunction.
     ///
     /// # Errors
     /// [`Error::Internal`] if the array's length is not `samples * k`, `samples` is zero, `k` is below

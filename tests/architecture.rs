@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 34] = [
+const ORDER: [&str; 36] = [
     "error",
     "options",
     "limits",
@@ -26,6 +26,8 @@ const ORDER: [&str; 34] = [
     "candidates",
     "mesh_descent",
     "full_refinement",
+    "signature",
+    "acceptance",
     "shell_symmetry",
     "companions",
     "confidence",

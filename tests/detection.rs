@@ -202,7 +202,11 @@ fn the_blob_has_no_symmetry() {
     let found = detected(&validated(&example("blob")), &Options::default());
     assert_eq!(found.outcome, Outcome::None);
     assert!(found.symmetries.is_empty());
-    assert!(found.report.evidence.contains("commute"), "{}", found.report.evidence);
+    assert!(found.report.judged.is_some_and(|judged| !judged.accepted(50)), "{:?}", found.report.judged);
+    assert!(found.report.evidence.contains("(accepted from 50 %)"), "{}", found.report.evidence);
+    let unchecked =
+        detected(&validated(&example("blob")), &Options { plausibility: 0, ..Options::default() });
+    assert_eq!(unchecked.outcome, Outcome::Found, "the best map is given to who asks for it");
 }
 
 #[test]
@@ -305,8 +309,16 @@ fn options_outside_their_range_are_refused() {
         let with = |value: usize| {
             let mut values = OPTIONS.map(|spec| spec.default);
             values[index] = value;
-            let [eigenfunctions, samples, symmetries, beam_width, network] = values;
-            Options { eigenfunctions, samples, symmetries, beam_width, network, ..Options::default() }
+            let [eigenfunctions, samples, symmetries, beam_width, network, plausibility] = values;
+            Options {
+                eigenfunctions,
+                samples,
+                symmetries,
+                beam_width,
+                network,
+                plausibility,
+                ..Options::default()
+            }
         };
         for value in [spec.minimum, spec.default, spec.maximum] {
             assert!(with(value).validate().is_ok(), "{} {value}", spec.name);

@@ -3,11 +3,12 @@
 mod support;
 
 use faer::Mat;
-use intrinsym::candidate_score::Scorer;
+use intrinsym::acceptance::Judgement;
+use intrinsym::candidate_score::{Score, Scorer};
 use intrinsym::dense::product;
 use intrinsym::eigenbasis::Eigenbasis;
 use intrinsym::fixed_curve::{odd_function, zero_set};
-use intrinsym::full_refinement::{self, MatchTarget};
+use intrinsym::full_refinement::{self, MatchTarget, TrianglePoint, VertexImages};
 use intrinsym::functional_map::{
     Projection, commutator, estimate, from_parity, mean_trace, nearest_involution, nearest_orthogonal,
     project,
@@ -18,6 +19,7 @@ use intrinsym::mesh_descent::{MeshDescent, VertexRows};
 use intrinsym::progress::Progress;
 use intrinsym::refinement::{SampleRefiner, embed, nearest};
 use intrinsym::sampling::Samples;
+use intrinsym::signature;
 use support::{creature, creature_truth, distance, example, example_truth, rectangle, validated};
 
 /// Numbers in -1..1 that are the same in every run.
@@ -290,6 +292,52 @@ fn the_score_tells_a_reflection_from_the_identity_and_from_a_wrong_map() {
         let wrong = scorer.score(&Random(5).involution(30)).unwrap();
         assert!(wrong.total() > reflection.total() + 1.0, "{wrong:?}");
     }
+}
+
+/// Images at the given vertices.
+fn vertex_images(shape: &Shape, partners: &[u32]) -> VertexImages {
+    let mut corner_of = vec![TrianglePoint { triangle: 0, barycentric: [0.0; 3] }; partners.len()];
+    for (triangle, corners) in (0..).zip(&shape.surface.triangles) {
+        for (corner, &vertex) in corners.iter().enumerate() {
+            let barycentric = std::array::from_fn(|c| if c == corner { 1.0 } else { 0.0 });
+            corner_of[vertex as usize] = TrianglePoint { triangle, barycentric };
+        }
+    }
+    let points = partners.iter().map(|&partner| corner_of[partner as usize]).collect();
+    VertexImages { partners: partners.to_vec(), points }
+}
+
+#[test]
+fn signatures_of_true_partners_agree_and_those_of_others_do_not() {
+    for (shape, largest) in [(Shape::creature(3, 0.0), 1e-6), (Shape::quadruped(), 0.15)] {
+        let mean = |partners: &[u32]| {
+            let images = vertex_images(&shape, partners);
+            let mismatch = signature::mismatch(&shape.surface, &shape.basis, &images);
+            signature::mean(&shape.surface, mismatch.into_iter())
+        };
+        let (truth, shifted) = (mean(&shape.truth), {
+            let count = shape.truth.len();
+            mean(&(0..count).map(|i| shape.truth[(i + count / 3) % count]).collect::<Vec<_>>())
+        });
+        assert!(truth < largest, "{truth}");
+        assert!(shifted > 0.6, "{shifted}");
+    }
+}
+
+#[test]
+fn a_map_is_the_less_plausible_the_worse_either_measure_is() {
+    let score =
+        |commutator: f64| Score { commutator, orientation: -1.0, fixed: 0.05, disagreement: 0.0, trace: 0.0 };
+    let plausibility = |commutator, mismatch| Judgement::new(&score(commutator), mismatch).plausibility;
+    assert!(plausibility(0.001, 0.05) > 0.99 && plausibility(0.5, 1.0) < 0.01);
+    assert!(plausibility(0.01, 0.3) > plausibility(0.05, 0.3));
+    assert!(plausibility(0.01, 0.3) > plausibility(0.01, 0.5));
+    // What the network believes is no evidence of a symmetry.
+    let contradicted = Score { disagreement: 0.5, ..score(0.01) };
+    assert_eq!(Judgement::new(&contradicted, 0.3), Judgement::new(&score(0.01), 0.3));
+    let judged = Judgement::new(&score(0.01), 0.3);
+    assert!(judged.accepted(0) && judged.accepted((100.0 * judged.plausibility) as usize));
+    assert!(!judged.accepted(100));
 }
 
 #[test]

@@ -215,6 +215,18 @@ def asymmetric_tree(rng) -> Skeleton:
     return skeleton
 
 
+def lump(rng) -> Skeleton:
+    """A stout body with five to eight single limbs of unlike length and girth: a blob without a symmetry."""
+    u, skeleton = rng.uniform, Skeleton()
+    size, count = u(0.2, 0.35), int(rng.integers(5, 9))
+    root = skeleton.add([0, -size * u(0, 0.3), 0], [0, size * u(0, 0.3), 0], size, size, -1)
+    lengths = np.linspace(u(1.2, 1.7), u(2.5, 4.5), count) * size
+    girths = rng.permutation(np.linspace(u(0.2, 0.35), u(0.5, 0.8), count)) * size
+    for length, girth in zip(lengths, girths):
+        grow_limb(rng, skeleton, [0, 0, 0], root, rng.normal(size=3), LimbShape(length, 1, girth, 0.9), "single")
+    return skeleton
+
+
 def unbalanced(rng) -> Skeleton:
     """A symmetric creature made asymmetric: its -x limbs are stretched and two single branches are added."""
     kind = rng.choice(["biped", "quadruped", "bird", "insect"])
@@ -248,4 +260,4 @@ SYMMETRIC_KINDS = {
     "random": random_tree,
     "blob": blob,
 }
-ASYMMETRIC_KINDS = {"asymmetric-tree": asymmetric_tree, "unbalanced": unbalanced}
+ASYMMETRIC_KINDS = {"asymmetric-tree": asymmetric_tree, "unbalanced": unbalanced, "lump": lump}

@@ -14,7 +14,7 @@ use serde_json::json;
 use std::ffi::{CString, c_char};
 use std::sync::Arc;
 
-/// What was found on a mesh: symmetries, best first, and a report. It never changes.
+/// What was found on a mesh: symmetries (reflections, best first, then half turns) and a report. It never changes.
 pub struct isym_result(());
 
 /// The kind of a symmetry: one of the `ISYM_KIND_` constants.
@@ -411,6 +411,7 @@ fn restored(mesh: &MeshObject, symmetry: Symmetry) -> Detection {
         repairs: mesh.mesh.repairs.clone(),
         eigenvalues: Vec::new(),
         signs: Vec::new(),
+        judged: None,
         evidence: "restored from stored arrays".into(),
         seconds: Vec::new(),
     };

@@ -6,6 +6,7 @@ use intrinsym::limits::Limits;
 use intrinsym::mesh::{Mesh, PolygonMesh, io};
 use intrinsym::options::Options;
 use intrinsym::pipeline::{Detection, Outcome};
+use intrinsym::symmetry_kind::SymmetryKind;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -206,7 +207,8 @@ impl Roads {
 pub fn assert_keeps_its_contract(mesh: &Mesh, options: &Options, found: &Detection) {
     assert_eq!(found.outcome == Outcome::Found, !found.symmetries.is_empty());
     assert!(found.symmetries.len() <= options.symmetries);
-    assert!(found.symmetries.is_sorted_by(|a, b| a.score <= b.score), "best first");
+    let rank = |symmetry: &Symmetry| (symmetry.kind == SymmetryKind::HalfTurn, symmetry.score);
+    assert!(found.symmetries.iter().map(rank).is_sorted(), "reflections, then half turns, each best first");
     assert!(found.report.eigenvalues.is_sorted() && !found.report.evidence.is_empty());
     assert_eq!((found.report.vertices, found.report.faces), (mesh.point_of_vertex.len(), mesh.face_count));
     for symmetry in &found.symmetries {

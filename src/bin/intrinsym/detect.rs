@@ -6,8 +6,9 @@ use crate::job::{self, Finished};
 use crate::outputs::Outputs;
 use crate::{summary, terminal};
 use indicatif::ProgressBar;
-use intrinsym::error::Result;
+use intrinsym::error::{Error, Result};
 use intrinsym::progress::{CancelToken, Progress};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -88,7 +89,10 @@ fn run_one_of_many(
     token: &CancelToken,
     bar: &ProgressBar,
 ) -> Ending {
-    let result = job::run(input, outputs, arguments, &Progress::new(None, token.clone()));
+    let progress = Progress::new(None, token.clone());
+    // Our own mistake on one mesh must not lose the others.
+    let result = catch_unwind(AssertUnwindSafe(|| job::run(input, outputs, arguments, &progress)))
+        .unwrap_or_else(|_| Err(Error::Internal("the mesh made the program panic; please report it".into())));
     bar.inc(1);
     bar.suspend(|| report(input, result, arguments, |finished| summary::one_line(input, &finished.detection)))
 }

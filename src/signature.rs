@@ -1,0 +1,66 @@
+//! Heat kernel signatures, and how far those of a point and its image differ.
+//!
+//! `h_t(x) = sum_j exp(-lambda_j t) phi_j(x)^2` does not change under isometries and does not care which
+//! eigenfunctions of a repeated eigenvalue were taken (J. Sun, M. Ovsjanikov, L. Guibas, "A Concise and
+//! Provably Informative Multi-Scale Signature Based on Heat Diffusion", 2009). No map is made from it, so it
+//! is evidence of its own: a map that commutes well with the Laplacian but pairs a thin limb with a thick one
+//! shows here.
+
+use crate::eigenbasis::Eigenbasis;
+use crate::full_refinement::{TrianglePoint, VertexImages};
+use crate::laplacian::IntrinsicSurface;
+
+/// Times at which heat is looked at.
+const TIMES: usize = 12;
+/// The first and the last of them, in units of the surface's area; the others lie between in equal ratios.
+/// Heat spreads over about the width of a limb in the first and over a whole limb in the last.
+const TIME_RANGE: [f64; 2] = [0.002, 0.05];
+
+/// `ln h_t` of a vertex at each time.
+type Signature = [f64; TIMES];
+
+/// Difference of the signatures of each vertex and its image, in units of the signatures' mean deviation over the
+/// whole surface: 0 for an isometry, about 1 for a random map. O(vertices x eigenfunctions).
+pub fn mismatch(surface: &IntrinsicSurface, basis: &Eigenbasis, images: &VertexImages) -> Vec<f64> {
+    let signatures = signatures(basis, surface.vertex_count());
+    let deviation = mean_deviation(surface, &signatures);
+    let difference = |own: &Signature, point: &TrianglePoint| {
+        let corners = surface.triangles[point.triangle as usize].map(|corner| &signatures[corner as usize]);
+        let at_image = |t: usize| -> f64 {
+            corners.iter().zip(point.barycentric).map(|(corner, weight)| f64::from(weight) * corner[t]).sum()
+        };
+        let relative = |t: usize| (own[t] - at_image(t)).abs() / deviation[t];
+        (0..TIMES).filter(|&t| deviation[t] > 0.0).map(relative).sum::<f64>() / TIMES as f64
+    };
+    signatures.iter().zip(&images.points).map(|(own, point)| difference(own, point)).collect()
+}
+
+/// Mean of a value per vertex, weighted by area.
+pub fn mean(surface: &IntrinsicSurface, values: impl Iterator<Item = f64>) -> f64 {
+    let total: f64 = surface.lumped_mass.iter().sum();
+    values.zip(&surface.lumped_mass).map(|(value, mass)| value * mass).sum::<f64>() / total
+}
+
+/// The constant function of a surface of unit area adds 1 to `h_t`, so its logarithm is never below 0.
+fn signatures(basis: &Eigenbasis, vertices: usize) -> Vec<Signature> {
+    let mut signatures = vec![[1.0; TIMES]; vertices];
+    let [first, last] = TIME_RANGE;
+    let time = |t: usize| first * (last / first).powf(t as f64 / (TIMES - 1) as f64);
+    for (j, eigenvalue) in basis.eigenvalues.iter().enumerate() {
+        let decay: [f64; TIMES] = std::array::from_fn(|t| (-eigenvalue * time(t)).exp());
+        for (signature, value) in signatures.iter_mut().zip(basis.eigenfunctions.col_as_slice(j)) {
+            for (sum, factor) in signature.iter_mut().zip(decay) {
+                *sum += factor * value * value;
+            }
+        }
+    }
+    signatures.iter_mut().flatten().for_each(|value| *value = value.ln());
+    signatures
+}
+
+fn mean_deviation(surface: &IntrinsicSurface, signatures: &[Signature]) -> [f64; TIMES] {
+    std::array::from_fn(|t| {
+        let centre = mean(surface, signatures.iter().map(|signature| signature[t]));
+        mean(surface, signatures.iter().map(|signature| (signature[t] - centre).abs()))
+    })
+}
