@@ -8,6 +8,9 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     stored_map      the map that is kept on a mesh, and when it is refused
     detection       one detection in a worker thread
     labels          what the network and the user say of each eigenfunction
+    eigenfunctions  those that are shown in this session
+    label_file      judgements as training data
+    overlay         what is drawn over the viewport; overlay_data says what
     elements        mirror images of edges and faces
     mirroring       which way values go, and how far
     ops_*           operators, one file for each thing that a user does
@@ -18,10 +21,13 @@ from . import (
     labels,
     ops_attributes,
     ops_detect,
+    ops_label,
+    ops_nodes,
     ops_positions,
     ops_select,
     ops_shape_keys,
     ops_vertex_groups,
+    overlay,
     panels,
     preferences,
 )
@@ -29,7 +35,10 @@ from . import (
 _MODULES = (
     preferences,
     labels,
+    overlay,
     ops_detect,
+    ops_label,
+    ops_nodes,
     ops_select,
     ops_vertex_groups,
     ops_shape_keys,

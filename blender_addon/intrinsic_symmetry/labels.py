@@ -35,13 +35,31 @@ def known_signs(mesh):
     return signs if any(signs) else []
 
 
+def active(mesh):
+    """The eigenfunction that is shown, or nothing."""
+    number, entries = mesh.intrinsic_symmetry_eigenfunction, of(mesh)
+    return entries[number - 1] if 1 <= number <= len(entries) else None
+
+
+def judged(mesh):
+    """Eigenfunctions, counted from 1, to even, odd or neither; those that were judged."""
+    entries = enumerate(of(mesh), start=1)
+    return {number: entry.judgement.lower() for number, entry in entries if entry.judgement != "UNJUDGED"}
+
+
+def make_entries(mesh, count):
+    """At least as many entries as eigenfunctions."""
+    while len(of(mesh)) < count:
+        of(mesh).add()
+
+
 def take_predictions(mesh, report):
-    """Keeps the network's answers of a detection's report beside the judgements."""
-    entries, signs = of(mesh), report["signs"]
-    while len(entries) < len(signs):
-        entries.add()
-    for entry, sign in zip(entries, signs):
-        entry.even, entry.odd, entry.neither = sign["even"], sign["odd"], sign["neither"]
+    """Keeps the network's answers of a detection's report; of a sign that the user knew it says nothing."""
+    signs = report["signs"]
+    make_entries(mesh, len(signs))
+    for entry, sign in zip(of(mesh), signs):
+        if _SIGNS[entry.judgement] == 0:
+            entry.even, entry.odd, entry.neither = sign["even"], sign["odd"], sign["neither"]
 
 
 def network_says(entry):
@@ -56,8 +74,12 @@ def register():
     bpy.types.Mesh.intrinsic_symmetry_eigenfunctions = bpy.props.CollectionProperty(
         type=IntrinsicSymmetryEigenfunction
     )
+    bpy.types.Mesh.intrinsic_symmetry_eigenfunction = bpy.props.IntProperty(
+        name="Eigenfunction", description="The one that is shown, counted from 1 by rising eigenvalue", default=1, min=1
+    )
 
 
 def unregister():
+    del bpy.types.Mesh.intrinsic_symmetry_eigenfunction
     del bpy.types.Mesh.intrinsic_symmetry_eigenfunctions
     bpy.utils.unregister_class(IntrinsicSymmetryEigenfunction)

@@ -4,7 +4,7 @@
 import bpy
 import intrinsym
 
-from . import detection, mesh_data, preferences, stored_map
+from . import detection, labels, mesh_data, preferences, stored_map
 from .operator_base import MapOperator, MeshOperator, sentence
 
 #: The running detection, for the panel; only one at a time.
@@ -89,8 +89,6 @@ class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):
         self._leave(context)
 
     def _start(self, context, object):
-        from . import labels
-
         arguments = preferences.detect_arguments(context)
         signs = labels.known_signs(object.data) if self.use_labels else []
         if signs:
@@ -100,8 +98,6 @@ class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):
 
     def _finish(self, object, job):
         """Waits for the worker and keeps what it found; object mode."""
-        from . import labels
-
         found = job.answer()
         labels.take_predictions(object.data, found.report["report"])
         if not found:

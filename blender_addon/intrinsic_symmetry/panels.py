@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import detection, ops_detect, stored_map
+from . import detection, eigenfunctions, labels, ops_detect, overlay, stored_map
 
 
 class SymmetryPanel:
@@ -91,11 +91,66 @@ class INTRINSIC_SYMMETRY_PT_shape(SymmetryPanel, bpy.types.Panel):
         column.operator("intrinsic_symmetry.mirror_edit", icon="UV_SYNC_SELECT")
 
 
+class INTRINSIC_SYMMETRY_PT_show(SymmetryPanel, bpy.types.Panel):
+    bl_label = "Show"
+    bl_parent_id = "INTRINSIC_SYMMETRY_PT_detect"
+
+    def draw(self, context):
+        show = overlay.settings(context)
+        column = self.layout.column()
+        column.prop(show, "line")
+        column.prop(show, "pairs")
+        column.row().prop(show, "colours", text="")
+
+
+class INTRINSIC_SYMMETRY_PT_label(SymmetryPanel, bpy.types.Panel):
+    bl_label = "Correct and Label"
+    bl_parent_id = "INTRINSIC_SYMMETRY_PT_detect"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, object = self.layout, context.active_object
+        layout.operator("intrinsic_symmetry.study", icon="COLOR")
+        if object is None or object.type != "MESH" or eigenfunctions.studied(object.data) is None:
+            return
+        entry = labels.active(object.data)
+        if entry is None:
+            return
+        row = layout.row(align=True)
+        row.operator("intrinsic_symmetry.step", text="", icon="TRIA_LEFT").by = -1
+        row.label(text=f"{object.data.intrinsic_symmetry_eigenfunction} of {len(labels.of(object.data))}")
+        row.operator("intrinsic_symmetry.step", text="", icon="TRIA_RIGHT").by = 1
+        layout.label(text=f"Network: {labels.network_says(entry) or 'no answer'}")
+        self._judgements(layout, entry)
+        layout.operator("intrinsic_symmetry.detect", text="Detect with Corrections", icon="MOD_MIRROR")
+        row = layout.row(align=True)
+        row.operator("intrinsic_symmetry.save_labels", icon="EXPORT")
+        row.operator("intrinsic_symmetry.forget_judgements", text="", icon="X")
+
+    def _judgements(self, layout, entry):
+        row = layout.row(align=True)
+        for identifier, name, _ in labels.JUDGEMENTS:
+            pressed = entry.judgement == identifier
+            row.operator("intrinsic_symmetry.judge", text=name, depress=pressed).judgement = identifier
+
+
+class INTRINSIC_SYMMETRY_PT_nodes(SymmetryPanel, bpy.types.Panel):
+    bl_label = "Geometry Nodes"
+    bl_parent_id = "INTRINSIC_SYMMETRY_PT_detect"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, _context):
+        self.layout.operator_menu_enum("intrinsic_symmetry.add_node_group", "data_type", icon="GEOMETRY_NODES")
+
+
 register, unregister = bpy.utils.register_classes_factory(
     (
         INTRINSIC_SYMMETRY_PT_detect,
         INTRINSIC_SYMMETRY_PT_select,
         INTRINSIC_SYMMETRY_PT_mirror,
         INTRINSIC_SYMMETRY_PT_shape,
+        INTRINSIC_SYMMETRY_PT_show,
+        INTRINSIC_SYMMETRY_PT_label,
+        INTRINSIC_SYMMETRY_PT_nodes,
     )
 )

@@ -97,6 +97,7 @@ def _record(mesh, core_mesh, symmetry):
         "connectivity": f"{core_mesh.connectivity_hash:016x}",
         "checksum": _checksum(mesh),
         "vertices": core_mesh.vertex_count,
+        "triangles": len(mesh.loops) - 2 * len(mesh.polygons),
         "kind": int(symmetry.kind),
         "mean_confidence": float(symmetry.mean_confidence),
         "exact_share": float(symmetry.exact_share),
