@@ -99,9 +99,9 @@ def _batches(object, show, depsgraph):
     if show.line:
         ends = overlay_data.line_segments(shape, stored_map.fixed_lines(object.data))
         found.append(_lines(ends, np.tile(np.float32((1, 1, 0.2, 1)), (len(ends), 1)), 3.0, "LESS_EQUAL"))
-    if show.pairs:
-        found.append(_lines(*overlay_data.pair_lines(shape), 1.5, "NONE"))
-    return found
+    if show.pairs and shape.selected.any():
+        found.append(_lines(*overlay_data.pair_lines(shape), 1.0, "NONE"))
+    return [entry for entry in found if entry is not None]
 
 
 def _surface(shape, colours):
@@ -111,6 +111,8 @@ def _surface(shape, colours):
 
 
 def _lines(ends, colours, width, depth):
+    if not len(ends):
+        return None  # Blender makes no batch of nothing
     shader = gpu.shader.from_builtin("POLYLINE_SMOOTH_COLOR")
     content = {"pos": ends.astype(np.float32), "color": colours}
     return shader, batch_for_shader(shader, "LINES", content), width, depth

@@ -12,7 +12,7 @@ import numpy as np
 from . import eigenfunctions, mesh_data, stored_map
 
 #: More lines than these cannot be told apart.
-MOST_PAIRS = 400
+MOST_PAIRS = 100
 #: How far the overlay floats above the surface, as a share of the object's size.
 _LIFT = 6e-4
 
@@ -112,7 +112,7 @@ def surface_colours(shape, object, kind):
     if kind == "EIGENFUNCTION":
         values = eigenfunctions.active_values(object.data)
         known = values is not None and len(values) == len(shape.positions)
-        return _with_alpha(diverging_colours(values), 0.85) if known else None
+        return _with_alpha(diverging_colours(values), 0.75) if known else None
     if not fits(shape, object.data):
         return None
     if kind == "CONFIDENCE":

@@ -12,6 +12,12 @@ class SymmetryPanel:
     bl_category = "Symmetry"
 
 
+def _has_map(context):
+    """Whether the tools that need a map are to be used; buttons find out by themselves, menus do not."""
+    object = context.active_object
+    return object is not None and object.type == "MESH" and stored_map.why_none(object) is None
+
+
 class INTRINSIC_SYMMETRY_PT_detect(SymmetryPanel, bpy.types.Panel):
     bl_label = "Intrinsic Symmetry"
 
@@ -70,8 +76,9 @@ class INTRINSIC_SYMMETRY_PT_mirror(SymmetryPanel, bpy.types.Panel):
     bl_label = "Mirror"
     bl_parent_id = "INTRINSIC_SYMMETRY_PT_detect"
 
-    def draw(self, _context):
+    def draw(self, context):
         column = self.layout.column(align=True)
+        column.enabled = _has_map(context)
         for name, icon in (
             ("mirror_vertex_groups", "GROUP_VERTEX"),
             ("mirror_shape_keys", "SHAPEKEY_DATA"),
@@ -84,9 +91,11 @@ class INTRINSIC_SYMMETRY_PT_shape(SymmetryPanel, bpy.types.Panel):
     bl_label = "Shape"
     bl_parent_id = "INTRINSIC_SYMMETRY_PT_detect"
 
-    def draw(self, _context):
+    def draw(self, context):
         column = self.layout.column(align=True)
-        column.operator_menu_enum("intrinsic_symmetry.symmetrize", "direction", icon="MOD_MIRROR")
+        row = column.row()
+        row.enabled = _has_map(context)
+        row.operator_menu_enum("intrinsic_symmetry.symmetrize", "direction", icon="MOD_MIRROR")
         column.operator("intrinsic_symmetry.remember", icon="PINNED")
         column.operator("intrinsic_symmetry.mirror_edit", icon="UV_SYNC_SELECT")
 

@@ -1,0 +1,45 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Makes the screenshots of docs/blender.md in a real Blender window: Debian trixie's Blender in a chroot, on a
+# virtual screen with software OpenGL. Needs root, debootstrap, and 3 GB under build/.
+# usage: make.sh          (after `make blender-extension`)
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+CHROOT=${INTRINSYM_CHROOT:-$PWD/build/blender-window}
+MIRROR=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
+PACKAGES=(blender xvfb xauth imagemagick python3-numpy libgl1-mesa-dri libegl1 libegl-mesa0 libglx-mesa0)
+
+# /proc and /dev are mounted in a mount namespace of its own: nothing stays mounted.
+inside() {
+    unshare -m --propagation private bash -c \
+        'root=$1; shift; mount -t proc proc "$root/proc"; mount --rbind /dev "$root/dev"; exec chroot "$root" "$@"' \
+        - "$CHROOT" "$@"
+}
+
+install_blender() {
+    [ -x "$CHROOT/usr/bin/blender" ] && return
+    command -v debootstrap >/dev/null || apt-get install -y -qq debootstrap
+    debootstrap --variant=minbase trixie "$CHROOT" "$MIRROR"
+    printf '#!/bin/sh\nexit 101\n' >"$CHROOT/usr/sbin/policy-rc.d"
+    chmod +x "$CHROOT/usr/sbin/policy-rc.d"
+    DEBIAN_FRONTEND=noninteractive inside apt-get install -y -qq --no-install-recommends "${PACKAGES[@]}"
+}
+
+install_blender
+rm -rf "$CHROOT/work"
+mkdir -p "$CHROOT/work/pictures"
+cp out/blender/intrinsic_symmetry-*.zip examples/human.ply blender_addon/screenshots/window.py "$CHROOT/work/"
+inside /usr/bin/env -i HOME=/work PATH=/usr/bin:/bin LANG=C.UTF-8 LIBGL_ALWAYS_SOFTWARE=1 \
+    BLENDER_USER_RESOURCES=/work/user \
+    timeout 300 xvfb-run -a -s "-screen 0 1280x960x24 +extension GLX" \
+    blender --factory-startup --no-window-focus --window-geometry 0 0 1280 960 --enable-event-simulate \
+    --python-exit-code 1 --python /work/window.py
+[ ! -e "$CHROOT/work/pictures/failed.txt" ] || { cat "$CHROOT/work/pictures/failed.txt" >&2; exit 1; }
+mkdir -p docs/blender
+for picture in "$CHROOT"/work/pictures/*.png; do
+    inside convert "/work/pictures/$(basename "$picture")" -crop 1056x936+0+24 +repage +dither -colors 128 \
+        -define png:compression-level=9 "/work/small.png"
+    cp "$CHROOT/work/small.png" "docs/blender/$(basename "$picture")"
+done
+ls -l docs/blender
