@@ -225,6 +225,12 @@ public:
                                      points.barycentrics.data(), vertex_count_));
     return points;
   }
+  // Red, green, blue of each vertex: partners share a colour.
+  std::vector<std::uint8_t> pair_colours(std::size_t symmetry = 0) const {
+    std::vector<std::uint8_t> colours(3 * vertex_count_);
+    check(isym_result_pair_colours(get(), symmetry, colours.data(), vertex_count_));
+    return colours;
+  }
   Curve curve(std::size_t symmetry = 0) const {
     std::size_t lines = 0, points = 0;
     check(isym_result_curve_size(get(), symmetry, &lines, &points));
@@ -253,6 +259,16 @@ public:
     expect_size(selected.size(), vertex_count_, "selected");
     check(isym_result_mirror_selection(get(), symmetry, selected.data(), minimum_confidence, mirrored.data(),
                                        vertex_count_));
+    return mirrored;
+  }
+  // One byte per face, 0 or 1.
+  std::vector<std::uint8_t> mirror_face_selection(const std::vector<std::uint8_t> &selected,
+                                                  float minimum_confidence = 0, std::size_t symmetry = 0) const {
+    static std::uint8_t none = 0;
+    const bool empty = selected.empty();
+    std::vector<std::uint8_t> mirrored(selected.size());
+    check(isym_result_mirror_face_selection(get(), symmetry, empty ? &none : selected.data(), minimum_confidence,
+                                            empty ? &none : mirrored.data(), selected.size()));
     return mirrored;
   }
   // `components` numbers per vertex.
@@ -285,6 +301,13 @@ public:
     progress.check_call(isym_result_symmetrize_positions(get(), symmetry, &how, positions.data(), progress.get(),
                                                          moved.data(), vertex_count_));
     return moved;
+  }
+  // Of each vertex, along the surface; infinite where the curve cannot be reached.
+  std::vector<double> curve_distances(const std::vector<double> &positions, std::size_t symmetry = 0) const {
+    expect_size(positions.size(), 3 * vertex_count_, "positions");
+    std::vector<double> distances(vertex_count_);
+    check(isym_result_curve_distances(get(), symmetry, positions.data(), distances.data(), vertex_count_));
+    return distances;
   }
   isym_result *get() const noexcept { return handle_.get(); }
 

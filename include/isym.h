@@ -375,6 +375,15 @@ isym_status isym_result_surface_points(const isym_result *result,
                                        float *barycentrics,
                                        size_t vertex_count);
 
+// Copies out a colour for each vertex that its partner shares, and distinct pairs do not: the colours that the
+// command line writes. Grey where there is no partner or no confidence.
+//
+// `colours`: 3 * vertex_count numbers: red, green, blue of each vertex, sRGB.
+isym_status isym_result_pair_colours(const isym_result *result,
+                                     size_t symmetry,
+                                     uint8_t *colours,
+                                     size_t vertex_count);
+
 // Reads the numbers of lines of the fixed curve and of all their points.
 isym_status isym_result_curve_size(const isym_result *result,
                                    size_t symmetry,
@@ -439,6 +448,19 @@ isym_status isym_result_mirror_selection(const isym_result *result,
                                          uint8_t *mirrored,
                                          size_t vertex_count);
 
+// Mirrors a selection of faces: selects those whose mirror image is selected.
+//
+// `selected` and `mirrored` have one byte per face that the mesh was made with, 0 or 1 (any other number counts
+// as 1); they may be the same array. Where connectivity is mirrored, faces go to their exact mirror images;
+// elsewhere a face is selected if all its corners are in the mirror image of the selected faces' corners.
+// Faces with a corner of less than `minimum_confidence`, 0..=1, are not selected.
+isym_status isym_result_mirror_face_selection(const isym_result *result,
+                                              size_t symmetry,
+                                              const uint8_t *selected,
+                                              float minimum_confidence,
+                                              uint8_t *mirrored,
+                                              size_t face_count);
+
 // Mirrors a vertex attribute of any number of components: weights, colours, masks, texture coordinates.
 //
 // `values` and `mirrored` have components * vertex_count numbers, those of one vertex side by side; they may
@@ -477,6 +499,17 @@ isym_status isym_result_symmetrize_positions(const isym_result *result,
                                              isym_progress *progress,
                                              double *symmetrized,
                                              size_t vertex_count);
+
+// Measures how far each vertex is from the fixed curve, along the surface.
+//
+// `positions`: x, y, z of each vertex, in any unit and pose. `distances`: vertex_count numbers in that unit;
+// infinite where the curve cannot be reached: on other shells, without a curve, and with a result from
+// `isym_result_restore`, which has none.
+isym_status isym_result_curve_distances(const isym_result *result,
+                                        size_t symmetry,
+                                        const double *positions,
+                                        double *distances,
+                                        size_t vertex_count);
 
 // Reads the numbers of vertices and of eigenpairs (fewer than asked for on a tiny mesh).
 isym_status isym_eigen_size(const isym_eigen *eigenpairs,

@@ -3,6 +3,8 @@
 //! All arrays are in the caller's vertices. Every tool pulls: a vertex asks the surface point that is its
 //! mirror image, so that no vertex is left without an answer where left and right differ in density.
 
+pub mod curve_distance;
+pub mod faces;
 pub mod frames;
 pub mod positions;
 

@@ -3,8 +3,10 @@
 
 mod support;
 
-use intrinsym::correspondence::{SurfacePoint, Symmetry};
+use intrinsym::correspondence::{EdgePoint, Polyline, SurfacePoint, Symmetry};
 use intrinsym::mesh::{Mesh, PolygonMesh};
+use intrinsym::mirror_tools::curve_distance::curve_distances;
+use intrinsym::mirror_tools::faces::mirror_face_selection;
 use intrinsym::mirror_tools::frames::{Frames, carry_displacement};
 use intrinsym::mirror_tools::positions::symmetrize;
 use intrinsym::mirror_tools::{Merge, Mirroring, mirror_selection, mirror_values};
@@ -91,6 +93,74 @@ fn a_selection_is_mirrored_and_back() {
         assert_eq!(found[vertex], selected[partner as usize]);
     }
     assert_eq!(mirror_selection(&symmetry, &found, 0.5).unwrap(), selected);
+}
+
+#[test]
+fn faces_go_to_their_mirrored_faces_and_leave_holes_open() {
+    let Lump { rest, symmetry, partners, .. } = lump();
+    let faces: Vec<Vec<u32>> = rest.face_vertices.chunks_exact(3).map(<[u32]>::to_vec).collect();
+    let near = |face: &Vec<u32>| {
+        face.iter().any(|&vertex| distance(rest.positions[vertex as usize], LIMB.map(|x| 2.2 * x)) < 0.7)
+    };
+    let mut selected: Vec<bool> = faces.iter().map(near).collect();
+    // A hole of one face: all its corners are corners of selected faces.
+    let hole = selected.iter().position(|&inside| inside).unwrap();
+    selected[hole] = false;
+    let found = mirror_face_selection(&rest, &symmetry, &selected, 0.5).unwrap();
+    let corners = |vertices: Vec<u32>| vertices.into_iter().collect::<std::collections::BTreeSet<u32>>();
+    let chosen: std::collections::BTreeSet<_> =
+        (0..faces.len()).filter(|&face| found[face]).map(|face| corners(faces[face].clone())).collect();
+    let expected: std::collections::BTreeSet<_> = (0..faces.len())
+        .filter(|&face| selected[face])
+        .map(|face| corners(faces[face].iter().map(|&vertex| partners[vertex as usize]).collect()))
+        .collect();
+    assert!(expected.len() > 10, "only {} faces selected", expected.len());
+    assert_eq!(chosen, expected);
+    assert_eq!(mirror_face_selection(&rest, &symmetry, &found, 0.5).unwrap(), selected);
+}
+
+#[test]
+fn faces_without_mirrored_faces_follow_their_vertices() {
+    // Two triangles in a square, cut along the diagonal that the mirror image does not have.
+    let polygons = support::rectangle(1, 1, [1.0, 1.0]);
+    let mut symmetry = exact_symmetry(&polygons, &[1, 0, 3, 2]);
+    let all = vec![true; polygons.face_offsets.len() - 1];
+    assert_eq!(mirror_face_selection(&polygons, &symmetry, &all, 0.0).unwrap(), all);
+    let mut one = vec![false; all.len()];
+    one[0] = true;
+    assert_eq!(mirror_face_selection(&polygons, &symmetry, &one, 0.0).unwrap(), vec![false; all.len()]);
+    symmetry.confidence[0] = 0.2;
+    assert!(!mirror_face_selection(&polygons, &symmetry, &all, 0.5).unwrap()[0]);
+    assert!(mirror_face_selection(&polygons, &symmetry, &all, 1.5).is_err());
+}
+
+#[test]
+fn distances_from_a_straight_curve_on_a_plane_are_exact() {
+    let polygons = support::rectangle(9, 8, [3.0, 2.0]);
+    let mesh = validated(&polygons);
+    let mut symmetry = exact_symmetry(&polygons, &(0..90).collect::<Vec<u32>>());
+    let distances = |symmetry: &Symmetry| curve_distances(&mesh, symmetry, &polygons.positions);
+    assert!(distances(&symmetry).iter().all(|distance| distance.is_infinite()));
+    // The line x = 1.5 crosses the middle column of squares.
+    let crossing = |row: u32| EdgePoint { from: 10 * row + 4, to: 10 * row + 5, t: 0.5 };
+    symmetry.fixed_curve = vec![Polyline { points: (0..9).map(crossing).collect(), closed: false }];
+    for (position, distance) in polygons.positions.iter().zip(distances(&symmetry)) {
+        assert!((distance - (position[0] - 1.5).abs()).abs() < 1e-12, "{distance} at {position:?}");
+    }
+}
+
+#[test]
+fn distances_from_one_point_are_near_the_true_ones_and_never_shorter() {
+    let polygons = support::rectangle(40, 40, [1.0, 1.0]);
+    let mesh = validated(&polygons);
+    let mut symmetry = exact_symmetry(&polygons, &(0..41 * 41).collect::<Vec<u32>>());
+    let points = vec![EdgePoint { from: 0, to: 1, t: 0.0 }];
+    symmetry.fixed_curve = vec![Polyline { points, closed: false }];
+    let found = curve_distances(&mesh, &symmetry, &polygons.positions);
+    for (position, distance) in polygons.positions.iter().zip(found) {
+        let excess = distance - position[0].hypot(position[1]);
+        assert!((-1e-12..0.03).contains(&excess), "{excess} too long at {position:?}");
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@ use super::status::{Fault, ISYM_ERROR_INDEX, ISYM_ERROR_VALUE, Result, boundary,
 use crate::correspondence::{SurfacePoint, Symmetry};
 use crate::mesh::NONE;
 use crate::options::Options;
+use crate::pair_colour::pair_colours;
 use crate::pipeline::{Detection, Outcome, Report};
 use crate::report;
 use crate::symmetry_kind::SymmetryKind;
@@ -198,6 +199,27 @@ pub unsafe extern "C" fn isym_result_surface_points(
         first.write(&all.clone().map(|index| point(index).face).collect::<Vec<_>>());
         second.write(&all.clone().flat_map(|index| point(index).vertices).collect::<Vec<_>>());
         third.write(&all.flat_map(|index| point(index).barycentric).collect::<Vec<_>>());
+        Ok(())
+    })
+}
+
+/// Copies out a colour for each vertex that its partner shares, and distinct pairs do not: the colours that the
+/// command line writes. Grey where there is no partner or no confidence.
+///
+/// `colours`: 3 * vertex_count numbers: red, green, blue of each vertex, sRGB.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn isym_result_pair_colours(
+    result: *const isym_result,
+    symmetry: usize,
+    colours: *mut u8,
+    vertex_count: usize,
+) -> isym_status {
+    boundary(|| {
+        let result = RESULTS.get(result)?;
+        expect_vertices(&result.mesh, vertex_count)?;
+        // SAFETY: the caller's one promise.
+        let output = unsafe { Output::new(colours, product(vertex_count, 3)?, "colours") }?;
+        output.write(pair_colours(&result.mesh.mesh, result.symmetry(symmetry)?).as_flattened());
         Ok(())
     })
 }

@@ -1,11 +1,13 @@
 //! `isym_result_mirror_*`, `_carry_*`, `_symmetrize_*`: what hosts do with a symmetry.
 
-use super::memory::{Output, array, product};
+use super::memory::{Output, array, expect, product};
 use super::mesh::expect_vertices;
 use super::progress::{PROGRESSES, isym_progress};
 use super::result::{RESULTS, ResultObject, isym_result};
 use super::status::{Fault, ISYM_ERROR_LENGTH, ISYM_ERROR_VALUE, Result, boundary, isym_status};
 use crate::mesh::vector::Vector;
+use crate::mirror_tools::curve_distance::curve_distances;
+use crate::mirror_tools::faces::mirror_face_selection;
 use crate::mirror_tools::frames::carry_displacement;
 use crate::mirror_tools::positions::symmetrize;
 use crate::mirror_tools::{Merge, Mirroring, mirror_selection, mirror_values};
@@ -107,6 +109,36 @@ pub unsafe extern "C" fn isym_result_mirror_selection(
     })
 }
 
+/// Mirrors a selection of faces: selects those whose mirror image is selected.
+///
+/// `selected` and `mirrored` have one byte per face that the mesh was made with, 0 or 1 (any other number counts
+/// as 1); they may be the same array. Where connectivity is mirrored, faces go to their exact mirror images;
+/// elsewhere a face is selected if all its corners are in the mirror image of the selected faces' corners.
+/// Faces with a corner of less than `minimum_confidence`, 0..=1, are not selected.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn isym_result_mirror_face_selection(
+    result: *const isym_result,
+    symmetry: usize,
+    selected: *const u8,
+    minimum_confidence: f32,
+    mirrored: *mut u8,
+    face_count: usize,
+) -> isym_status {
+    boundary(|| {
+        let result = RESULTS.get(result)?;
+        let polygons = &result.mesh.polygons;
+        expect(face_count, polygons.face_offsets.len() - 1, "selected")?;
+        // SAFETY: the caller's one promise, for both.
+        let selected = unsafe { array(selected, face_count, "selected") }?;
+        let output = unsafe { Output::new(mirrored, face_count, "mirrored") }?;
+        let selected: Vec<bool> = selected.into_iter().map(|byte| byte != 0).collect();
+        let symmetry = result.symmetry(symmetry)?;
+        let found = mirror_face_selection(polygons, symmetry, &selected, minimum_confidence)?;
+        output.write(&found.into_iter().map(u8::from).collect::<Vec<_>>());
+        Ok(())
+    })
+}
+
 /// Mirrors a vertex attribute of any number of components: weights, colours, masks, texture coordinates.
 ///
 /// `values` and `mirrored` have components * vertex_count numbers, those of one vertex side by side; they may
@@ -191,6 +223,29 @@ pub unsafe extern "C" fn isym_result_symmetrize_positions(
         let (mesh, symmetry) = (&result.mesh.mesh, result.symmetry(symmetry)?);
         let found = progress.run(|progress| symmetrize(mesh, symmetry, &positions, &mirroring, progress))?;
         output.write(found.as_flattened());
+        Ok(())
+    })
+}
+
+/// Measures how far each vertex is from the fixed curve, along the surface.
+///
+/// `positions`: x, y, z of each vertex, in any unit and pose. `distances`: vertex_count numbers in that unit;
+/// infinite where the curve cannot be reached: on other shells, without a curve, and with a result from
+/// `isym_result_restore`, which has none.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn isym_result_curve_distances(
+    result: *const isym_result,
+    symmetry: usize,
+    positions: *const f64,
+    distances: *mut f64,
+    vertex_count: usize,
+) -> isym_status {
+    boundary(|| {
+        let result = result_for(result, vertex_count)?;
+        // SAFETY: the caller's one promise, for both.
+        let positions = unsafe { vectors(positions, vertex_count, "positions") }?;
+        let output = unsafe { Output::new(distances, vertex_count, "distances") }?;
+        output.write(&curve_distances(&result.mesh.mesh, result.symmetry(symmetry)?, &positions));
         Ok(())
     })
 }

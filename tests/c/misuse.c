@@ -59,6 +59,9 @@ static void wrong_lengths(const isym_mesh *mesh, const isym_result *result) {
     FAILS(ISYM_ERROR_LENGTH, isym_mesh_positions(mesh, values, 9));
     FAILS(ISYM_ERROR_LENGTH, isym_result_report(result, text, 4));
     FAILS(ISYM_ERROR_LENGTH, isym_result_mirror_selection(result, 0, selected, 0, selected, 10));
+    FAILS(ISYM_ERROR_LENGTH, isym_result_mirror_face_selection(result, 0, selected, 0, selected, 5));
+    FAILS(ISYM_ERROR_LENGTH, isym_result_curve_distances(result, 0, SQUARE, values, 8));
+    FAILS(ISYM_ERROR_LENGTH, isym_result_pair_colours(result, 0, selected, 10));
     FAILS(ISYM_ERROR_LENGTH, isym_result_mirror_values(result, 0, &swap, SQUARE, 0, values, 9));
     FAILS(ISYM_ERROR_LENGTH, isym_result_mirror_values(result, 0, &swap, SQUARE, SIZE_MAX / 2, values, 9));
     EXPECT(partners[0] == 77 && values[0] == 77 && selected[0] == 77 && strcmp(text, "abc") == 0);

@@ -132,6 +132,11 @@ static void tools(void) {
     OK(isym_result_mirror_selection(result, 0, selected, 0.5f, selected, 9));
     const uint8_t mirrored[9] = {0, 1, 1, 0, 0, 0, 0, 0, 0};
     EXPECT(memcmp(selected, mirrored, 9) == 0);
+    uint8_t faces[4] = {1, 0, 0, 1}, colours[27];
+    OK(isym_result_mirror_face_selection(result, 0, faces, 0.5f, faces, 4));
+    EXPECT(!faces[0] && faces[1] && faces[2] && !faces[3]);
+    OK(isym_result_pair_colours(result, 0, colours, 9));
+    EXPECT(memcmp(colours, colours + 6, 3) == 0 && memcmp(colours, colours + 9, 3) != 0);
 
     double values[18], found[18];
     for (int i = 0; i < 18; ++i)

@@ -3,6 +3,7 @@
 
 #include "test.h"
 
+#include <algorithm>
 #include <thread>
 
 namespace {
@@ -79,6 +80,9 @@ void normal_use(const isym::Mesh &mesh) {
   const isym::Result stored =
       mesh.restore(ISYM_KIND_REFLECTION, partners, result.confidences(), result.sides(), points);
   const auto positions = mesh.positions();
+  const auto distances = result.curve_distances(positions);
+  EXPECT(*std::min_element(distances.begin(), distances.end()) < 0.05);
+  EXPECT(*std::max_element(distances.begin(), distances.end()) > 0.2);
   isym::Mirroring average;
   average.merge = ISYM_MERGE_AVERAGE;
   EXPECT(stored.symmetrize_positions(positions, average) == result.symmetrize_positions(positions, average));
@@ -88,6 +92,8 @@ void normal_use(const isym::Mesh &mesh) {
   EXPECT(result.mirror_values(ones, 1, average) == ones);
   const std::vector<std::uint8_t> all(n, 1);
   EXPECT(result.mirror_selection(all) == all);
+  const std::vector<std::uint8_t> all_faces(mesh.size()[1], 1);
+  EXPECT(result.mirror_face_selection(all_faces) == all_faces && result.pair_colours().size() == 3 * n);
   EXPECT(thrown_by<isym::Error>([&] { result.mirror_values(ones, 2, average); }).status() == ISYM_ERROR_LENGTH);
   EXPECT(mesh.eigen(6).functions.size() == 6 * n && mesh.connectivity_hash() != 0);
 }
