@@ -22,6 +22,7 @@ test: setup-test ## Check format and lints, run all tests
 	cargo test --release --locked --doc --quiet
 	cargo nextest run --release --locked
 	@$(MAKE) --no-print-directory test-c
+	@$(MAKE) --no-print-directory test-meshlab
 	@$(MAKE) --no-print-directory test-python
 	@$(MAKE) --no-print-directory test-blender
 
@@ -43,6 +44,7 @@ clean: ## Remove everything that was built or written
 	cargo clean
 	rm -rf out
 
+include cpp/meshlab/meshlab.mk
 include python/python.mk
 include blender_addon/blender.mk
 include training/train.mk

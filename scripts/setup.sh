@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes sure that everything the build needs is there; installs it on Debian and Ubuntu, and says plainly
 # what is missing on any other system. Does nothing, quickly, where all is installed.
-# usage: setup.sh [nextest|python|blender]
+# usage: setup.sh [nextest|python|blender|meshlab]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -103,6 +103,18 @@ check_blender() {
         "(Blender 4.5 runs in no other); BLENDER_PYTHON may name it"
 }
 
+# What MeshLab's headers include.
+MESHLAB_PACKAGES=(libeigen3-dev libglew-dev libqt5opengl5-dev qtbase5-dev)
+
+check_meshlab() {
+    check_python
+    if command -v apt-get >/dev/null; then
+        install_packages cmake xz-utils "${MESHLAB_PACKAGES[@]}"
+    else
+        echo "setup: the MeshLab plugin needs CMake, Qt 5.15, Eigen 3 and GLEW, with their headers"
+    fi
+}
+
 if [ "${1:-}" = nextest ]; then PACKAGES+=(cmake); fi
 if command -v apt-get >/dev/null; then install_packages "${PACKAGES[@]}"; else check_tools; fi
 check_rust
@@ -115,3 +127,4 @@ if [ "${1:-}" = blender ]; then
     check_python
     check_blender
 fi
+if [ "${1:-}" = meshlab ]; then check_meshlab; fi
