@@ -1,0 +1,1 @@
+"""Measures the command line on meshes with known truth; never on what it was trained on."""

@@ -1,0 +1,127 @@
+"""Geodesic error on remeshed FAUST and TOSCA, whose left and right share no connectivity.
+
+    python -m evaluation.remeshed DATA --program target/release/intrinsym --out results.json [--jobs 2] [-- OPTIONS]
+
+DATA holds the data set of J. Ren, A. Poulenard, P. Wonka, M. Ovsjanikov, "Continuous and Orientation-preserving
+Correspondences via Functional Maps", 2018 (github: llorz/SGA18_orientation_BCICP_dataset, folder Dataset):
+SET/vtx_5k/NAME.off, and in corres/ NAME.vts and NAME.sym.vts, 1-based: line i of the second is the mirror image
+of line i of the first. For measuring only.
+
+The error of a vertex is the shortest way along edges from the answered to the true partner over sqrt(area); ways
+along edges are a few per cent longer than geodesics. 250 vertices of each mesh are measured.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import dijkstra
+
+MEASURED = 250
+# A map whose mean error is above this pairs the wrong limbs, or moves too little.
+WRONG = 0.1
+NO_PARTNER_ERROR = 1.0
+
+
+@dataclass
+class Result:
+    """What was answered for one mesh; `error` is None if no symmetry was found."""
+
+    set: str
+    name: str
+    found: bool
+    plausibility: float | None
+    error: float | None
+    seconds: float
+
+
+def read_off(path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices (n, 3) and triangles (m, 3)."""
+    lines = path.read_text().split("\n")
+    vertices, faces = map(int, lines[1].split()[:2])
+    rows = [line.split() for line in lines[2 : 2 + vertices + faces]]
+    return np.array([row[:3] for row in rows[:vertices]], float), np.array([row[1:4] for row in rows[vertices:]], int)
+
+
+def edge_graph(vertices: np.ndarray, faces: np.ndarray):
+    """Edges weighted by length over sqrt(area)."""
+    corners = vertices[faces]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2
+    ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    lengths = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1) / np.sqrt(area)
+    graph = coo_matrix((lengths, ends.T), shape=(len(vertices),) * 2).tocsr()
+    return graph.maximum(graph.T)
+
+
+def mean_error(mesh: Path, partners: np.ndarray) -> float:
+    """Mean error of the map over the measured vertices."""
+    truth = mesh.parent / "corres" / mesh.name
+    source, image = (np.loadtxt(truth.with_suffix(end), dtype=int) - 1 for end in (".vts", ".sym.vts"))
+    picked = np.linspace(0, len(source) - 1, MEASURED).astype(int)
+    ways = dijkstra(edge_graph(*read_off(mesh)), directed=False, indices=image[picked])
+    answered = partners[source[picked]]
+    errors = np.where(answered >= 0, ways[np.arange(MEASURED), np.maximum(answered, 0)], NO_PARTNER_ERROR)
+    return float(np.minimum(errors, NO_PARTNER_ERROR).mean())
+
+
+def measure(program: str, mesh: Path, options: list[str]) -> Result:
+    """Runs the program on a mesh and judges its answer."""
+    with tempfile.TemporaryDirectory() as folder:
+        files = [Path(folder) / "out.map", Path(folder) / "out.json"]
+        command = [program, "detect", mesh, "--map", files[0], "--json", files[1], "--quiet", *options]
+        status = subprocess.run(command, capture_output=True, text=True)
+        if status.returncode not in (0, 1):
+            raise RuntimeError(f"{mesh}: {status.stderr.strip()}")
+        report = json.loads(files[1].read_text())
+        found = status.returncode == 0
+        error = mean_error(mesh, np.loadtxt(files[0], dtype=int)) if found else None
+    judged = report["report"]["judged"]
+    seconds = sum(seconds for _, seconds in report["report"]["seconds"])
+    return Result(mesh.parts[-3], mesh.stem, found, judged and judged["plausibility"], error, seconds)
+
+
+def table(results: list[Result]) -> str:
+    """One row a set, and the meshes that went wrong."""
+    lines = ["| set | meshes | answered | of them wrong | mean error | median error | median s |", "|---|---|---|---|---|---|---|"]
+    for name in sorted({result.set for result in results}):
+        of_set = [result for result in results if result.set == name]
+        errors = np.array([result.error for result in of_set if result.found])
+        seconds = np.median([result.seconds for result in of_set])
+        lines.append(
+            f"| {name} | {len(of_set)} | {len(errors)} | {(errors > WRONG).sum()} | {errors.mean():.4f} "
+            f"| {np.median(errors):.4f} | {seconds:.2f} |"
+        )
+    for result in results:
+        if not result.found or result.error > WRONG:
+            lines.append(f"\n{result.set} {result.name}: " + (f"error {result.error:.3f}" if result.found else "no symmetry found"))
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Command line entry."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("data", type=Path)
+    parser.add_argument("--program", default="target/release/intrinsym")
+    parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("options", nargs="*", help="options of `intrinsym detect`, after --")
+    arguments = parser.parse_args()
+    meshes = sorted(arguments.data.glob("*/vtx_5k/*.off"))
+    if not meshes:
+        parser.error(f"{arguments.data} holds no SET/vtx_5k/NAME.off: see the top of this file")
+    with ThreadPoolExecutor(arguments.jobs) as pool:
+        results = list(pool.map(lambda mesh: measure(arguments.program, mesh, arguments.options), meshes))
+    arguments.out.write_text(json.dumps([asdict(result) for result in results], indent=1) + "\n")
+    print(table(results))
+
+
+if __name__ == "__main__":
+    main()
