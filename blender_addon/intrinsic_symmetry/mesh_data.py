@@ -125,14 +125,14 @@ def read_attribute(attribute):
     return values if components == 1 else values.reshape(-1, components)
 
 
-def write_attribute(mesh, name, kind, values):
-    """Stores values, one row for each vertex, in the POINT attribute; replaces one of another type."""
+def write_attribute(mesh, name, kind, values, domain="POINT"):
+    """Stores values, one row for each element of the domain; replaces an attribute of another type or domain."""
     attribute = mesh.attributes.get(name)
-    if attribute is not None and (attribute.data_type, attribute.domain) != (kind, "POINT"):
+    if attribute is not None and (attribute.data_type, attribute.domain) != (kind, domain):
         mesh.attributes.remove(attribute)
         attribute = None
     if attribute is None:
-        mesh.attributes.new(name, kind, "POINT")
+        mesh.attributes.new(name, kind, domain)
     update_attribute(mesh.attributes[name], values)  # fetched again: creating one moves the others
 
 

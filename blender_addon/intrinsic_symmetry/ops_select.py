@@ -11,7 +11,9 @@ from .operator_base import MapOperator
 
 def write_selection(context, mesh, vertices, edges=None, faces=None):
     """Selects vertices, (vertices,) bool, and all edges and faces between them, of those that are given; as the
-    select mode has it, so that Blender adds nothing. Returns how many vertices are selected."""
+    select mode has it, so that Blender adds nothing. Returns how many vertices are selected.
+
+    The attributes are written by name: `mesh.edges.foreach_set("select", ...)` can crash Blender 5.0."""
     vertex_mode, edge_mode, _ = context.tool_settings.mesh_select_mode
     ends, (offsets, corners) = mesh_data.edges(mesh), mesh_data.polygons(mesh)
     chosen_edges = vertices[ends].all(axis=1) & (True if edges is None else edges)
@@ -25,9 +27,12 @@ def write_selection(context, mesh, vertices, edges=None, faces=None):
             chosen_edges[_edges_of_corners(mesh)[of_faces]] = True
         vertices = np.zeros_like(vertices)
         vertices[ends[chosen_edges]] = True
-    mesh.vertices.foreach_set("select", vertices)
-    mesh.edges.foreach_set("select", chosen_edges)
-    mesh.polygons.foreach_set("select", chosen_faces)
+    for name, domain, flags in (
+        (".select_vert", "POINT", vertices),
+        (".select_edge", "EDGE", chosen_edges),
+        (".select_poly", "FACE", chosen_faces),
+    ):
+        mesh_data.write_attribute(mesh, name, "BOOLEAN", flags, domain)
     mesh.update()
     return int(vertices.sum())
 
