@@ -23,6 +23,7 @@ test: setup-test ## Check format and lints, run all tests
 	cargo nextest run --release --locked
 	@$(MAKE) --no-print-directory test-c
 	@$(MAKE) --no-print-directory test-meshlab
+	@$(MAKE) --no-print-directory train-test
 	@$(MAKE) --no-print-directory test-python
 	@$(MAKE) --no-print-directory test-blender
 

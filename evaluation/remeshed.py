@@ -95,10 +95,8 @@ def table(results: list[Result]) -> str:
         of_set = [result for result in results if result.set == name]
         errors = np.array([result.error for result in of_set if result.found])
         seconds = np.median([result.seconds for result in of_set])
-        lines.append(
-            f"| {name} | {len(of_set)} | {len(errors)} | {(errors > WRONG).sum()} | {errors.mean():.4f} "
-            f"| {np.median(errors):.4f} | {seconds:.2f} |"
-        )
+        middle = f"{errors.mean():.4f} | {np.median(errors):.4f}" if len(errors) else "- | -"
+        lines.append(f"| {name} | {len(of_set)} | {len(errors)} | {(errors > WRONG).sum()} | {middle} | {seconds:.2f} |")
     for result in results:
         if not result.found or result.error > WRONG:
             lines.append(f"\n{result.set} {result.name}: " + (f"error {result.error:.3f}" if result.found else "no symmetry found"))

@@ -1,5 +1,5 @@
 # The sign network from nothing: virtual environment, data, training, export, figures. Included by Makefile.
-.PHONY: train train-test train-setup train-evaluate design-table
+.PHONY: evaluate-remeshed train train-test train-setup train-evaluate design-table
 
 TRAIN_OUT ?= build/training
 TRAIN_SHAPES ?= 6500
@@ -33,8 +33,14 @@ train: $(TRAIN_OUT)/data.ready ## Make the sign network from nothing (under 30 m
 train-evaluate: $(TRAIN_OUT)/venv/.ready ## Measure the shipped sign network on the public benchmark at $$SCB_DATA
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.evaluate models/signnet.onnx --benchmark "$$SCB_DATA" --cache $(TRAIN_OUT)/benchmark
 
-train-test: $(TRAIN_OUT)/venv/.ready ## Test the training package (a tiny training run, no downloads beyond the environment)
-	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m pytest -q training/tests
+train-test: $(TRAIN_OUT)/venv/.ready ## Test training (a tiny run, no downloads beyond the environment) and evaluation
+	cargo build --release --locked --bin intrinsym
+	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m pytest -q training/tests evaluation/tests
+
+evaluate-remeshed: $(TRAIN_OUT)/venv/.ready ## Measure the map on remeshed FAUST and TOSCA at $$REMESHED_DATA
+	cargo build --release --locked --bin intrinsym
+	@mkdir -p out
+	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m evaluation.remeshed "$$REMESHED_DATA" --out out/remeshed.json
 
 design-table: $(TRAIN_OUT)/data.ready ## Train and measure the designs that the paper compares
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.design_table --folder $(TRAIN_OUT) --out $(TRAIN_OUT)/design_table.md
