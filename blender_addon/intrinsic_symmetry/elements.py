@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mirror images of edges and faces, from those of their vertices."""
+"""Mirror images of edges, faces and face corners, from those of their vertices."""
 
 import numpy as np
 
@@ -37,3 +37,13 @@ def face_partners(mesh, symmetry):
         faces, counts = np.unique(images[corners[offsets[face] : offsets[face + 1]]], return_counts=True)
         exact[face] = faces[counts.argmax()]
     return exact
+
+
+def corner_partners(mesh, partner, faces):
+    """(corners,) the corner at the partner of each corner's vertex in the partner of its face, of `face_partners`;
+    -1 where that face has no such corner."""
+    offsets, corners = mesh_data.polygons(mesh)
+    face_of = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    place = {pair: corner for corner, pair in enumerate(zip(face_of.tolist(), corners.tolist()))}
+    wanted = zip(faces[face_of].tolist(), partner[corners].tolist())
+    return np.fromiter((place.get(pair, -1) for pair in wanted), np.int64, len(corners))

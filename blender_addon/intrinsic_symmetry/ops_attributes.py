@@ -6,7 +6,7 @@ import numpy as np
 from intrinsym import Merge
 
 from . import mesh_data, stored_map
-from .elements import edge_partners, face_partners
+from .elements import corner_partners, edge_partners, face_partners
 from .mirroring import MirrorProperties, blend
 from .operator_base import MapOperator
 
@@ -98,12 +98,8 @@ def _faces(symmetry, mesh, attribute, values, share):
 
 def _corners(symmetry, mesh, attribute, values, share):
     """A corner takes that of its face's partner at its vertex' partner; elsewhere the mean over the image."""
-    offsets, corners = mesh_data.polygons(mesh)
-    face_of = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
-    faces = face_partners(mesh, symmetry)
-    place = {pair: corner for corner, pair in enumerate(zip(face_of.tolist(), corners.tolist()))}
-    wanted = zip(faces[face_of].tolist(), symmetry.partner[corners].tolist())
-    source = np.fromiter((place.get(pair, -1) for pair in wanted), np.int64, len(corners))
+    _, corners = mesh_data.polygons(mesh)
+    source = corner_partners(mesh, symmetry.partner, face_partners(mesh, symmetry))
     image = values[np.where(source < 0, np.arange(len(values)), source)]
     if attribute.data_type in _NUMBERS:
         means = symmetry.mirror_values(_vertex_means(values, corners, len(mesh.vertices)), Merge.SWAP)

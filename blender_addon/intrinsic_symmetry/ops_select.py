@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 
 from . import mesh_data, stored_map
-from .elements import edge_partners, exact_face_partners
+from .elements import edge_partners
 from .operator_base import MapOperator
 
 
@@ -50,12 +50,6 @@ def _flags(elements):
     return flags
 
 
-def _allowed(partners, selected):
-    """(elements,) bool: one whose mirror image is an element of the mesh is selected only with that; any other,
-    whose connectivity has no counterpart, may be."""
-    return np.where(partners < 0, True, selected[partners])
-
-
 class INTRINSIC_SYMMETRY_OT_select(MapOperator, bpy.types.Operator):
     """Select the mirror image of the selected vertices, edges or faces"""
 
@@ -74,18 +68,27 @@ class INTRINSIC_SYMMETRY_OT_select(MapOperator, bpy.types.Operator):
         selected = mesh_data.selected_vertices(mesh)
         if not selected.any():
             raise mesh_data.MeshProblem("Nothing is selected")
-        vertices = symmetry.mirror_selection(selected, minimum_confidence=self.minimum_confidence)
+        how = {"minimum_confidence": self.minimum_confidence}
+        vertices = symmetry.mirror_selection(selected, **how)
         vertex_mode, edge_mode, _ = context.tool_settings.mesh_select_mode
         edges = faces = None
-        if not vertex_mode:
-            edges = _allowed(edge_partners(mesh, symmetry.partner), _flags(mesh.edges)) if edge_mode else None
-            images = exact_face_partners(mesh, symmetry.partner)
-            faces = None if edge_mode else _allowed(images, _flags(mesh.polygons))
+        if edge_mode and not vertex_mode:
+            edges = _mirrored_edges(mesh, symmetry)
+        elif not vertex_mode:
+            vertices = np.ones_like(selected)  # the faces alone decide
+            faces = symmetry.mirror_face_selection(_flags(mesh.polygons), **how)
         if self.extend:
             vertices = vertices | selected
             edges = edges if edges is None else edges | _flags(mesh.edges)
             faces = faces if faces is None else faces | _flags(mesh.polygons)
         return f"{write_selection(context, mesh, vertices, edges, faces)} vertices selected"
+
+
+def _mirrored_edges(mesh, symmetry):
+    """(edges,) bool: an edge whose mirror image is an edge of the mesh is selected only with that; any other, whose
+    connectivity has no counterpart, may be."""
+    partners = edge_partners(mesh, symmetry.partner)
+    return np.where(partners < 0, True, _flags(mesh.edges)[partners])
 
 
 class INTRINSIC_SYMMETRY_OT_select_line(MapOperator, bpy.types.Operator):

@@ -72,6 +72,22 @@ class INTRINSIC_SYMMETRY_PT_select(SymmetryPanel, bpy.types.Panel):
         column.operator("intrinsic_symmetry.select_to_line")
 
 
+class INTRINSIC_SYMMETRY_PT_uv(bpy.types.Panel):
+    bl_label = "Intrinsic Symmetry"
+    bl_space_type = "IMAGE_EDITOR"
+    bl_region_type = "UI"
+    bl_category = "Symmetry"
+
+    @classmethod
+    def poll(cls, context):
+        return context.space_data.mode == "UV"
+
+    def draw(self, _context):
+        column = self.layout.column(align=True)
+        column.operator("intrinsic_symmetry.select_uv", icon="RESTRICT_SELECT_OFF")
+        column.operator("intrinsic_symmetry.select_uv", text="Extend to Both Sides").extend = True
+
+
 class INTRINSIC_SYMMETRY_PT_mirror(SymmetryPanel, bpy.types.Panel):
     bl_label = "Mirror"
     bl_parent_id = "INTRINSIC_SYMMETRY_PT_detect"
@@ -156,6 +172,7 @@ register, unregister = bpy.utils.register_classes_factory(
     (
         INTRINSIC_SYMMETRY_PT_detect,
         INTRINSIC_SYMMETRY_PT_select,
+        INTRINSIC_SYMMETRY_PT_uv,
         INTRINSIC_SYMMETRY_PT_mirror,
         INTRINSIC_SYMMETRY_PT_shape,
         INTRINSIC_SYMMETRY_PT_show,

@@ -54,6 +54,70 @@ def test_edges_and_faces(human, truth, element):
     assert found == wanted
 
 
+@pytest.fixture
+def unwrapped(human):
+    """The human with a UV map, and without UV Sync Selection."""
+    human.data.uv_layers.new(name="UVMap")
+    bpy.context.tool_settings.use_uv_select_sync = False
+    return human
+
+
+def _select_uvs(mesh, faces):
+    """Selects all UVs of some faces, as Blender stores that."""
+    flags = np.zeros(len(mesh.loops), bool)
+    for face in faces:
+        flags[list(mesh.polygons[face].loop_indices)] = True
+    corner_name, edge_name, face_name = module("ops_uv").names(mesh)
+    for name in (corner_name, edge_name):
+        module("mesh_data").write_attribute(mesh, name, "BOOLEAN", flags, "CORNER")
+    if face_name is not None:
+        chosen = np.isin(np.arange(len(mesh.polygons)), faces)
+        module("mesh_data").write_attribute(mesh, face_name, "BOOLEAN", chosen, "FACE")
+    return flags
+
+
+def test_uvs(unwrapped, truth, mode):
+    mesh = unwrapped.data
+    chosen = list(range(0, len(mesh.polygons), 10))
+    before = _select_uvs(mesh, chosen)
+    enter(mode)
+    assert ops.select_uv() == {"FINISHED"}
+    enter("OBJECT")
+    after = attribute(mesh, module("ops_uv").names(mesh)[0])
+    wanted = {frozenset(truth[list(mesh.polygons[face].vertices)]) for face in chosen}
+    found = {frozenset(face.vertices) for face in mesh.polygons if after[list(face.loop_indices)].all()}
+    assert found == wanted and after.sum() == before.sum()
+    assert np.array_equal(attribute(mesh, module("ops_uv").names(mesh)[1]), after)
+    assert ops.select_uv(extend=True) == {"FINISHED"}
+    both = attribute(mesh, module("ops_uv").names(mesh)[0])
+    assert np.array_equal(both, after | before)
+
+
+def test_uvs_of_an_irregular_mesh(quadruped):
+    mesh = quadruped.data
+    mesh.uv_layers.new(name="UVMap")
+    bpy.context.tool_settings.use_uv_select_sync = False
+    side = attribute(mesh, "symmetry_side")
+    left = [face.index for face in mesh.polygons if (side[list(face.vertices)] == 1).all()]
+    _select_uvs(mesh, left)
+    ops.select_uv()
+    found = attribute(mesh, module("ops_uv").names(mesh)[0])
+    right = (side == -1)[[loop.vertex_index for loop in mesh.loops]]
+    assert found[right].mean() > 0.8 and found[~right].mean() < 0.1
+
+
+def test_uvs_need_a_map_and_a_selection(human):
+    bpy.context.tool_settings.use_uv_select_sync = False
+    with pytest.raises(RuntimeError, match="no UV map"):
+        ops.select_uv()
+    human.data.uv_layers.new(name="UVMap")
+    with pytest.raises(RuntimeError, match="No UVs are selected"):
+        ops.select_uv()
+    bpy.context.tool_settings.use_uv_select_sync = True
+    with pytest.raises(RuntimeError, match="UV Sync Selection is on"):
+        ops.select_uv()
+
+
 def test_confidence(human):
     select(human, _patch(human))
     ops.select(minimum_confidence=1.0)

@@ -38,6 +38,19 @@ def test_average_is_its_own_image(human, exact):
     assert np.allclose(values, values[exact.partner])
 
 
+def test_selected_faces_are_mirrored_one_by_one(human, exact):
+    offsets, corners = human.polygons
+    faces = [frozenset(piece.tolist()) for piece in np.split(corners, offsets[1:-1])]
+    number = {face: index for index, face in enumerate(faces)}
+    truth = truth_of("human")
+    chosen = np.zeros(len(faces), bool)
+    chosen[::7] = True
+    images = [number[frozenset(truth[list(face)].tolist())] for face in faces]
+    assert np.array_equal(exact.mirror_face_selection(chosen), chosen[images])
+    with pytest.raises(intrinsym.ArgumentError):
+        exact.mirror_face_selection(chosen[1:])
+
+
 def test_selection_of_one_hand_is_the_other(human, exact):
     chosen = np.zeros(human.vertex_count, bool)
     chosen[np.flatnonzero(exact.side == 1)[:200]] = True

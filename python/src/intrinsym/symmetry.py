@@ -188,6 +188,21 @@ class Symmetry:
         )
         return mirrored.astype(bool)
 
+    def mirror_face_selection(self, selected: ArrayLike, *, minimum_confidence: float = 0.0) -> NDArray[np.bool_]:
+        """(faces,) bool: the faces that are the mirror image of the selection, (faces,) bool.
+
+        A face whose corners have the corners of another face as partners is selected if that one is; any other, if
+        all its corners are in the mirror image of the selected faces' corners. Faces with a corner of less confidence
+        are not selected. Raises ArgumentError, OptionError.
+        """
+        given = np.asarray(selected)
+        chosen = _arrays.exactly(given != 0, (given.size,), np.uint8, "selected")
+        mirrored = np.empty_like(chosen)
+        LIBRARY.isym_result_mirror_face_selection(
+            self._result.pointer, self._index, chosen, minimum_confidence, mirrored, mirrored.size
+        )
+        return mirrored.astype(bool)
+
     def mirror_values(
         self,
         values: ArrayLike,
