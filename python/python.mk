@@ -14,4 +14,5 @@ wheel: $(PYTHON_VENV)/.ready ## Build the Python wheel with the library inside: 
 
 test-python: wheel ## Test the wheel, installed into a clean virtual environment
 	cargo build --release --locked --bin intrinsym
+	$(PYTHON_VENV)/bin/python -m pip install --quiet --no-deps --force-reinstall out/wheels/intrinsym-*.whl
 	$(PYTHON_VENV)/bin/python -m pytest -q python/tests
