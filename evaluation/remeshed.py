@@ -1,6 +1,6 @@
 """Geodesic error on remeshed FAUST and TOSCA, whose left and right share no connectivity.
 
-    python -m evaluation.remeshed DATA --program target/release/intrinsym --out results.json [--jobs 2] [-- OPTIONS]
+    python -m evaluation.remeshed DATA --program target/release/intrinsym --out results.json [--options "..."]
 
 DATA holds the data set of J. Ren, A. Poulenard, P. Wonka, M. Ovsjanikov, "Continuous and Orientation-preserving
 Correspondences via Functional Maps", 2018 (github: llorz/SGA18_orientation_BCICP_dataset, folder Dataset):
@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import shlex
 import subprocess
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -110,7 +111,7 @@ def main() -> None:
     parser.add_argument("--program", default="target/release/intrinsym")
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("options", nargs="*", help="options of `intrinsym detect`, after --")
+    parser.add_argument("--options", default="", type=shlex.split, help="options of `intrinsym detect`, as one word")
     arguments = parser.parse_args()
     meshes = sorted(arguments.data.glob("*/vtx_5k/*.off"))
     if not meshes:
