@@ -132,6 +132,14 @@ def show(**values):
         setattr(settings(), name, value)
 
 
+def undo_and_redo():
+    """The modal run left one undo step."""
+    in_view(bpy.ops.ed.undo)
+    assert "symmetry_partner" not in bpy.context.object.data.attributes, "the modal run cannot be undone"
+    in_view(bpy.ops.ed.redo)
+    assert "symmetry_partner" in bpy.context.object.data.attributes, "the modal run cannot be redone"
+
+
 #: What is done, and the seconds to wait after it.
 STEPS = [
     (install, 1.0),
@@ -144,6 +152,7 @@ STEPS = [
     (lambda: in_view(ops.detect, "INVOKE_DEFAULT"), 0.5),
     (lambda: photograph("progress"), 0.5),
     (detected, 0.1),
+    (undo_and_redo, 0.5),
     (lambda: show(line=True, colours="CONFIDENCE"), 1.5),
     (lambda: photograph("confidence"), 0.1),
     (lambda: show(colours="SIDE"), 1.5),
