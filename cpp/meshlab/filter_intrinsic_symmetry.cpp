@@ -44,7 +44,8 @@ const Description &description(MeshLabPlugin::ActionIDType filter) {
         "<b>sym_barycentrics</b> (the exact mirror image, a point of the surface); a second symmetry's names end in "
         "_2, and so on.",
         classes(FilterPlugin::Measure, FilterPlugin::Quality, FilterPlugin::VertexColoring),
-        MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR}},
+        // VERTNUMBER: there may be a layer more. It also spares users a preview that adds one at each change.
+        MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTNUMBER}},
       {Plugin::FP_SELECT_VERTICES,
        {"Select Symmetric Vertices", "compute_selection_by_intrinsic_symmetry_per_vertex",
         "Selects the vertices that are the mirror image, along the surface, of the selected ones.",
@@ -77,6 +78,28 @@ const Description &description(MeshLabPlugin::ActionIDType filter) {
         MeshModel::MM_VERTQUALITY | MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTFLAGSELECT}},
   };
   return descriptions.at(filter);
+}
+
+Outputs apply(MeshLabPlugin::ActionIDType filter, const RichParameterList &parameters, MeshDocument &document,
+              vcg::CallBackPos *callback) {
+  using Plugin = FilterIntrinsicSymmetryPlugin;
+  MeshModel &model = *document.mm();
+  switch (filter) {
+  case Plugin::FP_COMPUTE_SYMMETRY:
+    return compute_symmetry(document, parameters, callback);
+  case Plugin::FP_SELECT_VERTICES:
+    return select_vertices(model, parameters, callback);
+  case Plugin::FP_SELECT_FACES:
+    return select_faces(model, parameters, callback);
+  case Plugin::FP_MIRROR_ATTRIBUTE:
+    return mirror_attribute(model, parameters, callback);
+  case Plugin::FP_SYMMETRIZE:
+    return symmetrize(model, parameters, callback);
+  case Plugin::FP_FLAG_ASYMMETRY:
+    return flag_asymmetry(model, parameters, callback);
+  default:
+    throw MLException("This plugin has no such filter.");
+  }
 }
 
 } // namespace
@@ -140,27 +163,17 @@ std::map<std::string, QVariant> FilterIntrinsicSymmetryPlugin::applyFilter(const
     throw MLException("There is no layer.");
   }
   try {
-    MeshModel &model = *document.mm();
-    switch (ID(action)) {
-    case FP_COMPUTE_SYMMETRY: {
-      Outputs outputs = compute_symmetry(document, parameters, callback);
-      log(outputs["found"].toBool() ? "%d symmetries found in %.2f s" : "No symmetry: %d found in %.2f s",
-          outputs["symmetries_found"].toInt(), outputs["seconds"].toDouble());
-      return outputs;
+    Outputs outputs = apply(ID(action), parameters, document, callback);
+    if (outputs.count("symmetries_found") != 0) {
+      log("Symmetries found: %d, in %.2f s", outputs["symmetries_found"].toInt(), outputs["seconds"].toDouble());
     }
-    case FP_SELECT_VERTICES:
-      return select_vertices(model, parameters, callback);
-    case FP_SELECT_FACES:
-      return select_faces(model, parameters, callback);
-    case FP_MIRROR_ATTRIBUTE:
-      return mirror_attribute(model, parameters, callback);
-    case FP_SYMMETRIZE:
-      return symmetrize(model, parameters, callback);
-    case FP_FLAG_ASYMMETRY:
-      return flag_asymmetry(model, parameters, callback);
-    default:
-      wrongActionCalled(action);
+    if (outputs.count("recomputed") != 0 && outputs["recomputed"].toBool()) {
+      log("The mesh had no symmetry that fits it; it was found anew");
     }
+    if (outputs.count("selected") != 0) {
+      log("Selected: %d", outputs["selected"].toInt());
+    }
+    return outputs;
   } catch (const MLException &) {
     throw;
   } catch (const std::bad_alloc &) {
@@ -168,7 +181,6 @@ std::map<std::string, QVariant> FilterIntrinsicSymmetryPlugin::applyFilter(const
   } catch (const std::exception &error) {
     throw MLException(QString::fromUtf8(error.what()));
   }
-  return {};
 }
 
 MESHLAB_PLUGIN_NAME_EXPORTER(FilterIntrinsicSymmetryPlugin)

@@ -4,16 +4,7 @@
 
 #include <common/mlexception.h>
 
-#include <cstdio>
-#include <cstdlib>
-
-#define EXPECT(condition)                                                                                             \
-  do {                                                                                                                \
-    if (!(condition)) {                                                                                               \
-      std::fprintf(stderr, "%s:%d: not so: %s\n", __FILE__, __LINE__, #condition);                                    \
-      std::exit(1);                                                                                                   \
-    }                                                                                                                 \
-  } while (false)
+#include "test.h"
 
 namespace {
 
