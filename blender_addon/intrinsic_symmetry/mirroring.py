@@ -16,7 +16,26 @@ DIRECTIONS = (
 MERGE = {identifier: merge for identifier, _, _, merge in DIRECTIONS}
 
 
-class MirrorProperties:
+class ConfidenceProperties:
+    """Which vertices are trusted. Mix in before bpy.types.Operator."""
+
+    minimum_confidence: bpy.props.FloatProperty(
+        name="Minimum Confidence",
+        description="Leave vertices alone whose mirror image is less certain than this",
+        min=0.0, max=1.0, default=0.0, subtype="FACTOR",
+    )
+    soft: bpy.props.BoolProperty(
+        name="Soft by Confidence",
+        description="Change each vertex only by the share of its confidence",
+        default=False,
+    )
+
+    def how(self):
+        """Keywords of the library's mirror tools."""
+        return {"minimum_confidence": self.minimum_confidence, "weight_by_confidence": self.soft}
+
+
+class MirrorProperties(ConfidenceProperties):
     """Properties of an operator that mirrors. Mix in before bpy.types.Operator."""
 
     direction: bpy.props.EnumProperty(
@@ -30,24 +49,10 @@ class MirrorProperties:
         description="In edit mode with a selection, change only the selected vertices and their mirror images",
         default=True,
     )
-    minimum_confidence: bpy.props.FloatProperty(
-        name="Minimum Confidence",
-        description="Leave vertices alone whose mirror image is less certain than this",
-        min=0.0, max=1.0, default=0.0, subtype="FACTOR",
-    )
-    soft: bpy.props.BoolProperty(
-        name="Soft by Confidence",
-        description="Change each vertex only by the share of its confidence",
-        default=False,
-    )
 
     @property
     def merge(self):
         return MERGE[self.direction]
-
-    def how(self):
-        """Keywords of the library's mirror tools."""
-        return {"minimum_confidence": self.minimum_confidence, "weight_by_confidence": self.soft}
 
     def shares(self, symmetry):
         """(vertices,) how much of the mirrored value each vertex takes, as the library's tools do."""

@@ -51,7 +51,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
     def _attribute(self, mesh):
         attribute = mesh.attributes.get(self.name) if self.name else mesh.attributes.active
         if attribute is None:
-            raise mesh_data.MeshProblem(f'There is no attribute "{self.name}"' if self.name else "No attribute is active")
+            text = f'There is no attribute "{self.name}"' if self.name else "No attribute is active"
+            raise mesh_data.MeshProblem(text)
         if not _can_be_mirrored(attribute):
             reason = _REFUSED.get(attribute.name, f"{attribute.data_type} on {attribute.domain} cannot be mirrored")
             raise mesh_data.MeshProblem(f'"{attribute.name}": {reason}')

@@ -34,7 +34,7 @@ class INTRINSIC_SYMMETRY_OT_add_node_group(MeshOperator, bpy.types.Operator):
     def run(self, _context, _object, _mode):
         name, _ = TYPES[self.data_type]
         if name in bpy.data.node_groups:
-            raise mesh_data.MeshProblem(f'The node group "{name}" is there already: Add > Group in a geometry node tree')
+            raise mesh_data.MeshProblem(f'The node group "{name}" is there already, under Add > Group')
         return f'The node group "{build(self.data_type).name}" is under Add > Group in geometry node trees'
 
 

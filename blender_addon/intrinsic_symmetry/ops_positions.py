@@ -6,7 +6,7 @@ import numpy as np
 from intrinsym import Merge
 
 from . import mesh_data
-from .mirroring import DIRECTIONS, MERGE, MirrorProperties
+from .mirroring import DIRECTIONS, MERGE, ConfidenceProperties, MirrorProperties
 from .operator_base import MapOperator, MeshOperator
 
 #: POINT attribute, FLOAT_VECTOR: positions of the shape that is being edited, when they were remembered.
@@ -40,7 +40,7 @@ class INTRINSIC_SYMMETRY_OT_remember(MeshOperator, bpy.types.Operator):
         return "Remembered: edit one side, then Mirror Edit"
 
 
-class INTRINSIC_SYMMETRY_OT_mirror_edit(MapOperator, bpy.types.Operator):
+class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.types.Operator):
     """Mirror what was edited since Remember Shape, in any pose"""
 
     bl_idname = "intrinsic_symmetry.mirror_edit"
@@ -53,9 +53,6 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(MapOperator, bpy.types.Operator):
         + [entry[:3] for entry in DIRECTIONS],
         default="EDITED",
     )
-    minimum_confidence: MirrorProperties.__annotations__["minimum_confidence"]
-    soft: MirrorProperties.__annotations__["soft"]
-    how = MirrorProperties.how
 
     @classmethod
     def poll(cls, context):

@@ -5,7 +5,6 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
-from . import mesh_data
 from .mirroring import MirrorProperties, blend
 from .operator_base import MapOperator
 

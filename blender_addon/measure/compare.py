@@ -39,7 +39,8 @@ class Body:
         """Mean of |ln(length of an edge / length of its mirror image)| in the pose, weighted by length: 0 for an
         intrinsic symmetry."""
         ends = np.array([(a, b) for face in self.faces for a, b in zip(face, face[1:] + face[:1])])
-        lengths, images = (np.linalg.norm(np.diff(self.posed[e], axis=1)[:, 0], axis=1) for e in (ends, self.mirror[ends]))
+        edges = (np.diff(self.posed[pairs], axis=1)[:, 0] for pairs in (ends, self.mirror[ends]))
+        lengths, images = (np.linalg.norm(edge, axis=1) for edge in edges)
         return np.average(np.abs(np.log(lengths / images)), weights=lengths)
 
     def object(self, points):
@@ -73,12 +74,14 @@ def _barycentric(points, triangles):
     a, b, c = (triangles[:, k] for k in range(3))
     normal = np.cross(b - a, c - a)
     area = np.maximum(np.einsum("qx,qx->q", normal, normal), 1e-30)
-    weight = [np.einsum("qx,qx->q", np.cross(q - p, points - p), normal) / area for p, q in ((b, c), (c, a), (a, b))]
-    return np.clip(np.stack(weight, axis=1), 0, 1)
+    opposite = ((b, c), (c, a), (a, b))
+    part = [np.einsum("qx,qx->q", np.cross(q - p, points - p), normal) / area for p, q in opposite]
+    return np.clip(np.stack(part, axis=1), 0, 1)
 
 
 def suzannes():
-    """Posed gently and hard: the head of Blender's monkey, subdivided once; its eyes are separate shells and are left out, the sockets closed."""
+    """Posed gently and hard: the head of Blender's monkey, subdivided once. Its eyes, which are shells of their own,
+    are left out, and the sockets are closed."""
     bpy.ops.mesh.primitive_monkey_add()
     object = bpy.context.object
     object.modifiers.new("subdivide", "SUBSURF").levels = 1
@@ -86,7 +89,8 @@ def suzannes():
     data = bmesh.new()
     data.from_mesh(object.data)
     bmesh.ops.delete(data, geom=[v for v in data.verts if v not in _largest_shell(data)], context="VERTS")
-    bmesh.ops.holes_fill(data, edges=data.edges, sides=0)  # the eye sockets; a remesh of an open shell has two sheets
+    # The remesh of an open shell would have two sheets.
+    bmesh.ops.holes_fill(data, edges=data.edges, sides=0)
     data.to_mesh(object.data)
     data.free()
     rest = positions(object.data)
@@ -238,7 +242,8 @@ def row(body, case):
     exact = "yes" if same and np.array_equal(partner, body.mirror) else "no" if same else ""
     mean = f"{100 * error.mean() / size:.2f} %" if found else "none found"
     percent = [f"{100 * share:.1f} %" for share in shares]
-    cells = [body.name, case, f"{len(points):,}", f"{100 * reach / size:.2f} %", *percent, mean, exact, f"{seconds:.1f} s"]
+    cells = [body.name, case, f"{len(points):,}", f"{100 * reach / size:.2f} %"]
+    cells += [*percent, mean, exact, f"{seconds:.1f} s"]
     bpy.data.objects.remove(object)
     return "| " + " | ".join(cells) + " |"
 
@@ -282,7 +287,8 @@ def main():
     text = (HERE / "table.md.in").read_text()
     text = text.replace("@BLENDER@", bpy.app.version_string).replace("@SAMPLES@", str(SAMPLES))
     stretches = "\n".join(f"| {body.name} | {body.stretch():.2f} |" for body in bodies)
-    text = text.replace("@STRETCHES@", stretches).replace("@ROWS@", "\n".join(rows)).replace("@TRIPS@", "\n".join(trips))
+    for mark, lines in (("@STRETCHES@", stretches), ("@ROWS@", "\n".join(rows)), ("@TRIPS@", "\n".join(trips))):
+        text = text.replace(mark, lines)
     (ROOT / "docs" / "blender_table.md").write_text(text)
 
 

@@ -35,7 +35,7 @@ def test_a_large_mesh():
     assert ops.detect() == {"FINISHED"}
     partner = attribute(object.data, "symmetry_partner")
     assert np.array_equal(partner[partner], np.arange(count))  # the connectivity is mirrored
-    object.vertex_groups.new(name="Arm.L").add(np.flatnonzero(attribute(object.data, "symmetry_side") == 1).tolist(), 1, "ADD")
+    object.vertex_groups.new(name="Arm.L").add(np.flatnonzero(_side(object) == 1).tolist(), 1, "ADD")
     start = time.perf_counter()
     assert ops.select_line() == {"FINISHED"}
     assert ops.select() == {"FINISHED"}

@@ -237,7 +237,7 @@ def test_attributes_of_an_irregular_mesh(quadruped):
     mesh = quadruped.data
     side = attribute(mesh, "symmetry_side")
     height = positions(mesh)[:, 2]
-    for domain, values in (("POINT", height), ("CORNER", height[[l.vertex_index for l in mesh.loops]])):
+    for domain, values in (("POINT", height), ("CORNER", height[[loop.vertex_index for loop in mesh.loops]])):
         mesh.attributes.new(domain, "FLOAT", domain)
         module("mesh_data").update_attribute(mesh.attributes[domain], values)
         assert ops.mirror_attribute(name=domain, direction="LEFT_TO_RIGHT") == {"FINISHED"}

@@ -76,6 +76,20 @@ def test_an_edit_is_mirrored(human, truth, mode):
     assert np.abs(positions(human.data) - now).max() < 1e-6
 
 
+def test_an_edit_of_uncertain_vertices_is_not_carried(quadruped):
+    """Above every confidence there is nothing to change; softly, less arrives than wholly."""
+    before, dent = positions(quadruped.data), _dent(quadruped, 1)
+    right = attribute(quadruped.data, "symmetry_side") == -1
+    arrived = []
+    for settings in ({}, {"soft": True}, {"minimum_confidence": 1.0}):
+        module("mesh_data").set_shown_positions(quadruped, before)
+        ops.remember()
+        _move(quadruped, dent)
+        ops.mirror_edit(direction="LEFT_TO_RIGHT", **settings)
+        arrived.append(np.abs(positions(quadruped.data) - before)[right].sum())
+    assert arrived[0] > arrived[1] > arrived[2]
+
+
 def test_a_whole_edit_mode_session(human, truth):
     """Remember, move selected vertices with Blender's own operator, mirror: all without leaving edit mode."""
     side = attribute(human.data, "symmetry_side")

@@ -3,8 +3,7 @@
 
 import bpy
 import numpy as np
-import pytest
-from conftest import attribute, enter, module, select
+from conftest import enter, module, select
 
 
 def _shape(object):
