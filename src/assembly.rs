@@ -58,7 +58,8 @@ impl PointMap {
     }
 
     /// Replaces partners by those that the connectivity gives; points it does not cover stay as they are,
-    /// and so do shells whose edges it stretches as no symmetry does, and their partner shells.
+    /// and so do shells whose edges it stretches as no symmetry does, and their partner shells, unless the
+    /// bijection has no rival: then the shape was modelled from it.
     ///
     /// A bijection of a whole shell is certain: its confidence is 1.
     pub fn replace_by_connectivity(&mut self, mesh: &Mesh, found: &Automorphism) {
@@ -69,7 +70,9 @@ impl PointMap {
                 corner_of[point as usize] = (index as u32, corner);
             }
         }
-        let refused = |point: usize| stretch[mesh.shell_of_point[point] as usize] > LARGEST_STRETCH;
+        let refused = |point: usize| {
+            !found.unrivalled[point] && stretch[mesh.shell_of_point[point] as usize] > LARGEST_STRETCH
+        };
         for (point, &image) in found.partner.iter().enumerate() {
             if image == NONE || refused(point) || refused(image as usize) {
                 continue;
@@ -300,7 +303,13 @@ mod tests {
         let mut map = PointMap::empty(&mesh);
         map.replace_by_connectivity(
             &mesh,
-            &Automorphism { partner, exact: vec![true; 6], covered: 6, complete: true },
+            &Automorphism {
+                partner,
+                exact: vec![true; 6],
+                covered: 6,
+                complete: true,
+                unrivalled: vec![false; 6],
+            },
         );
         assert_eq!(map.partner, [NONE; 6]);
         assert_eq!(map.exact, [false; 6]);

@@ -53,6 +53,9 @@ pub struct Automorphism {
     pub covered: usize,
     /// Whether every shell is mapped by a bijection of the whole of it.
     pub complete: bool,
+    /// Whether a point's pair belongs to the only bijection that the connectivity of its shell admits, which
+    /// holds most of the vertices. Shape can say nothing against it: no mesh is so by chance.
+    pub unrivalled: Vec<bool>,
 }
 
 /// Finds the pairing by connectivity that agrees best with an estimate.
@@ -79,31 +82,58 @@ pub fn find(
     let estimate = Estimate::new(half_edges, estimate, confidence);
     let mut matching = Matching::new(half_edges, kind);
     let colours = Colours::new(half_edges);
-    let inexact =
+    let matched =
         match_whole_shells(&mut matching, &shells, &Classes::new(&colours.far), &estimate, progress)?;
     let exact: Vec<bool> = matching.vertex_image.iter().map(|&image| image != NONE).collect();
-    partial::match_shells(&mut matching, &shells, &colours, &estimate, &inexact, progress)?;
-    Ok(by_points(half_edges, &matching.vertex_image, &exact))
+    partial::match_shells(&mut matching, &shells, &colours, &estimate, &matched.inexact, progress)?;
+    let mut found = by_points(half_edges, &matching.vertex_image, &exact);
+    if let (Some(found), Some(shell)) = (&mut found, matched.unrivalled) {
+        for &vertex in shells.vertices(shell) {
+            let point = half_edges.point_of_vertex[vertex as usize] as usize;
+            found.unrivalled[point] = found.exact[point];
+        }
+    }
+    Ok(found)
 }
 
-/// Maps what it can shell by shell, largest first; returns the shells left over.
+/// What walking whole shells gave.
+#[derive(Default)]
+struct WholeShells {
+    /// Shells without a bijection.
+    inexact: Vec<usize>,
+    /// The shell with most of the vertices, if its bijection is the only one.
+    unrivalled: Option<usize>,
+}
+
+/// The verdict on one shell.
+enum Whole {
+    None,
+    Bijection,
+    OnlyBijection,
+}
+
+/// Maps what it can shell by shell, largest first.
 fn match_whole_shells(
     matching: &mut Matching,
     shells: &Shells,
     classes: &Classes,
     estimate: &Estimate,
     progress: &Progress,
-) -> Result<Vec<usize>> {
+) -> Result<WholeShells> {
     let mut budget = WALKS * matching.half_edges.len() as u64;
-    let mut inexact = Vec::new();
+    let mut matched = WholeShells::default();
     for shell in shells.by_size() {
         progress.check()?;
-        let taken = matching.vertex_image[shells.vertices(shell)[0] as usize] != NONE;
-        if !taken && !match_whole_shell(matching, shells, classes, estimate, shell, &mut budget, progress)? {
-            inexact.push(shell);
+        if matching.vertex_image[shells.vertices(shell)[0] as usize] != NONE {
+            continue;
+        }
+        match match_whole_shell(matching, shells, classes, estimate, shell, &mut budget, progress)? {
+            Whole::None => matched.inexact.push(shell),
+            Whole::Bijection => {}
+            Whole::OnlyBijection => matched.unrivalled = Some(shell),
         }
     }
-    Ok(inexact)
+    Ok(matched)
 }
 
 fn match_whole_shell(
@@ -114,8 +144,9 @@ fn match_whole_shell(
     shell: usize,
     budget: &mut u64,
     progress: &Progress,
-) -> Result<bool> {
+) -> Result<Whole> {
     let vertices = shells.vertices(shell);
+    let main = 2 * vertices.len() > matching.half_edges.vertex_count();
     let pivot = pivot(vertices, classes, estimate);
     let (images, exhaustive) = images_of_pivot(matching, shells, classes, estimate, pivot);
     let seeds: Vec<_> = images.iter().flat_map(|&image| matching.seeds(pivot, image)).collect();
@@ -124,7 +155,8 @@ fn match_whole_shell(
     let mut found = 0;
     for (start, target) in seeds {
         progress.check()?;
-        if best.as_ref().is_some_and(|(distances, ..)| distances.mean <= CLOSE) {
+        // The main shell's rivals are worth knowing: one that is found at all.
+        if (!main || found > 1) && best.as_ref().is_some_and(|(distances, ..)| distances.mean <= CLOSE) {
             break;
         }
         if matching.walk(start, target, classes, budget) {
@@ -136,12 +168,15 @@ fn match_whole_shell(
             matching.rollback(mark);
         }
     }
-    let Some((distances, start, target)) = best else { return Ok(false) };
-    let main = 2 * vertices.len() > matching.half_edges.vertex_count();
+    let Some((distances, start, target)) = best else { return Ok(Whole::None) };
     let unrivalled = main && found == 1 && exhaustive && *budget > 0;
     let near = distances.mean <= estimate::tolerance(vertices.len());
     let accepted = near || unrivalled && distances.share_within.is_none_or(|share| share >= NOT_REFUTED);
-    Ok(accepted && matching.walk(start, target, classes, &mut { u64::MAX }))
+    Ok(match accepted && matching.walk(start, target, classes, &mut { u64::MAX }) {
+        false => Whole::None,
+        true if unrivalled => Whole::OnlyBijection,
+        true => Whole::Bijection,
+    })
 }
 
 /// The vertex with the fewest possible images; of those, one with the surest estimate.
@@ -206,5 +241,6 @@ fn by_points(half_edges: &HalfEdges, vertex_image: &[u32], exact: &[bool]) -> Op
         }
     }
     let covered = covered_points.iter().filter(|&&covered| covered).count();
-    (covered > 0).then_some(Automorphism { partner, exact: exact_point, covered, complete })
+    let unrivalled = vec![false; partner.len()];
+    (covered > 0).then_some(Automorphism { partner, exact: exact_point, covered, complete, unrivalled })
 }

@@ -27,7 +27,7 @@ const NETWORK_PROPOSALS: [(usize, usize); 3] = [(12, 8), (8, 8), (6, 4)];
 /// Least certain signs that are flipped.
 const FLIPPED: usize = 5;
 /// Margins above this say no more.
-const LARGEST_MARGIN: f64 = 2.0;
+pub const LARGEST_MARGIN: f64 = 2.0;
 /// A candidate that scores below this ends the search.
 const CONVINCING: f64 = -4.2;
 /// Mean distance, in radii of the embedding, from which two maps count as different symmetries.

@@ -7,7 +7,7 @@
 
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
-use crate::full_refinement::{self, MatchTarget, TrianglePoint, VertexImages};
+use crate::full_refinement::{self, MatchTarget, VertexImages};
 use crate::functional_map::{Projection, project};
 use crate::laplacian::IntrinsicSurface;
 use crate::mesh::{Attachment, Shell};
@@ -176,7 +176,7 @@ fn match_shells(
 ) -> Result<VertexImages> {
     let (queries, targets) = (&features.mirrored[source], &features.own[target]);
     let anchored = nearest(queries.as_ref(), targets.as_ref());
-    let start = vertex_images(&shells[target], anchored);
+    let start = VertexImages::at_vertices(&shells[target].triangles, anchored);
     let smallest = shells[source].points.len().min(shells[target].points.len());
     if !refined || smallest < 2 * SIZES[0] {
         return Ok(start);
@@ -189,21 +189,6 @@ fn match_shells(
     // A refinement that leaves the anchors far behind has gone to another symmetry of the shell.
     let trusted = quality(&better) <= 2.0 * quality(&start) + 0.05 * start.partners.len() as f32;
     Ok(if trusted { better } else { start })
-}
-
-fn vertex_images(target: &Shell, partners: Vec<u32>) -> VertexImages {
-    let mut corner_of = vec![(0u32, 0usize); target.points.len()];
-    for (index, triangle) in target.triangles.iter().enumerate() {
-        for (corner, &vertex) in triangle.iter().enumerate() {
-            corner_of[vertex as usize] = (index as u32, corner);
-        }
-    }
-    let point = |&vertex: &u32| {
-        let (triangle, corner) = corner_of[vertex as usize];
-        TrianglePoint { triangle, barycentric: std::array::from_fn(|c| if c == corner { 1.0 } else { 0.0 }) }
-    };
-    let points = partners.iter().map(point).collect();
-    VertexImages { partners, points }
 }
 
 /// ZoomOut between two shells from the anchors' map.

@@ -12,6 +12,7 @@ use crate::laplacian::IntrinsicSurface;
 use crate::mesh_descent::{MeshDescent, VertexRows};
 use crate::progress::Progress;
 use faer::Mat;
+use std::collections::HashMap;
 
 /// A point inside a triangle of a shell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,6 +40,26 @@ pub struct VertexImages {
     pub partners: Vec<u32>,
     /// Nearest point of the target.
     pub points: Vec<TrianglePoint>,
+}
+
+impl VertexImages {
+    /// Images that are vertices: `partners[v]` is that of v, a corner of some of the `triangles`. O(both).
+    pub fn at_vertices(triangles: &[[u32; 3]], partners: Vec<u32>) -> VertexImages {
+        let mut corner_of = HashMap::new();
+        for (index, triangle) in triangles.iter().enumerate() {
+            for (corner, &vertex) in triangle.iter().enumerate() {
+                corner_of.insert(vertex, (index as u32, corner));
+            }
+        }
+        let point = |vertex: &u32| {
+            let (triangle, corner) = corner_of[vertex];
+            TrianglePoint {
+                triangle,
+                barycentric: std::array::from_fn(|c| if c == corner { 1.0 } else { 0.0 }),
+            }
+        };
+        VertexImages { points: partners.iter().map(point).collect(), partners }
+    }
 }
 
 impl<'a> MatchTarget<'a> {

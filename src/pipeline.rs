@@ -13,10 +13,10 @@ use crate::fixed_curve::{odd_function, zero_set};
 use crate::full_refinement::MatchTarget;
 use crate::laplacian::IntrinsicSurface;
 use crate::mesh::half_edges::HalfEdges;
-use crate::mesh::{Attachment, Mesh, RepairReport, Shell, attach};
+use crate::mesh::{Attachment, Mesh, NONE, RepairReport, Shell, attach};
 use crate::options::Options;
 use crate::progress::Progress;
-use crate::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, signs};
+use crate::shell_symmetry::{self, PreparedShell, ShellSymmetry, candidates, finish, signs};
 use crate::sign_network::SignPrediction;
 use crate::symmetry_kind::SymmetryKind;
 use std::time::Instant;
@@ -90,7 +90,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         maps.push((finish(&shell, candidate, progress)?, kind));
     }
     let judged = maps.first().map(|(map, _)| map.judged);
-    let evidence = match found.first().zip(judged) {
+    let mut evidence = match found.first().zip(judged) {
         Some((candidate, judged)) => sentence(&candidate.score, &judged, options.plausibility),
         None => "no candidate map reverses orientation".into(),
     };
@@ -100,6 +100,12 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let mut symmetries = Vec::new();
     for (map, kind) in &maps {
         symmetries.push(assembler.assemble(map, *kind, progress)?);
+    }
+    if symmetries.is_empty()
+        && let Some(map) = assembler.by_connectivity(progress)?
+    {
+        symmetries.push(assembler.assemble(&map, SymmetryKind::Reflection, progress)?);
+        evidence += "; but its connectivity admits one reflection, and that is the answer";
     }
     clock.lap("correspondence");
     progress.report("done", 1.0)?;
@@ -189,6 +195,25 @@ impl<'a> Assembler<'a> {
             SymmetryKind::HalfTurn => Vec::new(),
         };
         Ok(symmetry(self.mesh, &map, curve, Summary { kind, score: found.score.total() }))
+    }
+
+    /// The largest shell's reflection if its connectivity admits exactly one, however the shape is posed.
+    fn by_connectivity(&self, progress: &Progress) -> Result<Option<ShellSymmetry>> {
+        let points = self.mesh.positions.len();
+        let nothing = (vec![NONE; points], vec![0.0; points]);
+        let kind = SymmetryKind::Reflection;
+        let found = automorphism::find(&self.half_edges, &nothing.0, &nothing.1, kind, progress)?;
+        let shell = &self.shells[0];
+        let Some(found) = found.filter(|found| shell.points.iter().all(|&p| found.unrivalled[p as usize]))
+        else {
+            return Ok(None);
+        };
+        let mut local = vec![NONE; points];
+        for (index, &point) in shell.points.iter().enumerate() {
+            local[point as usize] = index as u32;
+        }
+        let partner = |&point: &u32| local[found.partner[point as usize] as usize];
+        shell_symmetry::of_partners(self.shell, shell.points.iter().map(partner).collect()).map(Some)
     }
 
     fn odd(&self, found: &ShellSymmetry) -> Vec<f64> {

@@ -1,12 +1,12 @@
 //! The symmetries of one shell: all spectral stages in order.
 
 use crate::acceptance::Judgement;
-use crate::candidate_score::Score;
-use crate::candidates::{self, Candidate};
+use crate::candidate_score::{Score, Scorer};
+use crate::candidates::{self, Candidate, LARGEST_MARGIN};
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::full_refinement::{self, MatchTarget, VertexImages};
-use crate::functional_map::Projection;
+use crate::functional_map::{Projection, project};
 use crate::laplacian::IntrinsicSurface;
 use crate::options::Options;
 use crate::progress::Progress;
@@ -138,8 +138,34 @@ pub fn finish(shell: &PreparedShell, candidate: &Candidate, progress: &Progress)
     let target = MatchTarget::new(&shell.surface, &shell.basis);
     let sizes: Vec<usize> = FULL_SIZES.into_iter().filter(|size| *size <= shell.basis.count()).collect();
     let (map, images) = full_refinement::refine(&target, map, &seeds, &sizes, progress)?;
+    Ok(judge(shell, map, images, candidate.score, candidate.margin))
+}
+
+/// The symmetry that sends each vertex to `partners`, which the connectivity says; no rival.
+///
+/// # Errors
+/// [`crate::Error::Internal`] if the decomposition of the functional map fails.
+pub fn of_partners(shell: &PreparedShell, partners: Vec<u32>) -> Result<ShellSymmetry> {
+    let images = VertexImages::at_vertices(&shell.surface.triangles, partners);
+    let target = MatchTarget::new(&shell.surface, &shell.basis);
+    let size = shell.basis.count();
+    let map = project(
+        full_refinement::estimate(&target, &target, &images.points, size, size),
+        Projection::Involution,
+    )?;
+    let refiner = SampleRefiner::new(&shell.samples);
+    let score = Scorer::new(&shell.surface, &shell.basis, &refiner, Vec::new()).score(&map)?;
+    Ok(judge(shell, map, images, score, LARGEST_MARGIN))
+}
+
+fn judge(
+    shell: &PreparedShell,
+    map: Mat<f64>,
+    images: VertexImages,
+    score: Score,
+    margin: f64,
+) -> ShellSymmetry {
     let mismatch = signature::mismatch(&shell.surface, &shell.basis, &images);
     let mean = signature::mean(&shell.surface, mismatch.iter().copied());
-    let judged = Judgement::new(&candidate.score, mean);
-    Ok(ShellSymmetry { map, images, score: candidate.score, margin: candidate.margin, mismatch, judged })
+    ShellSymmetry { map, images, score, margin, mismatch, judged: Judgement::new(&score, mean) }
 }

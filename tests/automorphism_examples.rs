@@ -51,6 +51,7 @@ fn the_body_is_mapped_exactly_without_any_estimate() {
     let found = human.find(&vec![NONE; human.truth.len()]).unwrap();
     assert!(found.complete);
     assert_eq!(human.wrong(&found), 0);
+    assert!(found.unrivalled.iter().all(|&unrivalled| unrivalled));
 }
 
 #[test]

@@ -198,6 +198,47 @@ fn a_map_without_fixed_points_has_no_fixed_curve() {
 }
 
 #[test]
+fn connectivity_that_admits_one_reflection_answers_where_the_shape_is_bent_beyond_isometry() {
+    let mut polygons = example("human");
+    for position in &mut polygons.positions {
+        let [x, y, z] = *position;
+        *position = [(1.0 + 0.9 * x) * x + 1.5 * z, y + 0.8 * x * x, z * (1.0 + 0.8 * x)];
+    }
+    let found = detected(&validated(&polygons), &Options::default());
+    println!("{}", found.report.evidence);
+    let [symmetry] = &found.symmetries[..] else { panic!("{} symmetries", found.symmetries.len()) };
+    let truth = example_truth("human");
+    assert!(symmetry.partner.iter().zip(&truth).all(|(&partner, &truth)| partner == truth as i32));
+    assert_eq!((symmetry.exact_share, symmetry.mean_confidence), (1.0, 1.0));
+    assert!(found.report.judged.is_none_or(|judged| !judged.accepted(50)), "the spectral map would do");
+    assert!(
+        found.report.evidence.contains("connectivity admits one reflection"),
+        "{}",
+        found.report.evidence
+    );
+}
+
+#[test]
+fn connectivity_that_admits_several_reflections_is_no_evidence_against_the_shape() {
+    let mut polygons = icosphere(3);
+    for position in &mut polygons.positions {
+        let [x, y, z] = *position;
+        let lump = |centre: Vector, height: f64, width: f64| {
+            height * (-support::distance(*position, centre).powi(2) / width).exp()
+        };
+        let radius = 1.0
+            + lump([0.9, 0.1, 0.4], 1.6, 0.05)
+            + lump([-0.3, 0.9, 0.3], 1.1, 0.09)
+            + lump([0.1, -0.5, -0.85], 2.0, 0.04)
+            + lump([-0.6, -0.6, 0.5], 0.7, 0.02)
+            + lump([-0.7, 0.2, -0.7], 1.4, 0.12);
+        *position = [radius * x, radius * y, radius * z];
+    }
+    let found = detected(&validated(&polygons), &Options::default());
+    assert!(found.symmetries.iter().all(|symmetry| symmetry.exact_share == 0.0), "{}", found.report.evidence);
+}
+
+#[test]
 fn the_blob_has_no_symmetry() {
     let found = detected(&validated(&example("blob")), &Options::default());
     assert_eq!(found.outcome, Outcome::None);

@@ -8,7 +8,7 @@ use intrinsym::candidate_score::{Score, Scorer};
 use intrinsym::dense::product;
 use intrinsym::eigenbasis::Eigenbasis;
 use intrinsym::fixed_curve::{odd_function, zero_set};
-use intrinsym::full_refinement::{self, MatchTarget, TrianglePoint, VertexImages};
+use intrinsym::full_refinement::{self, MatchTarget, VertexImages};
 use intrinsym::functional_map::{
     Projection, commutator, estimate, from_parity, mean_trace, nearest_involution, nearest_orthogonal,
     project,
@@ -294,24 +294,11 @@ fn the_score_tells_a_reflection_from_the_identity_and_from_a_wrong_map() {
     }
 }
 
-/// Images at the given vertices.
-fn vertex_images(shape: &Shape, partners: &[u32]) -> VertexImages {
-    let mut corner_of = vec![TrianglePoint { triangle: 0, barycentric: [0.0; 3] }; partners.len()];
-    for (triangle, corners) in (0..).zip(&shape.surface.triangles) {
-        for (corner, &vertex) in corners.iter().enumerate() {
-            let barycentric = std::array::from_fn(|c| if c == corner { 1.0 } else { 0.0 });
-            corner_of[vertex as usize] = TrianglePoint { triangle, barycentric };
-        }
-    }
-    let points = partners.iter().map(|&partner| corner_of[partner as usize]).collect();
-    VertexImages { partners: partners.to_vec(), points }
-}
-
 #[test]
 fn signatures_of_true_partners_agree_and_those_of_others_do_not() {
     for (shape, largest) in [(Shape::creature(3, 0.0), 1e-6), (Shape::quadruped(), 0.15)] {
         let mean = |partners: &[u32]| {
-            let images = vertex_images(&shape, partners);
+            let images = VertexImages::at_vertices(&shape.surface.triangles, partners.to_vec());
             let mismatch = signature::mismatch(&shape.surface, &shape.basis, &images);
             signature::mean(&shape.surface, mismatch.into_iter())
         };
