@@ -2,10 +2,12 @@
 
     python -m training.evaluate models/signnet.onnx --data test.npz
     python -m training.evaluate models/signnet.onnx --benchmark ROOT [--cache DIR]
+    python -m training.evaluate models/signnet.onnx --remeshed DATA [--cache DIR]
 
 Accuracy counts the sign of ln(even/odd) against the sign of c on the unambiguous entries, |c| > 0.8.
 Benchmark labels: c over the landmark pairs of Kim, Lipman and Funkhouser (their mirror images are
-given; each pair counts both ways). The meshes are measured on only, never trained on.
+given; each pair counts both ways). Labels of the remeshed sets (see evaluation/remeshed.py): c over all their
+corresponding vertices. The meshes are measured on only, never trained on.
 """
 
 from __future__ import annotations
@@ -19,7 +21,8 @@ import numpy as np
 import onnxruntime
 
 from . import data, eigenbasis
-from .dataset import EIGENFUNCTIONS
+from .dataset import EIGENFUNCTIONS, parity_labels
+from .mirror_truth import NO_PARTNER
 
 SIGNS = 12
 UNAMBIGUOUS = 0.8
@@ -113,6 +116,23 @@ def on_benchmark(model: Model, root: Path, cache: Path | None) -> Entries:
     return Entries(np.array(probabilities), np.array(correlations), np.array(groups))
 
 
+def on_remeshed(model: Model, root: Path, cache: Path | None) -> Entries:
+    """Remeshed FAUST and TOSCA, by set."""
+    probabilities, correlations, groups = [], [], []
+    for mesh in sorted(root.glob("*/vtx_5k/*.off")):
+        group = mesh.parts[-3]
+        basis = basis_of(mesh, cache and cache / group)
+        rows = systematic_samples(basis.mass, model.points)
+        probabilities.append(model.probabilities(basis.eigenfunctions[rows]))
+        truth = mesh.parent / "corres" / mesh.name
+        source, image = (np.loadtxt(truth.with_suffix(end), dtype=int) - 1 for end in (".vts", ".sym.vts"))
+        mirror = np.full(len(basis.mass), NO_PARTNER)
+        mirror[source] = image
+        correlations.append(parity_labels(basis.eigenfunctions[:, :SIGNS], basis.mass, mirror))
+        groups.append(group)
+    return Entries(np.array(probabilities), np.array(correlations), np.array(groups))
+
+
 def class_of(mesh: Path) -> str:
     """cat of cat3.off."""
     return mesh.stem.rstrip("0123456789")
@@ -195,7 +215,12 @@ def benchmark_groups(group: np.ndarray) -> dict[str, np.ndarray]:
     people = np.isin(group, PEOPLE_CLASSES)
     groups = {"all": np.ones(len(group), bool), "SCAPE": group == "scape", "TOSCA": group != "scape",
               "people": people, "animals": ~people}
-    return groups | {str(name): group == name for name in np.unique(group)}
+    return groups | all_and_each(group)
+
+
+def all_and_each(group: np.ndarray) -> dict[str, np.ndarray]:
+    """All shapes, and those of each group."""
+    return {"all": np.ones(len(group), bool)} | {str(name): group == name for name in np.unique(group)}
 
 
 def main() -> None:
@@ -204,13 +229,16 @@ def main() -> None:
     parser.add_argument("model", type=Path)
     parser.add_argument("--data", type=Path, nargs="+", help="training files kept for testing")
     parser.add_argument("--benchmark", type=Path, help="folder with SCAPE and TOSCA")
+    parser.add_argument("--remeshed", type=Path, help="folder with SET/vtx_5k/NAME.off")
     parser.add_argument("--cache", type=Path, help="folder that keeps the benchmark's eigenfunctions")
     options = parser.parse_args()
     model = Model(options.model)
     if options.data:
         entries = on_shapes(model, data.load(options.data))
-        groups = {"all": np.ones(len(entries.group), bool)} | {str(k): entries.group == k for k in np.unique(entries.group)}
-        print(json.dumps({"generated": report(entries, groups)}, indent=1))
+        print(json.dumps({"generated": report(entries, all_and_each(entries.group))}, indent=1))
+    if options.remeshed:
+        entries = on_remeshed(model, options.remeshed, options.cache)
+        print(json.dumps({"remeshed": report(entries, all_and_each(entries.group))}, indent=1))
     if options.benchmark:
         entries = on_benchmark(model, options.benchmark, options.cache)
         print(json.dumps({"benchmark": report(entries, benchmark_groups(entries.group))}, indent=1))

@@ -37,10 +37,11 @@ train-test: $(TRAIN_OUT)/venv/.ready ## Test training (a tiny run, no downloads 
 	cargo build --release --locked --bin intrinsym
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m pytest -q training/tests evaluation/tests
 
-evaluate-remeshed: $(TRAIN_OUT)/venv/.ready ## Measure the map on remeshed FAUST and TOSCA at $$REMESHED_DATA
+evaluate-remeshed: $(TRAIN_OUT)/venv/.ready ## Measure maps and signs on remeshed FAUST and TOSCA at $$REMESHED_DATA
 	cargo build --release --locked --bin intrinsym
 	@mkdir -p out
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m evaluation.remeshed "$$REMESHED_DATA" --out out/remeshed.json
+	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.evaluate models/signnet.onnx --remeshed "$$REMESHED_DATA"
 
 design-table: $(TRAIN_OUT)/data.ready ## Train and measure the designs that the paper compares
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.design_table --folder $(TRAIN_OUT) --out $(TRAIN_OUT)/design_table.md
