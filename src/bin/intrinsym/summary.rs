@@ -37,7 +37,8 @@ pub fn detection(input: &Path, mesh: &Mesh, detection: &Detection) -> String {
         );
     }
     if detection.symmetries.is_empty() {
-        text += "  no symmetry found\n";
+        let hint = if report.judged.is_some() { " (--plausibility 0 gives the best map)" } else { "" };
+        let _ = writeln!(text, "  no symmetry found{hint}");
     }
     let _ = writeln!(text, "  {}", report.evidence);
     for line in repairs(&report.repairs) {
@@ -103,9 +104,10 @@ pub fn counted(count: usize, noun: &str) -> String {
 /// One line about one of many inputs.
 pub fn one_line(input: &Path, detection: &Detection) -> String {
     let seconds: f64 = detection.report.seconds.iter().map(|(_, seconds)| seconds).sum();
-    let outcome = match detection.symmetries.first() {
-        None => "none".to_string(),
-        Some(best) => format!(
+    let outcome = match (detection.symmetries.first(), detection.report.judged) {
+        (None, None) => "none".to_string(),
+        (None, Some(judged)) => format!("none (best map: plausibility {:.0} %)", 100.0 * judged.plausibility),
+        (Some(best), _) => format!(
             "{}, mean confidence {:.2}, exact {:.0} %",
             kind_name(best.kind),
             best.mean_confidence,
