@@ -22,6 +22,7 @@ test: setup-test ## Check format and lints, run all tests
 	cargo test --release --locked --doc --quiet
 	cargo nextest run --release --locked
 	@$(MAKE) --no-print-directory test-c
+	@$(MAKE) --no-print-directory fuzz FUZZ_SECONDS=10
 	@$(MAKE) --no-print-directory test-meshlab
 	@$(MAKE) --no-print-directory train-test
 	@$(MAKE) --no-print-directory test-python
@@ -46,6 +47,7 @@ clean: ## Remove everything that was built or written
 	rm -rf out
 
 include cpp/meshlab/meshlab.mk
+include fuzz/fuzz.mk
 include python/python.mk
 include blender_addon/blender.mk
 include training/train.mk
