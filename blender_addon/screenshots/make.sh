@@ -7,7 +7,7 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 
 CHROOT=${INTRINSYM_CHROOT:-$PWD/build/blender-window}
-MIRROR=${DEBIAN_MIRROR:-http://deb.debian.org/debian}
+MIRROR=${DEBIAN_MIRROR:-$(apt-get indextargets --format '$(ORIGIN) $(REPO_URI)' | awk '$1 == "Debian" {print $2; exit}')}
 PACKAGES=(blender xvfb xauth imagemagick python3-numpy libgl1-mesa-dri libegl1 libegl-mesa0 libglx-mesa0)
 
 # /proc and /dev are mounted in a mount namespace of its own: nothing stays mounted.
@@ -27,19 +27,19 @@ install_blender() {
 }
 
 install_blender
-rm -rf "$CHROOT/work"
-mkdir -p "$CHROOT/work/pictures"
-cp out/blender/intrinsic_symmetry-*.zip examples/human.ply blender_addon/screenshots/window.py "$CHROOT/work/"
-inside /usr/bin/env -i HOME=/work PATH=/usr/bin:/bin LANG=C.UTF-8 LIBGL_ALWAYS_SOFTWARE=1 \
-    BLENDER_USER_RESOURCES=/work/user \
+rm -rf "$CHROOT/session"
+mkdir -p "$CHROOT/session/pictures"
+cp out/blender/intrinsic_symmetry-*.zip examples/human.ply blender_addon/screenshots/window.py "$CHROOT/session/"
+inside /usr/bin/env -i HOME=/session PATH=/usr/bin:/bin LANG=C.UTF-8 LIBGL_ALWAYS_SOFTWARE=1 \
+    BLENDER_USER_RESOURCES=/session/user \
     timeout 300 xvfb-run -a -s "-screen 0 1280x960x24 +extension GLX" \
     blender --factory-startup --no-window-focus --window-geometry 0 0 1280 960 --enable-event-simulate \
-    --python-exit-code 1 --python /work/window.py
-[ ! -e "$CHROOT/work/pictures/failed.txt" ] || { cat "$CHROOT/work/pictures/failed.txt" >&2; exit 1; }
+    --python-exit-code 1 --python /session/window.py
+[ ! -e "$CHROOT/session/pictures/failed.txt" ] || { cat "$CHROOT/session/pictures/failed.txt" >&2; exit 1; }
 mkdir -p docs/blender
-for picture in "$CHROOT"/work/pictures/*.png; do
-    inside convert "/work/pictures/$(basename "$picture")" -crop 1056x936+0+24 +repage +dither -colors 128 \
-        -define png:compression-level=9 "/work/small.png"
-    cp "$CHROOT/work/small.png" "docs/blender/$(basename "$picture")"
+for picture in "$CHROOT"/session/pictures/*.png; do
+    inside convert "/session/pictures/$(basename "$picture")" -crop 1056x936+0+24 +repage +dither -colors 128 \
+        -define png:compression-level=9 "/session/small.png"
+    cp "$CHROOT/session/small.png" "docs/blender/$(basename "$picture")"
 done
 ls -l docs/blender

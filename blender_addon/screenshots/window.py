@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 from mathutils import Euler
 
-FOLDER = Path("/work")
+FOLDER = Path("/session")
 PICTURES = FOLDER / "pictures"
 #: What a step answers that has to wait for the worker.
 AGAIN = object()
