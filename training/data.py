@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from .network import Design
 
@@ -34,6 +35,13 @@ def load(paths: list[Path]) -> Shapes:
     parts = [np.load(path) for path in paths]
     columns = (np.concatenate([part[name] for part in parts]) for name in ("samples", "positions", "labels", "kind"))
     return Shapes(*columns)
+
+
+def turned(shapes: Shapes, seed: int) -> Shapes:
+    """The same with each shape turned at random: generated shapes stand upright, which gives their mirror plane away."""
+    rotations = Rotation.random(len(shapes), rng=np.random.default_rng(seed)).as_matrix()
+    positions = np.einsum("sij,spj->spi", rotations, shapes.positions).astype(shapes.positions.dtype)
+    return replace(shapes, positions=positions)
 
 
 def joined(first: Shapes, second: Shapes) -> Shapes:

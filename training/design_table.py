@@ -22,6 +22,7 @@ from .network import DESIGNS, apply, parameter_count
 from .train import BATCH as USUAL_BATCH
 from .train import predict, train
 
+UPRIGHT = "positions-upright"
 ROWS = (
     ("compact", "ours: t = 3"),
     ("t2", "t = 2"),
@@ -29,7 +30,8 @@ ROWS = (
     ("no-canonical", "random flips in training instead of canonical signs"),
     ("narrow", "ours, narrower: 32-64-128, 512 points"),
     ("small", "ours, smaller: 16-32-64"),
-    ("positions", "positions instead of reference eigenfunctions"),
+    ("positions", "positions instead of reference eigenfunctions, shapes turned at random"),
+    (UPRIGHT, "the same, all shapes upright as they were made"),
     ("diag", "all twelve signs at once (Diag)"),
     ("pointnet", "PointNet with input transform, same input"),
     ("paper", "the paper's network"),
@@ -56,7 +58,9 @@ def cpu_milliseconds(design, parameters, statistics) -> float:
 
 def row(name: str, title: str, shapes, test, steps: int) -> str:
     """One line of the table."""
-    shipped = DESIGNS[name]
+    shipped = DESIGNS["positions" if name == UPRIGHT else name]
+    if name == "positions":
+        shapes, test = data.turned(shapes, 0), data.turned(test, 1)
     design = replace(shipped, points=TRAINING_POINTS.get(name, shipped.points))
     used = max(1, int(steps * SHARE_OF_STEPS.get(name, 1.0)))
     start = time.process_time()

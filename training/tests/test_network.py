@@ -121,3 +121,14 @@ def test_the_model_file_that_ships_runs():
     flipped = x * np.array([-1, 1, -1, -1], np.float32)
     first, second = (session.run(None, {"eigenfunctions": values})[0] for values in (x, flipped))
     assert first.shape == (12, 3) and np.abs(first - second).max() < 1e-5
+
+
+def test_turning_keeps_distances_and_turns_each_shape_its_own_way():
+    rng = np.random.default_rng(3)
+    positions = rng.normal(size=(5, 40, 3)).astype(np.float32)
+    shapes = data.Shapes(np.zeros((5, 40, 4)), positions, np.zeros((5, 4)), np.array(["wave"] * 5))
+    turned = data.turned(shapes, 0).positions
+    distances = [np.linalg.norm(p[:, 1:] - p[:, :-1], axis=-1) for p in (positions, turned)]
+    np.testing.assert_allclose(distances[0], distances[1], rtol=1e-5)
+    change = [np.linalg.lstsq(before, after, rcond=None)[0] for before, after in zip(positions, turned)]
+    assert min(np.abs(change[i] - change[j]).max() for i in range(5) for j in range(i)) > 0.1
