@@ -3,7 +3,6 @@
 use crate::acceptance::Judgement;
 use crate::assembly::{PointMap, Summary, symmetry};
 use crate::automorphism;
-use crate::candidate_score::Score;
 use crate::companions::{self, Companion, Primary};
 use crate::confidence::{confidence, round_trips};
 use crate::correspondence::Symmetry;
@@ -20,6 +19,9 @@ use crate::shell_symmetry::{self, PreparedShell, ShellSymmetry, candidates, fini
 use crate::sign_network::SignPrediction;
 use crate::symmetry_kind::SymmetryKind;
 use std::time::Instant;
+
+/// A reflection that the connectivity alone admits and that is as plausible as this, in percent, needs no search.
+const CERTAIN: usize = 90;
 
 /// What was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -82,30 +84,30 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     clock.lap("eigenfunctions");
     let signs = signs(&shell, options)?;
     clock.lap("sign network");
-    let found = candidates(&shell, &signs, options.symmetries, options, progress)?;
-    clock.lap("candidates");
-    let mut maps = Vec::new();
-    for candidate in &found {
-        let kind = candidate.score.kind().unwrap_or(SymmetryKind::Reflection);
-        maps.push((finish(&shell, candidate, progress)?, kind));
-    }
+    let assembler = Assembler::new(mesh, &shells, &shell)?;
+    let mirrored = assembler.by_connectivity(progress)?;
+    clock.lap("connectivity");
+    let certain = mirrored.as_ref().filter(|map| options.symmetries == 1 && map.judged.accepted(CERTAIN));
+    let mut maps = match certain {
+        Some(map) => vec![(map.clone(), SymmetryKind::Reflection)],
+        None => search(&shell, &signs, options, progress, &mut clock)?,
+    };
     let judged = maps.first().map(|(map, _)| map.judged);
-    let mut evidence = match found.first().zip(judged) {
-        Some((candidate, judged)) => sentence(&candidate.score, &judged, options.plausibility),
+    let mut evidence = match maps.first() {
+        Some((map, _)) => sentence(map, options.plausibility),
         None => "no candidate map reverses orientation".into(),
     };
     maps.retain(|(map, _)| map.judged.accepted(options.plausibility));
-    clock.lap("refinement");
-    let assembler = Assembler::new(mesh, &shells, &shell)?;
+    if let Some(map) = mirrored {
+        evidence += "; its connectivity admits one reflection";
+        if maps.is_empty() {
+            evidence += ", and that is the answer";
+            maps.push((map, SymmetryKind::Reflection));
+        }
+    }
     let mut symmetries = Vec::new();
     for (map, kind) in &maps {
         symmetries.push(assembler.assemble(map, *kind, progress)?);
-    }
-    if symmetries.is_empty()
-        && let Some(map) = assembler.by_connectivity(progress)?
-    {
-        symmetries.push(assembler.assemble(&map, SymmetryKind::Reflection, progress)?);
-        evidence += "; but its connectivity admits one reflection, and that is the answer";
     }
     clock.lap("correspondence");
     progress.report("done", 1.0)?;
@@ -124,16 +126,35 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     Ok(Detection { outcome, symmetries, report })
 }
 
-fn sentence(score: &Score, judged: &Judgement, least: usize) -> String {
+/// The best maps of the spectral search, finished: reflections, then half turns.
+fn search(
+    shell: &PreparedShell,
+    signs: &[SignPrediction],
+    options: &Options,
+    progress: &Progress,
+    clock: &mut Clock,
+) -> Result<Vec<(ShellSymmetry, SymmetryKind)>> {
+    let found = candidates(shell, signs, options.symmetries, options, progress)?;
+    clock.lap("candidates");
+    let mut maps = Vec::new();
+    for candidate in &found {
+        let kind = candidate.score.kind().unwrap_or(SymmetryKind::Reflection);
+        maps.push((finish(shell, candidate, progress)?, kind));
+    }
+    clock.lap("refinement");
+    Ok(maps)
+}
+
+fn sentence(map: &ShellSymmetry, least: usize) -> String {
     format!(
         "the best map is a symmetry with a plausibility of {:.0} % (accepted from {least} %): heat kernel \
          signatures of partners differ by {:.3}, score {:.2}, orientation correlation {:+.2} (-1 for a \
          reflection), {:.0} % of the samples hardly move",
-        100.0 * judged.plausibility,
-        judged.signature_mismatch,
-        score.total(),
-        score.orientation,
-        100.0 * score.fixed
+        100.0 * map.judged.plausibility,
+        map.judged.signature_mismatch,
+        map.score.total(),
+        map.score.orientation,
+        100.0 * map.score.fixed
     )
 }
 

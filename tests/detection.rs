@@ -212,10 +212,20 @@ fn connectivity_that_admits_one_reflection_answers_where_the_shape_is_bent_beyon
     assert_eq!((symmetry.exact_share, symmetry.mean_confidence), (1.0, 1.0));
     assert!(found.report.judged.is_none_or(|judged| !judged.accepted(50)), "the spectral map would do");
     assert!(
-        found.report.evidence.contains("connectivity admits one reflection"),
+        found.report.evidence.contains("connectivity admits one reflection, and that is the answer"),
         "{}",
         found.report.evidence
     );
+}
+
+#[test]
+fn a_shape_whose_connectivity_admits_one_plausible_reflection_is_not_searched() {
+    let searched = |name| {
+        let found = detected(&validated(&example(name)), &Options::default());
+        found.report.seconds.iter().any(|(stage, _)| stage == "candidates")
+    };
+    assert!(!searched("human"));
+    assert!(searched("quadruped"));
 }
 
 #[test]
