@@ -179,7 +179,6 @@ fn every_shell_of_the_human_maps_to_one_shell_and_back() {
 }
 
 #[test]
-#[ignore = "the eyeballs are turned and a row of teeth is half unmirrored: companions' anchors do not orient them"]
 fn every_shell_of_the_human_is_mapped_exactly() {
     let mesh = validated(&example("human_shells"));
     let best = detected(&mesh, &Options::default()).symmetries.swap_remove(0);
