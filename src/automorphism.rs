@@ -85,7 +85,9 @@ pub fn find(
     let matched =
         match_whole_shells(&mut matching, &shells, &Classes::new(&colours.far), &estimate, progress)?;
     let exact: Vec<bool> = matching.vertex_image.iter().map(|&image| image != NONE).collect();
-    partial::match_shells(&mut matching, &shells, &colours, &estimate, &matched.inexact, progress)?;
+    if estimate.is_any() {
+        partial::match_shells(&mut matching, &shells, &colours, &estimate, &matched.inexact, progress)?;
+    }
     let mut found = by_points(half_edges, &matching.vertex_image, &exact);
     if let (Some(found), Some(shell)) = (&mut found, matched.unrivalled) {
         for &vertex in shells.vertices(shell) {

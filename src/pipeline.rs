@@ -87,7 +87,9 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let assembler = Assembler::new(mesh, &shells, &shell)?;
     let mirrored = assembler.by_connectivity(progress)?;
     clock.lap("connectivity");
-    let certain = mirrored.as_ref().filter(|map| options.symmetries == 1 && map.judged.accepted(CERTAIN));
+    // Whoever states signs asks for the symmetry that has them.
+    let any_will_do = options.symmetries == 1 && options.known_signs.iter().all(|&sign| sign == 0);
+    let certain = mirrored.as_ref().filter(|map| any_will_do && map.judged.accepted(CERTAIN));
     let mut maps = match certain {
         Some(map) => vec![(map.clone(), SymmetryKind::Reflection)],
         None => search(&shell, &signs, options, progress, &mut clock)?,

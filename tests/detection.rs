@@ -219,12 +219,14 @@ fn connectivity_that_admits_one_reflection_answers_where_the_shape_is_bent_beyon
 
 #[test]
 fn a_shape_whose_connectivity_admits_one_plausible_reflection_is_not_searched() {
-    let searched = |name| {
-        let found = detected(&validated(&example(name)), &Options::default());
+    let searched = |name, known_signs: &[i8]| {
+        let options = Options { known_signs: known_signs.to_vec(), ..Options::default() };
+        let found = detected(&validated(&example(name)), &options);
         found.report.seconds.iter().any(|(stage, _)| stage == "candidates")
     };
-    assert!(!searched("human"));
-    assert!(searched("quadruped"));
+    assert!(!searched("human", &[]) && !searched("human", &[0, 0]));
+    assert!(searched("human", &[0, 1]), "a person's signs ask for the symmetry that has them");
+    assert!(searched("quadruped", &[]));
 }
 
 #[test]
