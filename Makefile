@@ -51,3 +51,4 @@ include fuzz/fuzz.mk
 include python/python.mk
 include blender_addon/blender.mk
 include training/train.mk
+include evaluation/evaluate.mk

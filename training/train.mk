@@ -1,5 +1,5 @@
 # The sign network from nothing: virtual environment, data, training, export, figures. Included by Makefile.
-.PHONY: evaluate-remeshed train train-test train-setup train-evaluate design-table
+.PHONY: train train-test train-setup train-evaluate design-table
 
 TRAIN_OUT ?= build/training
 TRAIN_SHAPES ?= 6500
@@ -12,9 +12,9 @@ TRAIN_ENVIRONMENT = OMP_NUM_THREADS=1 PYTHONHASHSEED=0
 
 train-setup: $(TRAIN_OUT)/venv/.ready
 
-$(TRAIN_OUT)/venv/.ready: training/requirements.txt training/requirements-data.txt
+$(TRAIN_OUT)/venv/.ready: training/requirements.txt training/requirements-data.txt evaluation/requirements.txt
 	$(PYTHON) -m venv $(TRAIN_OUT)/venv
-	$(TRAIN_PYTHON) -m pip install --quiet -r training/requirements.txt
+	$(TRAIN_PYTHON) -m pip install --quiet -r training/requirements.txt -r evaluation/requirements.txt
 	$(TRAIN_PYTHON) -m pip install --quiet --no-deps -r training/requirements-data.txt
 	touch $@
 
@@ -36,12 +36,6 @@ train-evaluate: $(TRAIN_OUT)/venv/.ready ## Measure the shipped sign network on 
 train-test: $(TRAIN_OUT)/venv/.ready ## Test training (a tiny run, no downloads beyond the environment) and evaluation
 	cargo build --release --locked --bin intrinsym
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m pytest -q training/tests evaluation/tests
-
-evaluate-remeshed: $(TRAIN_OUT)/venv/.ready ## Measure maps and signs on remeshed FAUST and TOSCA at $$REMESHED_DATA
-	cargo build --release --locked --bin intrinsym
-	@mkdir -p out
-	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m evaluation.remeshed "$$REMESHED_DATA" --out out/remeshed.json
-	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.evaluate models/signnet.onnx --remeshed "$$REMESHED_DATA"
 
 design-table: $(TRAIN_OUT)/data.ready ## Train and measure the designs that the paper compares
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.design_table --folder $(TRAIN_OUT) --out $(TRAIN_OUT)/design_table.md

@@ -1,0 +1,37 @@
+# Measuring: the published benchmark, generated shapes, damage, and the fits made from generated shapes. Included by Makefile.
+.PHONY: evaluate evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed
+
+EVALUATE_PYTHON = $(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m
+EVALUATE_DATE ?= $(shell date +%Y-%m-%d)
+EVALUATE_DATA = build/evaluation
+
+evaluate: ## Measure maps on the Princeton benchmark at $$BENCHMARK_DATA (SCAPE and TOSCA): the published tables with ours
+	@test -d "$$BENCHMARK_DATA/SCAPE" -a -d "$$BENCHMARK_DATA/TOSCA" || { echo "BENCHMARK_DATA must name a folder with SCAPE/ and TOSCA/ of the Princeton correspondence benchmark: see evaluation/princeton.py" >&2; exit 2; }
+	@$(MAKE) --no-print-directory train-setup
+	cargo build --release --locked --bin intrinsym
+	$(EVALUATE_PYTHON) evaluation.princeton "$$BENCHMARK_DATA" --out docs/results/$(EVALUATE_DATE)-princeton.json --pictures out/princeton
+	$(EVALUATE_PYTHON) evaluation.pages
+
+evaluate-remeshed: train-setup ## Measure maps and signs on remeshed FAUST and TOSCA at $$REMESHED_DATA
+	cargo build --release --locked --bin intrinsym
+	@mkdir -p out
+	$(EVALUATE_PYTHON) evaluation.remeshed "$$REMESHED_DATA" --out out/remeshed.json
+	$(EVALUATE_PYTHON) training.evaluate models/signnet.onnx --remeshed "$$REMESHED_DATA"
+
+evaluate-synthetic: train-setup ## Measure maps, confidence and refusals on generated shapes with dense truth (EVALUATE_FLAGS=--quick: a few)
+	cargo build --release --locked --bin intrinsym
+	$(EVALUATE_PYTHON) evaluation.synthetic $(EVALUATE_FLAGS) --out docs/results/$(EVALUATE_DATE)-synthetic.json --work $(EVALUATE_DATA)/synthetic
+	$(EVALUATE_PYTHON) evaluation.pages
+
+# The shapes that docs/method.md names; `make train-setup` brings the generator.
+$(EVALUATE_DATA)/fit.ready: | $(TRAIN_OUT)/venv/.ready
+	$(EVALUATE_PYTHON) training.generate --kind all --count 160 --seed 45 --max-vertices 12000 --out $(EVALUATE_DATA)/symmetric
+	$(EVALUATE_PYTHON) training.generate --kind asymmetric-tree --kind unbalanced --count 110 --seed 103 --max-vertices 12000 --out $(EVALUATE_DATA)/asymmetric
+	$(EVALUATE_PYTHON) training.generate --kind lump --count 70 --seed 104 --max-vertices 12000 --out $(EVALUATE_DATA)/asymmetric
+	touch $@
+
+evaluate-fit: $(EVALUATE_DATA)/fit.ready ## Fit the models of src/acceptance.rs and src/confidence.rs again, beside the shipped weights
+	cargo build --release --locked --bin intrinsym --example evidence
+	rm -rf $(EVALUATE_DATA)/answers $(EVALUATE_DATA)/evidence
+	$(EVALUATE_PYTHON) evaluation.acceptance $(EVALUATE_DATA)/symmetric $(EVALUATE_DATA)/asymmetric --keep $(EVALUATE_DATA)/answers
+	$(EVALUATE_PYTHON) evaluation.confidence $(EVALUATE_DATA)/symmetric --answers $(EVALUATE_DATA)/answers --keep $(EVALUATE_DATA)/evidence

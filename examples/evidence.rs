@@ -1,0 +1,49 @@
+//! What confidence is made of, for fitting it: `evaluation/confidence.py` runs this.
+//!
+//! `cargo run --release --example evidence FOLDER MESH...` writes FOLDER/NAME.evidence for each mesh: `margin NUMBER`,
+//! then for every vertex of the largest shell `vertex partner round_trip signature_mismatch`. The best map of the
+//! spectral search is used, accepted or not, and whatever the connectivity says.
+
+use intrinsym::confidence::round_trips;
+use intrinsym::full_refinement::MatchTarget;
+use intrinsym::laplacian::IntrinsicSurface;
+use intrinsym::limits::Limits;
+use intrinsym::mesh::{Mesh, io};
+use intrinsym::options::Options;
+use intrinsym::progress::Progress;
+use intrinsym::shell_symmetry::{PreparedShell, candidates, finish, signs};
+use std::fmt::Write;
+use std::path::Path;
+
+fn main() -> intrinsym::Result<()> {
+    let mut arguments = std::env::args().skip(1);
+    let folder = arguments.next().expect("a folder to write into, then meshes");
+    for mesh in arguments {
+        let mesh = Path::new(&mesh);
+        let name = mesh.file_stem().expect("a file").display();
+        let text = evidence(mesh)?;
+        std::fs::write(Path::new(&folder).join(format!("{name}.evidence")), text)
+            .expect("a folder to write into");
+    }
+    Ok(())
+}
+
+/// Empty if no candidate reverses orientation.
+fn evidence(path: &Path) -> intrinsym::Result<String> {
+    let (limits, options, progress) = (Limits::default(), Options::default(), Progress::default());
+    let mesh = Mesh::new(&io::read(path, &limits)?.polygons, &limits)?;
+    let points = mesh.shells()[0].points.clone();
+    let shell = PreparedShell::new(IntrinsicSurface::new(&mesh.shells()[0]), &options, &progress)?;
+    let found = candidates(&shell, &signs(&shell, &options)?, 1, &options, &progress)?;
+    let Some(candidate) = found.first() else { return Ok(String::new()) };
+    let map = finish(&shell, candidate, &progress)?;
+    let target = MatchTarget::new(&shell.surface, &shell.basis);
+    let round_trips = round_trips(&target, map.map.nrows(), &map.images);
+    let vertex = |local: u32| mesh.vertex_of_point[points[local as usize] as usize];
+    let mut text = format!("margin {}\n", map.margin);
+    for (local, partner) in map.images.partners.iter().enumerate() {
+        let (own, partner) = (vertex(local as u32), vertex(*partner));
+        writeln!(text, "{own} {partner} {} {}", round_trips[local], map.mismatch[local]).expect("memory");
+    }
+    Ok(text)
+}
