@@ -23,6 +23,12 @@ evaluate-synthetic: train-setup ## Measure maps, confidence and refusals on gene
 	$(EVALUATE_PYTHON) evaluation.synthetic $(EVALUATE_FLAGS) --out docs/results/$(EVALUATE_DATE)-synthetic.json --work $(EVALUATE_DATA)/synthetic
 	$(EVALUATE_PYTHON) evaluation.pages
 
+evaluate-robustness: train-setup ## Measure maps, verdicts and confidence on ever worse input (EVALUATE_FLAGS=--quick: two shapes)
+	cargo build --release --locked --bin intrinsym
+	$(EVALUATE_PYTHON) evaluation.robustness $(EVALUATE_FLAGS) --out docs/results/$(EVALUATE_DATE)-robustness.json --work $(EVALUATE_DATA)/robustness
+	$(EVALUATE_PYTHON) evaluation.robustness_tables docs/results/$(EVALUATE_DATE)-robustness.json docs/robustness.png
+	$(EVALUATE_PYTHON) evaluation.pages
+
 # The shapes that docs/method.md names; `make train-setup` brings the generator.
 $(EVALUATE_DATA)/fit.ready: | $(TRAIN_OUT)/venv/.ready
 	$(EVALUATE_PYTHON) training.generate --kind all --count 160 --seed 45 --max-vertices 12000 --out $(EVALUATE_DATA)/symmetric

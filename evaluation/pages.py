@@ -5,16 +5,17 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from . import princeton_tables, synthetic_tables
+from . import princeton_tables, robustness_tables, synthetic_tables
 from .markdown import filled
 
 ROOT = Path(__file__).parent.parent
-PAGES = ()
+PAGES = ("README.md", "docs/results.md", "docs/robustness.md")
 # The parts of pages, the result file they are made from (docs/results/DATE-KIND.json), and by what.
 PARTS = {
     "princeton-short": ("princeton", princeton_tables.short_report),
     "princeton": ("princeton", princeton_tables.full_report),
     "synthetic": ("synthetic", synthetic_tables.report),
+    "robustness": ("robustness", robustness_tables.report),
 }
 
 

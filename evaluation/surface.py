@@ -135,7 +135,8 @@ def _cross(vertices, flat, opposite, length, apex, crossed, left, right, left_ra
     behind = opposite[crossed]
     base = behind - behind % 3
     corner, on_right, on_left = (flat[base + (behind + k) % 3] for k in (2, 0, 1))
-    width, to_left, to_right = length(on_left, on_right), length(on_left, corner), length(on_right, corner)
+    to_left, to_right = length(on_left, corner), length(on_right, corner)
+    width = np.maximum(length(on_left, on_right), 1e-300)
     along = (to_left**2 - to_right**2 + width**2) / (2 * width)
     away = np.sqrt(np.maximum(to_left**2 - along**2, 0))
     direction = (right - left) / width[:, None]

@@ -23,8 +23,8 @@ class Sample:
     faces: np.ndarray
 
 
-def _restrict(sample: Sample, keep: np.ndarray) -> Sample:
-    """Only the faces in `keep`, and of these only the largest piece."""
+def restrict(sample: Sample, keep: np.ndarray) -> Sample:
+    """The faces in `keep`, and of these only the largest piece."""
     rest, faces, old = keep_faces(sample.rest, sample.faces, keep)
     stacked = np.c_[rest, sample.posed[old]]
     stacked, faces = largest_piece(stacked, faces)
@@ -46,7 +46,7 @@ def cut_holes(rng, sample: Sample, count: int) -> Sample:
     for _ in range(count):
         centre = sample.rest[rng.integers(len(sample.rest))]
         keep &= np.linalg.norm(centre_of - centre, axis=1) > rng.uniform(0.02, 0.05) * diagonal
-    return _restrict(sample, keep)
+    return restrict(sample, keep)
 
 
 def cut_limb(rng, sample: Sample) -> Sample:
@@ -58,13 +58,17 @@ def cut_limb(rng, sample: Sample) -> Sample:
     direction = outward[tip] / far[tip]
     reach = (sample.rest[sample.faces].mean(1) - centre) @ direction
     near = np.linalg.norm(sample.rest[sample.faces].mean(1) - sample.rest[tip], axis=1) < 0.35 * far[tip]
-    return _restrict(sample, ~((reach > far[tip] * rng.uniform(0.75, 0.92)) & near))
+    return restrict(sample, ~((reach > far[tip] * rng.uniform(0.75, 0.92)) & near))
 
 
-def scan_from_front(rng, sample: Sample, cells: int = 48) -> Sample:
+def scan_from_front(rng, sample: Sample) -> Sample:
     """Keep the faces that a camera roughly in the mirror plane sees: an open, one-sided scan."""
-    view = np.array([rng.normal() * 0.15, rng.choice([-1.0, 1.0]), rng.normal() * 0.4])
-    view /= np.linalg.norm(view)
+    return seen_from(sample, np.array([rng.normal() * 0.15, rng.choice([-1.0, 1.0]), rng.normal() * 0.4]))
+
+
+def seen_from(sample: Sample, view: np.ndarray, cells: int = 48) -> Sample:
+    """Keep the faces that a far camera in direction `view` sees, in the rest pose."""
+    view = view / np.linalg.norm(view)
     across = np.cross(view, [0, 0, 1.0])
     across /= np.linalg.norm(across)
     centres = sample.rest[sample.faces].mean(1)
@@ -73,7 +77,7 @@ def scan_from_front(rng, sample: Sample, cells: int = 48) -> Sample:
     depth = centres @ view
     front = np.full(cells * cells, -np.inf)
     np.maximum.at(front, pixel, depth)
-    return _restrict(sample, depth > front[pixel] - np.ptp(flat, axis=0).max() / cells * 3)
+    return restrict(sample, depth > front[pixel] - np.ptp(flat, axis=0).max() / cells * 3)
 
 
 def add_shells(rng, sample: Sample) -> Sample:

@@ -85,6 +85,11 @@ def _procedural(rng, kind, shared, amount, wanted, glued):
     skeleton = {**SYMMETRIC_KINDS, **ASYMMETRIC_KINDS}[kind](rng)
     if glued:
         damage.glue(rng, skeleton)
+    return posed_shape(rng, skeleton, shared, amount, wanted)
+
+
+def posed_shape(rng, skeleton, shared, amount, wanted) -> damage.Sample:
+    """A mesh of about `wanted` vertices around a skeleton, posed by joint angles of about `amount` radians."""
     cell = _cell_for(skeleton, wanted)
     floor = 1.15 * cell
     skeleton.start_radius = [max(radius, floor) for radius in skeleton.start_radius]
