@@ -58,9 +58,15 @@ def of_set(rows: list[dict], name: str) -> list[dict]:
     return [row for row in rows if row["set"] == name]
 
 
+def every_map(result: dict) -> list[dict]:
+    """Rows of all meshes as if every map were accepted."""
+    accepted = {row["name"]: row for row in result["refused, accepted"]}
+    return [accepted.get(row["name"], row) for row in result["default"]]
+
+
 def published_tables(result: dict) -> str:
     """The three tables of the paper with our columns: default options, and every map accepted."""
-    default, every = (result["settings"][name]["meshes"] for name in ("default", "every map"))
+    default, every = result["default"], every_map(result)
     ours = ["ours, default", "ours, every map"]
     sets = [name for name in PUBLISHED_RATES if of_set(default, name)]
     both = lambda chosen: [rates(chosen(default)), rates(chosen(every))]
@@ -70,20 +76,19 @@ def published_tables(result: dict) -> str:
     rate = lambda rows, name: f"{100 * mean([row for row in rows if row['class'] == name], 'correspondence_rate'):.2f}"
     second = table(["TOSCA, correspondence rate, %", *METHODS, *ours],
                    [[name, *PUBLISHED_CLASSES[name], rate(default, name), rate(every, name)] for name in classes])  # fmt: skip
-    seconds = [f"{cpu_per_mesh(result, setting, 'SCAPE'):.2f}" if "SCAPE" in sets else "-" for setting in result["settings"]]
-    third = table(["seconds a mesh of SCAPE", *METHODS, *ours], [["", *PUBLISHED_SECONDS, *seconds]])
+    seconds = f"{cpu_per_mesh(result, 'SCAPE'):.2f} (CPU)" if "SCAPE" in sets else "-"
+    third = table(["seconds a mesh of SCAPE", *METHODS, "ours"], [["", *PUBLISHED_SECONDS, seconds]])
     return "\n\n".join([first, second, third])
 
 
-def cpu_per_mesh(result: dict, setting: str, name: str) -> float:
+def cpu_per_mesh(result: dict, name: str) -> float:
     """CPU seconds of the whole process, reading and writing included, per mesh."""
-    chosen = result["settings"][setting]
-    return chosen["cpu_seconds"][name] / len(of_set(chosen["meshes"], name))
+    return result["cpu_seconds"][name] / len(of_set(result["default"], name))
 
 
 def measures_table(result: dict) -> str:
     """All measures by set and class, with every map accepted."""
-    rows = result["settings"]["every map"]["meshes"]
+    rows = every_map(result)
     groups = [(name, of_set(rows, name)) for name in PUBLISHED_RATES]
     groups += [(name, [row for row in rows if row["class"] == name]) for name in PUBLISHED_CLASSES]
     header = ["every map", "meshes", "corr. %", "mesh %", "mean error", "exact %", "bijective %", "cycle error", "turned over %", "fixed %"]
@@ -98,13 +103,13 @@ def measures_table(result: dict) -> str:
 
 def stages_table(result: dict) -> str:
     """CPU seconds a mesh. The process's seconds, with reading and writing, are counted; stages share them by wall time."""
-    rows = result["settings"]["default"]["meshes"]
+    rows = result["default"]
     stages = list(dict.fromkeys(stage for row in rows for stage in row["seconds"]))
     lines = []
     for name in PUBLISHED_RATES:
         group = of_set(rows, name)
         if group:
-            cpu, wall = cpu_per_mesh(result, "default", name), sum(sum(row["seconds"].values()) for row in group)
+            cpu, wall = cpu_per_mesh(result, name), sum(sum(row["seconds"].values()) for row in group)
             shares = [sum(row["seconds"].get(stage, 0) for row in group) / wall for stage in stages]
             lines.append([name, *(f"{cpu * share:.3f}" for share in shares), f"{cpu:.2f}"])
     return table(["CPU seconds a mesh", *stages, "all"], lines)
@@ -112,8 +117,8 @@ def stages_table(result: dict) -> str:
 
 def worst_table(result: dict) -> str:
     """The meshes with the largest mean errors, and those that the default refuses."""
-    default = {row["name"]: row for row in result["settings"]["default"]["meshes"]}
-    every = result["settings"]["every map"]["meshes"]
+    default = {row["name"]: row for row in result["default"]}
+    every = every_map(result)
     shown = worst_first(every)[:WORST]
     shown += [row for row in every if not default[row["name"]]["found"] and row not in shown]
     lines = []
@@ -127,7 +132,7 @@ def worst_table(result: dict) -> str:
 
 def short_report(result: dict) -> str:
     """One table: both sets, our numbers beside the best published ones."""
-    default, every = (result["settings"][name]["meshes"] for name in ("default", "every map"))
+    default, every = result["default"], every_map(result)
     lines = []
     for name, published in PUBLISHED_RATES.items():
         own, all_maps = of_set(default, name), of_set(every, name)
@@ -147,10 +152,9 @@ def full_report(result: dict) -> str:
 
 def one_row_a_line(result: dict) -> str:
     """JSON with one mesh a line, so that differences can be read."""
-    settings = []
-    for name, setting in result["settings"].items():
-        head = json.dumps({key: value for key, value in setting.items() if key != "meshes"})
-        rows = ",\n".join("   " + json.dumps(row) for row in setting["meshes"])
-        settings.append(f'  {json.dumps(name)}: {head[:-1]}, "meshes": [\n{rows}\n  ]}}')
-    head = json.dumps({key: value for key, value in result.items() if key != "settings"})
-    return f'{head[:-1]}, "settings": {{\n' + ",\n".join(settings) + "\n}}\n"
+    parts = []
+    for name, value in result.items():
+        rows = isinstance(value, list) and value
+        shown = "[\n" + ",\n".join("  " + json.dumps(row) for row in value) + "\n ]" if rows else json.dumps(value)
+        parts.append(f" {json.dumps(name)}: {shown}")
+    return "{\n" + ",\n".join(parts) + "\n}\n"
