@@ -8,7 +8,7 @@
 //! | shared vocabulary | [`error`], [`options`], [`limits`], [`progress`], [`atomic_file`], [`symmetry_kind`] |
 //! | any mesh file -> validated triangle mesh | [`mesh`] |
 //! | one shell -> stiffness, lumped mass | [`laplacian`] |
-//! | operators -> eigenvalues, eigenfunctions | [`eigenbasis`], [`sampling`] |
+//! | operators -> eigenvalues, eigenfunctions | [`sparse_cholesky`], [`eigenbasis`], [`sampling`] |
 //! | eigenfunctions -> parity of each, with its probability | [`sign_network`] |
 //! | eigenfunctions -> parity vectors | [`parity_search`] |
 //! | parity -> functional map, refined and scored | [`functional_map`], [`refinement`], [`candidate_score`], [`candidates`] |
@@ -57,6 +57,7 @@ pub mod sampling;
 pub mod shell_symmetry;
 pub mod sign_network;
 pub mod signature;
+pub mod sparse_cholesky;
 pub mod symmetry_kind;
 
 pub use error::{Error, Result};

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 36] = [
+const ORDER: [&str; 37] = [
     "error",
     "options",
     "limits",
@@ -16,6 +16,7 @@ const ORDER: [&str; 36] = [
     "mesh",
     "laplacian",
     "dense",
+    "sparse_cholesky",
     "eigenbasis",
     "sampling",
     "sign_network",

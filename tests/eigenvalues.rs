@@ -4,7 +4,7 @@ mod support;
 
 use faer::Mat;
 use intrinsym::dense::product;
-use intrinsym::eigenbasis::Eigenbasis;
+use intrinsym::eigenbasis::{Accuracy, Eigenbasis};
 use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::mesh::PolygonMesh;
 use intrinsym::pipeline;
@@ -99,6 +99,41 @@ fn the_dense_and_the_lanczos_solver_agree() {
     for i in 0..30 {
         assert!((overlaps[(i, i)].abs() - 1.0).abs() < 1e-6, "function {i}: {}", overlaps[(i, i)]);
     }
+}
+
+#[test]
+fn the_basis_for_maps_is_orthonormal_and_near_the_full_one() {
+    for (mesh, count) in [(creature(5, 0.4), 50), (example("human"), 100), (creature(5, 0.4), 12)] {
+        let (surface, full) = solve(&mesh, count);
+        let basis = Eigenbasis::with_accuracy(&surface, count, Accuracy::Map, &Progress::default()).unwrap();
+        assert_eq!(basis.count(), count);
+        let gram = mass_products(&surface, &basis.eigenfunctions, &basis.eigenfunctions);
+        let overlaps = mass_products(&surface, &full.eigenfunctions, &basis.eigenfunctions);
+        for i in 0..count {
+            let (found, expected) = (basis.eigenvalues[i], full.eigenvalues[i]);
+            let most = if i < count / 2 { 1e-5 } else { 2e-2 };
+            // Ritz values lie above the eigenvalues.
+            assert!((-1e-7..most).contains(&(found / expected - 1.0)), "{i}: {found} for {expected}");
+            for j in 0..count {
+                let expected = if i == j { 1.0 } else { 0.0 };
+                assert!((gram[(i, j)] - expected).abs() < 1e-9, "{i} {j} {}", gram[(i, j)]);
+            }
+            let within: f64 = (0..count).map(|j| overlaps[(j, i)].powi(2)).sum();
+            assert!(i >= count / 2 || within > 0.9999, "{i}: {within} within the exact span");
+        }
+    }
+}
+
+#[test]
+fn a_vertex_with_thousands_of_neighbours_needs_no_coarse_start() {
+    let rim = 4000;
+    let angle = |i: usize| 2.0 * PI * i as f64 / rim as f64;
+    let mut positions = vec![[0.0; 3]];
+    positions.extend((0..rim).map(|i| [angle(i).cos(), angle(i).sin(), 0.0]));
+    let faces: Vec<[u32; 3]> = (0..rim).map(|i| [0, 1 + i as u32, 1 + ((i + 1) % rim) as u32]).collect();
+    let (surface, full) = solve(&support::polygon_mesh(&positions, &faces), 50);
+    let basis = Eigenbasis::with_accuracy(&surface, 50, Accuracy::Map, &Progress::default()).unwrap();
+    assert_near(&basis.eigenvalues, &full.eigenvalues, 1e-3);
 }
 
 #[test]

@@ -78,6 +78,42 @@ fn subdivided(points: &mut Vec<Vector>, triangles: &[[u32; 3]]) -> Vec<[u32; 3]>
     triangles.iter().flat_map(split).collect()
 }
 
+/// A unit geodesic sphere: each edge of the icosahedron in `frequency` parts, `10 frequency^2 + 2` vertices.
+pub fn geodesic_sphere(frequency: u32) -> PolygonMesh {
+    let corners = icosphere(0);
+    let mut index_of: BTreeMap<[(u32, u32); 3], u32> = BTreeMap::new();
+    let mut points: Vec<Vector> = Vec::new();
+    let mut triangles = Vec::new();
+    for face in corners.face_vertices.chunks_exact(3) {
+        let mut at = |i: u32, j: u32| {
+            // A point is known by its weights at the icosahedron's corners, wherever it is met.
+            let mut key = [(face[0], frequency - i - j), (face[1], i), (face[2], j)];
+            key.iter_mut().filter(|(_, weight)| *weight == 0).for_each(|entry| entry.0 = u32::MAX);
+            key.sort_unstable();
+            *index_of.entry(key).or_insert_with(|| {
+                let weighted = |axis: usize, &(corner, weight): &(u32, u32)| {
+                    if weight == 0 {
+                        0.0
+                    } else {
+                        f64::from(weight) * corners.positions[corner as usize][axis]
+                    }
+                };
+                points.push(unit([0, 1, 2].map(|axis| key.iter().map(|entry| weighted(axis, entry)).sum())));
+                points.len() as u32 - 1
+            })
+        };
+        for i in 0..frequency {
+            for j in 0..frequency - i {
+                triangles.push([at(i, j), at(i + 1, j), at(i, j + 1)]);
+                if i + j + 1 < frequency {
+                    triangles.push([at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]);
+                }
+            }
+        }
+    }
+    polygon_mesh(&points, &triangles)
+}
+
 /// Rotation by `angle` (radians) about `axis`.
 pub fn rotated(point: Vector, axis: Vector, angle: f64) -> Vector {
     let (axis, (sine, cosine)) = (unit(axis), angle.sin_cos());
@@ -112,7 +148,12 @@ fn creature_radius(direction: Vector) -> f64 {
 /// A lump with limbs, symmetric in x. With `turn` 0 its mesh is mirrored too; with another angle
 /// (radians) only its surface is, and left and right share no connectivity.
 pub fn creature(levels: usize, turn: f64) -> PolygonMesh {
-    let mut mesh = icosphere(levels);
+    creature_from(icosphere(levels), turn)
+}
+
+/// [`creature`] with the connectivity of any sphere.
+pub fn creature_from(sphere: PolygonMesh, turn: f64) -> PolygonMesh {
+    let mut mesh = sphere;
     for position in &mut mesh.positions {
         let direction = rotated(*position, [1.0, 2.0, 3.0], turn);
         let radius = creature_radius(direction);

@@ -1,0 +1,98 @@
+//! Times of the pipeline's stages and peak memory for one mesh, as JSON on standard output.
+//!
+//!     cargo bench --profile release --bench stages -- MESH [--repeats 5] [--eigenfunctions 50] [--write PREFIX]
+//!
+//! MESH is a file, or a number f: the creature of the tests on a geodesic sphere of `10 f^2 + 2` vertices, its left
+//! and right triangulated differently. The first run is the process's first (cold). `--write` also leaves the mesh as
+//! raw little-endian arrays for `compare.py`: PREFIX.positions (f64) and PREFIX.triangles (u32).
+//! `make bench` runs all sizes, each in a process of its own, so that the peak is that size's.
+
+#[path = "../tests/support/mod.rs"]
+mod support;
+
+use intrinsym::limits::Limits;
+use intrinsym::mesh::{Mesh, PolygonMesh, io};
+use intrinsym::options::Options;
+use intrinsym::pipeline::detect;
+use intrinsym::progress::Progress;
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// The creature's turn, in radians: no vertex has its mirror image among the vertices.
+const TURN: f64 = 0.4;
+
+struct Arguments {
+    mesh: String,
+    repeats: usize,
+    eigenfunctions: usize,
+    write: Option<String>,
+}
+
+fn main() {
+    let Some(arguments) = arguments() else { return };
+    let polygons = polygon_mesh(&arguments.mesh);
+    let mesh = Mesh::new(&polygons, &Limits::default()).expect("a usable mesh");
+    if let Some(prefix) = &arguments.write {
+        write_raw(&mesh, prefix);
+    }
+    let options = Options { eigenfunctions: arguments.eigenfunctions, ..Options::default() };
+    let runs: Vec<Value> = (0..arguments.repeats).map(|_| run(&mesh, &options)).collect();
+    let report = json!({
+        "mesh": arguments.mesh,
+        "vertices": mesh.positions.len(),
+        "triangles": mesh.triangles.len(),
+        "eigenfunctions": arguments.eigenfunctions,
+        "peak_memory_bytes": peak_memory(),
+        "runs": runs,
+    });
+    println!("{report}");
+}
+
+/// `None` if nothing is asked for: `cargo test --all-targets` calls a bench without arguments of ours.
+fn arguments() -> Option<Arguments> {
+    let mut found = Arguments { mesh: String::new(), repeats: 5, eigenfunctions: 50, write: None };
+    let mut rest = std::env::args().skip(1);
+    while let Some(argument) = rest.next() {
+        let mut value = || rest.next().unwrap_or_else(|| panic!("{argument} needs a value"));
+        match argument.as_str() {
+            "--bench" => {}
+            "--repeats" => found.repeats = value().parse().expect("a number of repeats"),
+            "--eigenfunctions" => found.eigenfunctions = value().parse().expect("a number of eigenfunctions"),
+            "--write" => found.write = Some(value()),
+            other if other.starts_with("--") => return None,
+            mesh => found.mesh = mesh.into(),
+        }
+    }
+    (!found.mesh.is_empty()).then_some(found)
+}
+
+fn polygon_mesh(name: &str) -> PolygonMesh {
+    match name.parse() {
+        Ok(frequency) => support::creature_from(support::geodesic_sphere(frequency), TURN),
+        Err(_) => io::read(Path::new(name), &Limits::default()).expect("a readable mesh").polygons,
+    }
+}
+
+/// One detection: wall seconds of each stage, and what was found.
+fn run(mesh: &Mesh, options: &Options) -> Value {
+    let found = detect(mesh, options, &Progress::default()).expect("a detection");
+    json!({
+        "seconds": found.report.seconds,
+        "plausibility": found.report.judged.map(|judged| judged.plausibility),
+        "symmetries": found.symmetries.len(),
+    })
+}
+
+/// High-water mark of the resident set; `null` where the system does not say.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
+    Some(1024 * line.split_whitespace().nth(1)?.parse::<u64>().ok()?)
+}
+
+fn write_raw(mesh: &Mesh, prefix: &str) {
+    let positions: Vec<u8> = mesh.positions.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
+    let triangles: Vec<u8> = mesh.triangles.iter().flatten().flat_map(|value| value.to_le_bytes()).collect();
+    std::fs::write(format!("{prefix}.positions"), positions).expect("positions written");
+    std::fs::write(format!("{prefix}.triangles"), triangles).expect("triangles written");
+}
