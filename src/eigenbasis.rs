@@ -53,12 +53,12 @@ pub struct Eigenbasis {
 
 impl Eigenbasis {
     /// Computes the `count` lowest non-constant eigenpairs, or as many as there are vertices less one, to
-    /// [`Accuracy::Full`].
+    /// [`Accuracy::Map`].
     ///
     /// # Errors
     /// As [`Eigenbasis::with_accuracy`].
     pub fn new(surface: &IntrinsicSurface, count: usize, progress: &Progress) -> Result<Eigenbasis> {
-        Eigenbasis::with_accuracy(surface, count, Accuracy::Full, progress)
+        Eigenbasis::with_accuracy(surface, count, Accuracy::Map, progress)
     }
 
     /// The same to an accuracy of the caller's choice.

@@ -6,7 +6,7 @@ use crate::automorphism;
 use crate::companions::{self, Companion, Primary};
 use crate::confidence::{confidence, round_trips};
 use crate::correspondence::Symmetry;
-use crate::eigenbasis::Eigenbasis;
+use crate::eigenbasis::{Accuracy, Eigenbasis};
 use crate::error::Result;
 use crate::fixed_curve::{odd_function, zero_set};
 use crate::full_refinement::MatchTarget;
@@ -291,7 +291,7 @@ pub struct Eigen {
 pub fn eigen(mesh: &Mesh, count: usize, progress: &Progress) -> Result<Eigen> {
     let shells = mesh.shells();
     let surface = IntrinsicSurface::new(&shells[0]);
-    let basis = Eigenbasis::new(&surface, count, progress)?;
+    let basis = Eigenbasis::with_accuracy(&surface, count, Accuracy::Full, progress)?;
     let mut local = vec![crate::mesh::NONE; mesh.positions.len()];
     for (index, &point) in shells[0].points.iter().enumerate() {
         local[point as usize] = index as u32;

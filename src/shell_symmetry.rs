@@ -3,7 +3,7 @@
 use crate::acceptance::Judgement;
 use crate::candidate_score::{Score, Scorer};
 use crate::candidates::{self, Candidate, LARGEST_MARGIN};
-use crate::eigenbasis::{Accuracy, Eigenbasis};
+use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::full_refinement::{self, MatchTarget, VertexImages};
 use crate::functional_map::{Projection, project};
@@ -59,7 +59,7 @@ impl PreparedShell {
     /// # Errors
     /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
     pub fn new(surface: IntrinsicSurface, options: &Options, progress: &Progress) -> Result<PreparedShell> {
-        let basis = Eigenbasis::with_accuracy(&surface, options.eigenfunctions, Accuracy::Map, progress)?;
+        let basis = Eigenbasis::new(&surface, options.eigenfunctions, progress)?;
         let samples = Samples::farthest(&basis, options.samples);
         Ok(PreparedShell { surface, basis, samples })
     }

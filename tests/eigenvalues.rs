@@ -14,7 +14,7 @@ use support::{creature, example, icosphere, rectangle, validated};
 
 fn solve(mesh: &PolygonMesh, count: usize) -> (IntrinsicSurface, Eigenbasis) {
     let surface = IntrinsicSurface::new(&validated(mesh).shells()[0]);
-    let basis = Eigenbasis::new(&surface, count, &Progress::default()).unwrap();
+    let basis = Eigenbasis::with_accuracy(&surface, count, Accuracy::Full, &Progress::default()).unwrap();
     (surface, basis)
 }
 
@@ -132,7 +132,7 @@ fn a_vertex_with_thousands_of_neighbours_needs_no_coarse_start() {
     positions.extend((0..rim).map(|i| [angle(i).cos(), angle(i).sin(), 0.0]));
     let faces: Vec<[u32; 3]> = (0..rim).map(|i| [0, 1 + i as u32, 1 + ((i + 1) % rim) as u32]).collect();
     let (surface, full) = solve(&support::polygon_mesh(&positions, &faces), 50);
-    let basis = Eigenbasis::with_accuracy(&surface, 50, Accuracy::Map, &Progress::default()).unwrap();
+    let basis = Eigenbasis::new(&surface, 50, &Progress::default()).unwrap();
     assert_near(&basis.eigenvalues, &full.eigenvalues, 1e-3);
 }
 

@@ -26,7 +26,7 @@ const VERTICES_PER_PAIR: usize = 40;
 /// Coarse vertices for each eigenpair that are enough for a start; a vertex with very many neighbours may leave fewer.
 const LEAST_PER_PAIR: usize = 4;
 /// Relative residual where there is no coarse start.
-const LONE_TOLERANCE: f64 = 1e-3;
+const LONE_TOLERANCE: f64 = 1e-5;
 /// Shift for each pair: a tenth of the last eigenvalue, which Weyl's law puts near `4 pi width`. With less, the filter
 /// raises the first functions so far above the last that these drown in rounding errors.
 const SHIFT_PER_PAIR: f64 = 1.25;
