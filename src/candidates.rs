@@ -15,7 +15,7 @@ use faer::Mat;
 /// Samples on which candidates are refined and scored.
 const CANDIDATE_SAMPLES: usize = 500;
 /// Size of the candidates' functional maps.
-const CANDIDATE_SIZE: usize = 30;
+pub const CANDIDATE_SIZE: usize = 30;
 /// Length of the starts, and how many of the best of each length are tried.
 const PROPOSALS: [(usize, usize); 2] = [(6, 8), (8, 6)];
 /// The same for a second, wider round, which runs only if the first found nothing convincing.

@@ -11,8 +11,11 @@ use crate::functional_map::{Projection, project};
 use crate::laplacian::IntrinsicSurface;
 use crate::mesh_descent::{MeshDescent, VertexRows};
 use crate::progress::Progress;
-use faer::Mat;
+use faer::{Mat, MatRef};
 use std::collections::HashMap;
+
+/// Weight of the mean curvature beside the eigenfunctions, whose squares have mean 1 each (`docs/method.md`).
+const CURVATURE_WEIGHT: f64 = 8.0;
 
 /// A point inside a triangle of a shell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,8 +97,13 @@ impl<'a> MatchTarget<'a> {
     pub fn images(&self, source: &MatchTarget, map: &Mat<f64>, seeds: &[(u32, u32)]) -> VertexImages {
         let functions = source.basis.eigenfunctions.subcols(0, map.nrows());
         let mapped = product(functions, map.as_ref());
-        let queries = VertexRows::new(mapped.as_ref(), map.ncols());
-        let targets = VertexRows::new(self.basis.eigenfunctions.as_ref(), map.ncols());
+        // Between two shells their places decide; on one shell its shape helps.
+        let own = std::ptr::eq(source.surface, self.surface);
+        let curvature: &[Vec<f64>] = if own { &self.surface.mean_curvature } else { &[] };
+        let rows =
+            |functions: MatRef<f64>| VertexRows::new(functions, map.ncols(), curvature, CURVATURE_WEIGHT);
+        let queries = rows(mapped.as_ref());
+        let targets = rows(self.basis.eigenfunctions.as_ref());
         let descent = MeshDescent { graph: &self.surface.stiffness, queries: &queries, targets: &targets };
         let partners = descent.run(&source.surface.stiffness, seeds, 2);
         let nearest = |(vertex, &partner)| self.nearest_point(queries.row(vertex), &targets, partner);

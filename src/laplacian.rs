@@ -1,10 +1,12 @@
-//! Cotangent stiffness and lumped mass of one shell. The last stage that sees positions.
+//! Cotangent stiffness, lumped mass and mean curvature of one shell. The last stage that sees positions.
 //!
 //! Weights from edge lengths: A. I. Bobenko, B. A. Springborn, "A discrete Laplace-Beltrami operator
 //! for simplicial surfaces", 2007. Slivers are made harmless by intrinsic mollification: N. Sharp,
 //! K. Crane, "A Laplacian for Nonmanifold Triangle Meshes", 2020, section 4.5: one small length,
 //! added to all edges, makes every triangle inequality strict. Non-manifold edges need no care: each
 //! triangle adds its own positive semi-definite element.
+
+mod mean_curvature;
 
 use crate::mesh::Shell;
 
@@ -53,6 +55,10 @@ pub struct IntrinsicSurface {
     pub stiffness: SymmetricSparse,
     /// Lumped (barycentric) mass of each vertex; they sum to about 1.
     pub lumped_mass: Vec<f64>,
+    /// Diffused mean curvature of each vertex, one column a time of diffusion; none where it has no sign.
+    ///
+    /// Each column has mean 0; the squares of all columns together have mean 1. All else here is intrinsic.
+    pub mean_curvature: Vec<Vec<f64>>,
     /// Whether "clockwise" means the same on the whole shell.
     pub orientable: bool,
 }
@@ -79,6 +85,7 @@ impl IntrinsicSurface {
         IntrinsicSurface {
             triangles: shell.triangles.clone(),
             edge_lengths,
+            mean_curvature: mean_curvature::channels(shell, &stiffness, &lumped_mass),
             stiffness,
             lumped_mass,
             orientable: shell.orientable,

@@ -18,13 +18,18 @@ pub struct VertexRows {
 impl VertexRows {
     const LANES: usize = 8;
 
-    /// The leading `size` columns of `functions`.
-    pub fn new(functions: MatRef<f64>, size: usize) -> VertexRows {
-        let stride = size.next_multiple_of(Self::LANES);
+    /// The leading `size` columns of `functions`, then the `further` columns times `weight`.
+    pub fn new(functions: MatRef<f64>, size: usize, further: &[Vec<f64>], weight: f64) -> VertexRows {
+        let stride = (size + further.len()).next_multiple_of(Self::LANES);
         let mut values = vec![0.0; functions.nrows() * stride];
         for j in 0..size {
             for (i, row) in values.chunks_exact_mut(stride).enumerate() {
                 row[j] = functions[(i, j)] as f32;
+            }
+        }
+        for (column, j) in further.iter().zip(size..) {
+            for (row, value) in values.chunks_exact_mut(stride).zip(column) {
+                row[j] = (weight * value) as f32;
             }
         }
         VertexRows { values, stride }

@@ -46,7 +46,7 @@ pub struct OptionSpec {
 pub const OPTIONS: [OptionSpec; 6] = [
     OptionSpec {
         name: "eigenfunctions",
-        default: 50,
+        default: 150,
         minimum: 12,
         maximum: 200,
         help: "Laplace-Beltrami eigenfunctions of the refined map: more resolve finer detail and cost more.",

@@ -2,7 +2,7 @@
 
 use crate::acceptance::Judgement;
 use crate::candidate_score::{Score, Scorer};
-use crate::candidates::{self, Candidate, LARGEST_MARGIN};
+use crate::candidates::{self, CANDIDATE_SIZE, Candidate, LARGEST_MARGIN};
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::full_refinement::{self, MatchTarget, VertexImages};
@@ -19,8 +19,8 @@ use faer::Mat;
 
 /// Sizes of the functional map on samples after a candidate is chosen.
 const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
-/// Sizes of the functional map on all vertices.
-const FULL_SIZES: [usize; 4] = [50, 60, 75, 100];
+/// Step by which the functional map grows on all vertices, up to all eigenfunctions.
+const FULL_STEP: usize = 20;
 
 /// Eigenfunctions whose sign is predicted, and vertices the network looks at.
 const PREDICTED_SIGNS: usize = 12;
@@ -136,7 +136,8 @@ pub fn finish(shell: &PreparedShell, candidate: &Candidate, progress: &Progress)
         .map(|(vertex, partner)| (*vertex, vertices[*partner as usize]))
         .collect();
     let target = MatchTarget::new(&shell.surface, &shell.basis);
-    let sizes: Vec<usize> = FULL_SIZES.into_iter().filter(|size| *size <= shell.basis.count()).collect();
+    let count = shell.basis.count();
+    let sizes: Vec<usize> = (map.nrows()..count).step_by(FULL_STEP).chain([count]).collect();
     let (map, images) = full_refinement::refine(&target, map, &seeds, &sizes, progress)?;
     Ok(judge(shell, map, images, candidate.score, candidate.margin))
 }
@@ -154,7 +155,9 @@ pub fn of_partners(shell: &PreparedShell, partners: Vec<u32>) -> Result<ShellSym
         Projection::Involution,
     )?;
     let refiner = SampleRefiner::new(&shell.samples);
-    let score = Scorer::new(&shell.surface, &shell.basis, &refiner, Vec::new()).score(&map)?;
+    let scored = size.min(CANDIDATE_SIZE);
+    let leading = map.submatrix(0, 0, scored, scored).to_owned();
+    let score = Scorer::new(&shell.surface, &shell.basis, &refiner, Vec::new()).score(&leading)?;
     Ok(judge(shell, map, images, score, LARGEST_MARGIN))
 }
 

@@ -206,7 +206,8 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
     let map = shape.true_map(50);
     let functions = &shape.basis.eigenfunctions;
     let mapped = product(functions.subcols(0, 50), map.as_ref());
-    let (queries, targets) = (VertexRows::new(mapped.as_ref(), 50), VertexRows::new(functions.as_ref(), 50));
+    let (queries, targets) =
+        (VertexRows::new(mapped.as_ref(), 50, &[], 0.0), VertexRows::new(functions.as_ref(), 50, &[], 0.0));
     let descent = MeshDescent { graph: &shape.surface.stiffness, queries: &queries, targets: &targets };
     let away = |i: usize, k: u32| -> f64 {
         (0..50).map(|j| (mapped[(i, j)] - functions[(k as usize, j)]).powi(2)).sum::<f64>().sqrt()
@@ -231,7 +232,7 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
 #[test]
 fn descent_reaches_only_what_is_connected_to_a_seed() {
     let shape = Shape::creature(2, 0.0);
-    let rows = VertexRows::new(shape.basis.eigenfunctions.as_ref(), 30);
+    let rows = VertexRows::new(shape.basis.eigenfunctions.as_ref(), 30, &[], 0.0);
     let descent = MeshDescent { graph: &shape.surface.stiffness, queries: &rows, targets: &rows };
     assert!(descent.run(&shape.surface.stiffness, &[], 2).iter().all(|partner| *partner == NONE));
     assert_eq!(descent.run(&shape.surface.stiffness, &[(5, 5)], 2), shape.all(), "the identity");
