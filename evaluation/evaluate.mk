@@ -4,6 +4,8 @@
 EVALUATE_PYTHON = $(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m
 EVALUATE_DATE ?= $(shell date +%Y-%m-%d)
 EVALUATE_DATA = build/evaluation
+# A quick run is not kept.
+EVALUATE_RESULTS = $(if $(filter --quick,$(EVALUATE_FLAGS)),out,docs/results)/$(EVALUATE_DATE)
 
 evaluate: ## Measure maps on the Princeton benchmark at $$BENCHMARK_DATA (SCAPE and TOSCA): the published tables with ours
 	@test -d "$$BENCHMARK_DATA/SCAPE" -a -d "$$BENCHMARK_DATA/TOSCA" || { echo "BENCHMARK_DATA must name a folder with SCAPE/ and TOSCA/ of the Princeton correspondence benchmark: see evaluation/princeton.py" >&2; exit 2; }
@@ -20,13 +22,13 @@ evaluate-remeshed: train-setup ## Measure maps and signs on remeshed FAUST and T
 
 evaluate-synthetic: train-setup ## Measure maps, confidence and refusals on generated shapes with dense truth (EVALUATE_FLAGS=--quick: a few)
 	cargo build --release --locked --bin intrinsym
-	$(EVALUATE_PYTHON) evaluation.synthetic $(EVALUATE_FLAGS) --out docs/results/$(EVALUATE_DATE)-synthetic.json --work $(EVALUATE_DATA)/synthetic
+	$(EVALUATE_PYTHON) evaluation.synthetic $(EVALUATE_FLAGS) --out $(EVALUATE_RESULTS)-synthetic.json --work $(EVALUATE_DATA)/synthetic
 	$(EVALUATE_PYTHON) evaluation.pages
 
 evaluate-robustness: train-setup ## Measure maps, verdicts and confidence on ever worse input (EVALUATE_FLAGS=--quick: two shapes)
 	cargo build --release --locked --bin intrinsym
-	$(EVALUATE_PYTHON) evaluation.robustness $(EVALUATE_FLAGS) --out docs/results/$(EVALUATE_DATE)-robustness.json --work $(EVALUATE_DATA)/robustness
-	$(EVALUATE_PYTHON) evaluation.robustness_tables docs/results/$(EVALUATE_DATE)-robustness.json docs/robustness.png
+	$(EVALUATE_PYTHON) evaluation.robustness $(EVALUATE_FLAGS) --out $(EVALUATE_RESULTS)-robustness.json --work $(EVALUATE_DATA)/robustness
+	$(EVALUATE_PYTHON) evaluation.robustness_tables $(EVALUATE_RESULTS)-robustness.json $(if $(filter --quick,$(EVALUATE_FLAGS)),out,docs)/robustness.png
 	$(EVALUATE_PYTHON) evaluation.pages
 
 # The shapes that docs/method.md names; `make train-setup` brings the generator.
