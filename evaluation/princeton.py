@@ -14,7 +14,6 @@ tables of `princeton_tables`.
 from __future__ import annotations
 
 import argparse
-import subprocess
 import sys
 import tempfile
 from collections import Counter
@@ -27,7 +26,7 @@ import numpy as np
 
 from . import princeton_tables
 from .map_metrics import MapMetrics, measure
-from .program import Answer, detect, read_answer
+from .program import Answer, detect, identity, read_answer
 from .remeshed import read_off
 from .surface import Surface
 
@@ -136,11 +135,10 @@ def main() -> None:
     entries = [entry for name in SETS for entry in benchmark(arguments.data, name)]
     if arguments.only:
         entries = [entry for entry in entries if entry.path.stem in arguments.only]
-    version = subprocess.run([arguments.program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
     default, cpu = run(arguments.program, entries, [], arguments.jobs)
     refused = [entry for entry, row in zip(entries, default) if not row["found"]]
     accepted, _ = run(arguments.program, refused, ACCEPT_ALL, arguments.jobs)
-    result = {"date": str(date.today()), "program": version, "cpu_seconds": cpu, "default": default, "refused, accepted": accepted}
+    result = {"date": str(date.today()), "program": identity(arguments.program), "cpu_seconds": cpu, "default": default, "refused, accepted": accepted}
     arguments.out.write_text(princeton_tables.one_row_a_line(result))
     print(princeton_tables.full_report(result))
     if arguments.pictures:

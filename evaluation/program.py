@@ -55,6 +55,14 @@ def detect(program: str, meshes: list[Path], folder: Path, options: list[str], j
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
+def identity(program: str) -> str:
+    """Version of the program, and the commit of the checkout that measures it, as far as there is one."""
+    version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
+    where = Path(__file__).parent
+    commit = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True, text=True, cwd=where).stdout.strip()
+    return f"{version}, commit {commit}" if commit else version
+
+
 def read_answer(folder: Path, name: str) -> Answer:
     """The answer that `detect` left for the mesh NAME."""
     report = json.loads((folder / f"{name}.json").read_text())

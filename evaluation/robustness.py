@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import subprocess
 from datetime import date
 from pathlib import Path
 
@@ -23,7 +22,7 @@ from training.mirror_truth import mirror_map
 from training.people import People
 
 from .generated import Shape, read_shapes
-from .program import Answer, detect, read_answer
+from .program import Answer, detect, identity, read_answer
 from .robustness_tables import report
 from .severity import SERIES, Subject
 
@@ -86,8 +85,7 @@ def main() -> None:
         shapes = make(series, subjects, people, arguments.work / "shapes")
         detect(arguments.program, [shape.path for shape in shapes], folder, ["--plausibility", "0"], write="map,json,ply")
         rows += [judge(shape, read_answer(folder, shape.name)) for shape in shapes]
-    version = subprocess.run([arguments.program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
-    result = {"date": str(date.today()), "program": version, "quick": arguments.quick, "rows": rows}
+    result = {"date": str(date.today()), "program": identity(arguments.program), "quick": arguments.quick, "rows": rows}
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     arguments.out.write_text(json.dumps(result).replace('{"series"', '\n {"series"') + "\n")
     print(report(result))

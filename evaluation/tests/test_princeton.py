@@ -80,7 +80,7 @@ def test_the_benchmark_is_run_and_printed(data, program, tmp_path, monkeypatch, 
     princeton.main()
     result = json.loads(out.read_text())
     default, every = result["default"], princeton_tables.every_map(result)
-    assert len(default) == len(every) == 5 and len(result["refused, accepted"]) == 1 and result["program"] == "intrinsym 0"
+    assert len(default) == len(every) == 5 and len(result["refused, accepted"]) == 1 and result["program"].startswith("intrinsym 0")
     wolf = [row for row in default if row["name"] == "wolf0"][0]
     assert not wolf["found"] and wolf["correspondence_rate"] == 0 and wolf["mean_error"] is None
     assert all(row["mean_error"] == 0 and row["turned_share"] == 1 for row in every)

@@ -1,5 +1,8 @@
 """Each kind of damage does what its severity says, and no damage leaves the shape alone."""
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -101,3 +104,9 @@ def test_what_is_not_answered_has_no_error(tmp_path):
     nothing = Answer("a", False, np.full(3, -1), {"report": {"judged": None, "seconds": []}}, np.zeros(3))
     found = robustness.judge(shape, nothing)
     assert not found["answered"] and found["mean_error"] is None and found["paired_share"] == pytest.approx(2 / 3, abs=1e-3)
+
+
+def test_accepted_is_the_default_of_the_program():
+    options = (Path(__file__).parents[2] / "src" / "options.rs").read_text()
+    default = re.search(r'name: "plausibility",\s*default: (\d+)', options)[1]
+    assert int(default) / 100 == robustness.ACCEPTED
