@@ -40,7 +40,9 @@ def balanced(right: np.ndarray) -> np.ndarray:
     return np.where(right, 1 / right.sum(), 1 / (~right).sum())
 
 
-def cross_validated(features: np.ndarray, right: np.ndarray, group: np.ndarray, weigh=None, folds: int = 4) -> np.ndarray:
+def cross_validated(
+    features: np.ndarray, right: np.ndarray, group: np.ndarray, weigh=None, folds: int = 4
+) -> np.ndarray:
     """Probability of each row by a model that has not seen the row's group."""
     fold = np.random.default_rng(0).permutation(group.max() + 1)[group] % folds
     stated = np.zeros(len(right))
@@ -63,12 +65,16 @@ def calibration_table(stated: np.ndarray, right: np.ndarray, bins: int = 10) -> 
     """Mean stated probability, share right, and number of rows of each tenth of 0..=1 that is not empty."""
     index = np.minimum((stated * bins).astype(int), bins - 1)
     chosen = [index == own for own in range(bins)]
-    return [(float(stated[rows].mean()), float(right[rows].mean()), int(rows.sum())) for rows in chosen if rows.any()]
+    return [
+        (float(stated[rows].mean()), float(right[rows].mean()), int(rows.sum())) for rows in chosen if rows.any()
+    ]
 
 
 def calibration_error(stated: np.ndarray, right: np.ndarray) -> float:
     """Expected calibration error over ten bins."""
-    return float(sum(abs(said - was) * count for said, was, count in calibration_table(stated, right)) / len(stated))
+    return float(
+        sum(abs(said - was) * count for said, was, count in calibration_table(stated, right)) / len(stated)
+    )
 
 
 def rust_weights(source: Path) -> np.ndarray:
@@ -80,5 +86,7 @@ def rust_weights(source: Path) -> np.ndarray:
 def weights_table(names: list[str], fitted: np.ndarray, shipped: np.ndarray) -> str:
     """Fitted weights beside those of the source, if these are as many."""
     beside = [f"{value:.3f}" for value in shipped] if len(shipped) == len(fitted) else ["-"] * len(fitted)
-    rows = "\n".join(f"| {name} | {value:.4f} | {other} |" for name, value, other in zip(["constant", *names], fitted, beside))
+    rows = "\n".join(
+        f"| {name} | {value:.4f} | {other} |" for name, value, other in zip(["constant", *names], fitted, beside)
+    )
     return f"| weight | fitted now | in the source |\n|---|---|---|\n{rows}"

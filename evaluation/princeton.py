@@ -48,7 +48,9 @@ class Entry:
 
 def read_landmarks(corrs: Path, mesh_class: str) -> tuple[np.ndarray, np.ndarray]:
     """Vertices of the landmarks that have a mirror image, and the vertices of these images."""
-    vertices = np.array([int(line.split()[0]) for line in (corrs / f"{mesh_class}.pid").read_text().splitlines() if line.strip()])
+    vertices = np.array(
+        [int(line.split()[0]) for line in (corrs / f"{mesh_class}.pid").read_text().splitlines() if line.strip()]
+    )
     partner = np.full(len(vertices), -1)
     for line in (corrs / f"{mesh_class}.sym.info").read_text().splitlines():
         pair = [int(word) for word in line.split()]
@@ -138,7 +140,13 @@ def main() -> None:
     default, cpu = run(arguments.program, entries, [], arguments.jobs)
     refused = [entry for entry, row in zip(entries, default) if not row["found"]]
     accepted, _ = run(arguments.program, refused, ACCEPT_ALL, arguments.jobs)
-    result = {"date": str(date.today()), "program": identity(arguments.program), "cpu_seconds": cpu, "default": default, "refused, accepted": accepted}
+    result = {
+        "date": str(date.today()),
+        "program": identity(arguments.program),
+        "cpu_seconds": cpu,
+        "default": default,
+        "refused, accepted": accepted,
+    }
     arguments.out.write_text(princeton_tables.one_row_a_line(result))
     print(princeton_tables.full_report(result))
     if arguments.pictures:

@@ -73,7 +73,9 @@ def published_tables(result: dict) -> str:
     first = table(["correspondence / mesh rate, %", *METHODS, *ours],
                   [[name, *PUBLISHED_RATES[name], *both(lambda rows: of_set(rows, name))] for name in sets])  # fmt: skip
     classes = [name for name in PUBLISHED_CLASSES if any(row["class"] == name for row in default)]
-    rate = lambda rows, name: f"{100 * mean([row for row in rows if row['class'] == name], 'correspondence_rate'):.2f}"
+    rate = lambda rows, name: (
+        f"{100 * mean([row for row in rows if row['class'] == name], 'correspondence_rate'):.2f}"
+    )
     second = table(["TOSCA, correspondence rate, %", *METHODS, *ours],
                    [[name, *PUBLISHED_CLASSES[name], rate(default, name), rate(every, name)] for name in classes])  # fmt: skip
     seconds = f"{cpu_per_mesh(result, 'SCAPE'):.2f} (CPU)" if "SCAPE" in sets else "-"
@@ -91,13 +93,37 @@ def measures_table(result: dict) -> str:
     rows = every_map(result)
     groups = [(name, of_set(rows, name)) for name in PUBLISHED_RATES]
     groups += [(name, [row for row in rows if row["class"] == name]) for name in PUBLISHED_CLASSES]
-    header = ["every map", "meshes", "corr. %", "mesh %", "mean error", "exact %", "bijective %", "cycle error", "turned over %", "fixed %"]
+    header = [
+        "every map",
+        "meshes",
+        "corr. %",
+        "mesh %",
+        "mean error",
+        "exact %",
+        "bijective %",
+        "cycle error",
+        "turned over %",
+        "fixed %",
+    ]
     lines = []
     for name, group in groups:
         if group:
             corr, exact, bijective, turned, fixed = (f"{100 * mean(group, measure):.2f}" for measure in SHARES)
             error, cycle = (f"{mean(group, measure):.4f}" for measure in ("mean_error", "cycle_error"))
-            lines.append([name, len(group), corr, f"{100 * mesh_rate(group):.1f}", error, exact, bijective, cycle, turned, fixed])
+            lines.append(
+                [
+                    name,
+                    len(group),
+                    corr,
+                    f"{100 * mesh_rate(group):.1f}",
+                    error,
+                    exact,
+                    bijective,
+                    cycle,
+                    turned,
+                    fixed,
+                ]
+            )
     return table(header, lines)
 
 
@@ -139,7 +165,15 @@ def short_report(result: dict) -> str:
         refused = sum(not row["found"] for row in own)
         lines.append([f"{name}, {len(own)}", published[-1], published[-2], rates(own), refused, rates(all_maps),
                       f"{mean(all_maps, 'mean_error'):.4f}"])  # fmt: skip
-    header = ["Princeton benchmark: landmarks / meshes right, %", "the paper", "FA", "Intrinsym", "meshes refused", "every map accepted", "mean error, sqrt(area)"]
+    header = [
+        "Princeton benchmark: landmarks / meshes right, %",
+        "the paper",
+        "FA",
+        "Intrinsym",
+        "meshes refused",
+        "every map accepted",
+        "mean error, sqrt(area)",
+    ]
     return f"{table(header, lines)}\n\n`make evaluate`, {result['date']} ([data](docs/results/{result['date']}-princeton.json))."
 
 

@@ -11,8 +11,22 @@ from pathlib import Path
 import numpy as np
 
 PLY_TYPES = {
-    "char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4", "float": "f4", "double": "f8",
-    "int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4", "float32": "f4", "float64": "f8",
+    "char": "i1",
+    "uchar": "u1",
+    "short": "i2",
+    "ushort": "u2",
+    "int": "i4",
+    "uint": "u4",
+    "float": "f4",
+    "double": "f8",
+    "int8": "i1",
+    "uint8": "u1",
+    "int16": "i2",
+    "uint16": "u2",
+    "int32": "i4",
+    "uint32": "u4",
+    "float32": "f4",
+    "float64": "f8",
 }
 
 
@@ -41,13 +55,27 @@ class Answer:
         return {stage: seconds for stage, seconds in self.report["report"]["seconds"]}
 
 
-def detect(program: str, meshes: list[Path], folder: Path, options: list[str], jobs: int = 1, write: str = "map,json") -> float:
+def detect(
+    program: str, meshes: list[Path], folder: Path, options: list[str], jobs: int = 1, write: str = "map,json"
+) -> float:
     """Runs `program detect` over all meshes in one process into `folder`; gives back its CPU seconds.
 
     Raises RuntimeError if any mesh was an error; that no symmetry was found is none.
     """
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    command = [program, "detect", *meshes, "--output-dir", folder, "--write", write, "--jobs", str(jobs), "--quiet", *options]
+    command = [
+        program,
+        "detect",
+        *meshes,
+        "--output-dir",
+        folder,
+        "--write",
+        write,
+        "--jobs",
+        str(jobs),
+        "--quiet",
+        *options,
+    ]
     status = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     if status.returncode not in (0, 1):
         raise RuntimeError(f"{program} ended with {status.returncode}: {status.stderr.strip()}")
@@ -59,7 +87,9 @@ def identity(program: str) -> str:
     """Version of the program, and the commit of the checkout that measures it, as far as there is one."""
     version = subprocess.run([program, "--version"], capture_output=True, text=True, check=True).stdout.strip()
     where = Path(__file__).parent
-    commit = subprocess.run(["git", "describe", "--always", "--dirty"], capture_output=True, text=True, cwd=where).stdout.strip()
+    commit = subprocess.run(
+        ["git", "describe", "--always", "--dirty"], capture_output=True, text=True, cwd=where
+    ).stdout.strip()
     return f"{version}, commit {commit}" if commit else version
 
 

@@ -15,8 +15,6 @@ import json
 from datetime import date
 from pathlib import Path
 
-import numpy as np
-
 from training.meshfile import write_shape
 from training.mirror_truth import mirror_map
 from training.people import People
@@ -47,7 +45,13 @@ def make(series: str, subjects: list[Subject], people: People, folder: Path) -> 
             sample = SERIES[series].draw(subject, severity, people)
             if sample is not None:
                 mirror = mirror_map(sample.rest, sample.faces, SERIES[series].tolerance)
-                description = {"kind": subject.kind, "symmetric": True, "series": series, "severity": severity, "subject": index}
+                description = {
+                    "kind": subject.kind,
+                    "symmetric": True,
+                    "series": series,
+                    "severity": severity,
+                    "subject": index,
+                }
                 write_shape(folder, name, sample.posed, sample.faces, mirror, description)
     return [shape for shape in read_shapes(folder) if shape.name in names]
 
@@ -57,12 +61,19 @@ def judge(shape: Shape, answer: Answer) -> dict:
     row = {key: shape.description[key] for key in ("series", "severity", "subject", "kind")}
     paired = shape.mirror >= 0
     row |= {"vertices": len(paired), "paired_share": round(float(paired.mean()), 4)}
-    row |= {"plausibility": answer.plausibility, "answered": answer.found and (answer.plausibility or 0) >= ACCEPTED}
+    row |= {
+        "plausibility": answer.plausibility,
+        "answered": answer.found and (answer.plausibility or 0) >= ACCEPTED,
+    }
     measures = dict.fromkeys(("mean_error", "wrong_share", "confidence", "confidence_without_partner"))
     if answer.found:
         if paired.any():
             errors, stated = shape.errors(answer.partners), answer.confidence[shape.measured()]
-            measures |= {"mean_error": errors.mean(), "wrong_share": (errors > RIGHT).mean(), "confidence": stated.mean()}
+            measures |= {
+                "mean_error": errors.mean(),
+                "wrong_share": (errors > RIGHT).mean(),
+                "confidence": stated.mean(),
+            }
         if paired.mean() < 0.99:  # a handful of vertices without one is the table's own doing
             measures["confidence_without_partner"] = answer.confidence[~paired].mean()
     return row | {name: None if value is None else round(float(value), 4) for name, value in measures.items()}
@@ -73,19 +84,34 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default="target/release/intrinsym")
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--work", type=Path, default=Path("build/evaluation/robustness"), help="where shapes and answers are kept")
+    parser.add_argument(
+        "--work", type=Path, default=Path("build/evaluation/robustness"), help="where shapes and answers are kept"
+    )
     parser.add_argument("--series", nargs="+", choices=list(SERIES), default=list(SERIES))
     parser.add_argument("--quick", action="store_true", help=f"{QUICK} shapes instead of {len(KINDS)}")
     arguments = parser.parse_args()
-    subjects = [Subject(kind, (SEED, index)) for index, kind in enumerate(KINDS)][: QUICK if arguments.quick else None]
+    subjects = [Subject(kind, (SEED, index)) for index, kind in enumerate(KINDS)][
+        : QUICK if arguments.quick else None
+    ]
     people, rows = People(), []
     folder = arguments.work / "answers"
     folder.mkdir(parents=True, exist_ok=True)
     for series in arguments.series:
         shapes = make(series, subjects, people, arguments.work / "shapes")
-        detect(arguments.program, [shape.path for shape in shapes], folder, ["--plausibility", "0"], write="map,json,ply")
+        detect(
+            arguments.program,
+            [shape.path for shape in shapes],
+            folder,
+            ["--plausibility", "0"],
+            write="map,json,ply",
+        )
         rows += [judge(shape, read_answer(folder, shape.name)) for shape in shapes]
-    result = {"date": str(date.today()), "program": identity(arguments.program), "quick": arguments.quick, "rows": rows}
+    result = {
+        "date": str(date.today()),
+        "program": identity(arguments.program),
+        "quick": arguments.quick,
+        "rows": rows,
+    }
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     arguments.out.write_text(json.dumps(result).replace('{"series"', '\n {"series"') + "\n")
     print(report(result))

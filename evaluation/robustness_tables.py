@@ -1,6 +1,6 @@
 """Table and chart from a result file of `robustness`.
 
-    python -m evaluation.robustness_tables docs/results/DATE-robustness.json docs/robustness.png
+python -m evaluation.robustness_tables docs/results/DATE-robustness.json docs/robustness.png
 """
 
 from __future__ import annotations
@@ -33,7 +33,9 @@ def mean(rows: list[dict], key: str) -> float:
 def levels(rows: list[dict], series: str) -> list[tuple[float, list[dict]]]:
     """Rows of a series by severity."""
     own = [row for row in rows if row["series"] == series]
-    found = [(severity, [row for row in own if row["severity"] == severity]) for severity in SERIES[series].severities]
+    found = [
+        (severity, [row for row in own if row["severity"] == severity]) for severity in SERIES[series].severities
+    ]
     return [(severity, chosen) for severity, chosen in found if chosen]
 
 
@@ -45,15 +47,27 @@ def series_table(rows: list[dict], series: str) -> str:
         answered = f"{sum(row['answered'] for row in chosen)} of {len(chosen)}"
         measures = [show(mean(chosen, key), 3 if key == "mean_error" else 2) for key in list(CURVES)[1:]]
         lines.append([severity, f"{np.mean([row['vertices'] for row in chosen]):,.0f}", answered, *measures])
-    header = [SERIES[series].title, "vertices", "answered", "mean error", "wrong points", "confidence", "where no partner is left"]
+    header = [
+        SERIES[series].title,
+        "vertices",
+        "answered",
+        "mean error",
+        "wrong points",
+        "confidence",
+        "where no partner is left",
+    ]
     return table(header, lines)
 
 
 def report(result: dict) -> str:
     """Everything, as Markdown."""
     quick = " --quick" if result["quick"] else ""
-    source = f"`make evaluate-robustness`{quick}, {result['date']} ([data](results/{result['date']}-robustness.json)):"
-    return "\n\n".join([source, *(series_table(result["rows"], series) for series in SERIES if levels(result["rows"], series))])
+    source = (
+        f"`make evaluate-robustness`{quick}, {result['date']} ([data](results/{result['date']}-robustness.json)):"
+    )
+    return "\n\n".join(
+        [source, *(series_table(result["rows"], series) for series in SERIES if levels(result["rows"], series))]
+    )
 
 
 def draw(result: dict, path: Path) -> None:
@@ -64,12 +78,16 @@ def draw(result: dict, path: Path) -> None:
     import matplotlib.pyplot as plt
 
     shown = [series for series in SERIES if levels(result["rows"], series)]
-    figure, axes = plt.subplots(-(-len(shown) // 3), 3, figsize=(11, 2.7 * -(-len(shown) // 3)), sharey=True, squeeze=False)
+    figure, axes = plt.subplots(
+        -(-len(shown) // 3), 3, figsize=(11, 2.7 * -(-len(shown) // 3)), sharey=True, squeeze=False
+    )
     for axis, series in zip(axes.flat, shown):
         found = levels(result["rows"], series)
         places = np.arange(len(found))
         for key, (label, colour) in CURVES.items():
-            axis.plot(places, [mean(rows, key) for _, rows in found], marker="o", markersize=3, color=colour, label=label)
+            axis.plot(
+                places, [mean(rows, key) for _, rows in found], marker="o", markersize=3, color=colour, label=label
+            )
         axis.set_xticks(places, [f"{severity:g}" for severity, _ in found])
         axis.set_title(SERIES[series].title, fontsize=9)
         axis.set_ylim(-0.02, 1.02)

@@ -51,7 +51,9 @@ class Subject:
         if self.kind == "person":
             return None if change else people.remeshed_person(rng, 0.8 * POSE, vertices)
         skeleton = SYMMETRIC_KINDS[self.kind](rng)
-        build = lambda bones: posed_shape(np.random.default_rng([*self.seed, 2]), copy.deepcopy(bones), False, POSE, vertices)
+        build = lambda bones: posed_shape(
+            np.random.default_rng([*self.seed, 2]), copy.deepcopy(bones), False, POSE, vertices
+        )
         if change and change(np.random.default_rng([*self.seed, 1]), skeleton, build) is False:
             return None
         return build(skeleton)
@@ -95,7 +97,13 @@ def thinned(rng, sample: Sample, spacing: np.ndarray) -> Sample:
             near = np.array(tree.query_ball_point(sample.rest[vertex], spacing[vertex]))
             covered[near[normals[near] @ normals[vertex] > 0]] = True  # not the other side of a thin sheet
             covered[vertex] = True
-    _, _, nearest = dijkstra(edge_graph(sample.rest, sample.faces), directed=False, indices=seeds, min_only=True, return_predecessors=True)
+    _, _, nearest = dijkstra(
+        edge_graph(sample.rest, sample.faces),
+        directed=False,
+        indices=seeds,
+        min_only=True,
+        return_predecessors=True,
+    )
     own = np.full(len(sample.rest), -1)
     own[seeds] = np.arange(len(seeds))
     cells = own[np.maximum(nearest, 0)][sample.faces]
@@ -165,7 +173,9 @@ def _chain(skeleton: Skeleton, bone: int) -> set[int]:
 
 def genus_of(sample: Sample) -> int:
     """Handles of a closed mesh."""
-    edges = np.sort(np.concatenate([sample.faces[:, [0, 1]], sample.faces[:, [1, 2]], sample.faces[:, [2, 0]]]), axis=1)
+    edges = np.sort(
+        np.concatenate([sample.faces[:, [0, 1]], sample.faces[:, [1, 2]], sample.faces[:, [2, 0]]]), axis=1
+    )
     return (2 - len(sample.rest) + len(np.unique(edges, axis=0)) - len(sample.faces)) // 2
 
 

@@ -114,7 +114,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--program", default="target/release/intrinsym")
     parser.add_argument("--out", type=Path, required=True)
-    parser.add_argument("--work", type=Path, default=Path("build/evaluation/synthetic"), help="where shapes and answers are kept")
+    parser.add_argument(
+        "--work", type=Path, default=Path("build/evaluation/synthetic"), help="where shapes and answers are kept"
+    )
     parser.add_argument("--quick", action="store_true", help="two shapes of a kind, 24 asymmetric ones")
     arguments = parser.parse_args()
     each, asymmetric = COUNTS[arguments.quick]
@@ -123,7 +125,10 @@ def main() -> None:
     make_asymmetric(asymmetric, asymmetric_folder)
     wanted = lambda folder, count: [shape for shape in read_shapes(folder) if int(shape.name[-4:]) < count]
     shapes = wanted(symmetric_folder, each * len(KINDS))
-    judged = [judge(*pair) for pair in zip(shapes, answers(arguments.program, shapes, arguments.work / "answers", "map,json,ply"))]
+    judged = [
+        judge(*pair)
+        for pair in zip(shapes, answers(arguments.program, shapes, arguments.work / "answers", "map,json,ply"))
+    ]
     found = [(stated, errors) for row, stated, errors in judged if row["found"]]
     lopsided = wanted(asymmetric_folder, asymmetric)
     others = answers(arguments.program, lopsided, arguments.work / "asymmetric_answers", "map,json")

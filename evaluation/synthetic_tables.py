@@ -38,16 +38,29 @@ def confidence_tables(found: dict | None) -> str:
     """Calibration of the confidence of answered shapes."""
     if found is None:
         return "No shape was answered."
-    claims = f"{100 * found['sure_and_right'] / found['sure']:.1f} % of {found['sure']:,}" if found["sure"] else "none made"
+    claims = (
+        f"{100 * found['sure_and_right'] / found['sure']:.1f} % of {found['sure']:,}"
+        if found["sure"]
+        else "none made"
+    )
     summary = table(["vertices", "expected calibration error", "area under the error-detection curve", "claims of 0.9 or more that are right"],
                     [[f"{found['vertices']:,}", found["calibration_error"], found["area_under_curve"], claims]])  # fmt: skip
-    return summary + "\n\n" + table(["stated", "right", "vertices"], [[*row[:2], f"{row[2]:,}"] for row in found["table"]])
+    return (
+        summary
+        + "\n\n"
+        + table(["stated", "right", "vertices"], [[*row[:2], f"{row[2]:,}"] for row in found["table"]])
+    )
 
 
 def asymmetric_table(shapes: list[dict]) -> str:
     """How many asymmetric shapes are called symmetric, by kind."""
     kinds = sorted({row["kind"] for row in shapes})
-    line = lambda name, rows: [name, len(rows), sum(row["found"] for row in rows), f"{100 * np.mean([row['found'] for row in rows]):.1f} %"]
+    line = lambda name, rows: [
+        name,
+        len(rows),
+        sum(row["found"] for row in rows),
+        f"{100 * np.mean([row['found'] for row in rows]):.1f} %",
+    ]
     lines = [line(kind, [row for row in shapes if row["kind"] == kind]) for kind in kinds]
     return table(["without a symmetry", "shapes", "called symmetric", "share"], [*lines, line("**all**", shapes)])
 
@@ -55,5 +68,14 @@ def asymmetric_table(shapes: list[dict]) -> str:
 def report(result: dict) -> str:
     """Everything, as Markdown."""
     quick = " --quick" if result["quick"] else ""
-    source = f"`make evaluate-synthetic`{quick}, {result['date']} ([data](results/{result['date']}-synthetic.json)):"
-    return "\n\n".join([source, error_table(result["shapes"]), confidence_tables(result["confidence"]), asymmetric_table(result["asymmetric"])])
+    source = (
+        f"`make evaluate-synthetic`{quick}, {result['date']} ([data](results/{result['date']}-synthetic.json)):"
+    )
+    return "\n\n".join(
+        [
+            source,
+            error_table(result["shapes"]),
+            confidence_tables(result["confidence"]),
+            asymmetric_table(result["asymmetric"]),
+        ]
+    )

@@ -1,4 +1,4 @@
-"""The benchmark's reader, runner and tables, on a data set of two classes of strips; and the README against its file."""
+"""The benchmark's reader, runner and tables, on a data set of two classes of strips."""
 
 import json
 import stat
@@ -35,8 +35,14 @@ for path in [Path(word) for word in words if word.endswith(".off")]:
 def strip(path, columns=COLUMNS):
     points = np.array([[column, row, 0.0] for row in range(ROWS) for column in range(columns)]) / (COLUMNS - 1)
     corner = np.array([row * columns + column for row in range(ROWS - 1) for column in range(columns - 1)])
-    faces = np.concatenate([np.c_[corner, corner + 1, corner + columns], np.c_[corner + 1, corner + columns + 1, corner + columns]])
-    rows = [f"{len(points)} {len(faces)} 0", *(f"{x} {y} {z}" for x, y, z in points), *(f"3 {a} {b} {c}" for a, b, c in faces)]
+    faces = np.concatenate(
+        [np.c_[corner, corner + 1, corner + columns], np.c_[corner + 1, corner + columns + 1, corner + columns]]
+    )
+    rows = [
+        f"{len(points)} {len(faces)} 0",
+        *(f"{x} {y} {z}" for x, y, z in points),
+        *(f"3 {a} {b} {c}" for a, b, c in faces),
+    ]
     path.write_text("OFF\n" + "\n".join(rows) + "\n")
 
 
@@ -80,12 +86,19 @@ def test_the_benchmark_is_run_and_printed(data, program, tmp_path, monkeypatch, 
     princeton.main()
     result = json.loads(out.read_text())
     default, every = result["default"], princeton_tables.every_map(result)
-    assert len(default) == len(every) == 5 and len(result["refused, accepted"]) == 1 and result["program"].startswith("intrinsym 0")
+    assert (
+        len(default) == len(every) == 5
+        and len(result["refused, accepted"]) == 1
+        and result["program"].startswith("intrinsym 0")
+    )
     wolf = [row for row in default if row["name"] == "wolf0"][0]
     assert not wolf["found"] and wolf["correspondence_rate"] == 0 and wolf["mean_error"] is None
     assert all(row["mean_error"] == 0 and row["turned_share"] == 1 for row in every)
     printed = capsys.readouterr().out
-    assert "| TOSCA | 85.0 / 76 | 98.0 / 98.7 | 95.1 / 92.6 | 94.5 / 100 | 97.8 / 100 | 98.1 / 100 | 66.67 / 66.7 | 100.00 / 100.0 |" in printed
+    assert (
+        "| TOSCA | 85.0 / 76 | 98.0 / 98.7 | 95.1 / 92.6 | 94.5 / 100 | 97.8 / 100 | 98.1 / 100 | 66.67 / 66.7 | 100.00 / 100.0 |"
+        in printed
+    )
     assert "| wolf | 100 | 100 | 100 | 100 | 100 | 100 | 0.00 | 100.00 |" in printed
     assert "| wolf0 | 0.0000 | 100.0 | 25 % | refused |" in printed
     assert len(list(pictures.glob("*.png"))) == 5

@@ -86,10 +86,17 @@ def row(number, **measures):
 
 
 def test_tables_and_chart_leave_out_what_was_not_measured(tmp_path):
-    rows = [row(0), row(0, mean_error=0.04), row(0.4, answered=False, mean_error=None, wrong_share=None, confidence=None)]
+    rows = [
+        row(0),
+        row(0, mean_error=0.04),
+        row(0.4, answered=False, mean_error=None, wrong_share=None, confidence=None),
+    ]
     result = {"date": "2026-01-01", "quick": False, "rows": rows}
     text = robustness_tables.report(result)
-    assert "| 0 | 100 | 2 of 2 | 0.030 | 0.10 | 0.80 | - |" in text and "| 0.4 | 100 | 0 of 1 | - | - | - | - |" in text
+    assert (
+        "| 0 | 100 | 2 of 2 | 0.030 | 0.10 | 0.80 | - |" in text
+        and "| 0.4 | 100 | 0 of 1 | - | - | - | - |" in text
+    )
     assert "sword" not in text
     robustness_tables.draw(result, tmp_path / "chart.png")
     assert (tmp_path / "chart.png").read_bytes().startswith(b"\x89PNG")
@@ -100,10 +107,16 @@ def test_what_is_not_answered_has_no_error(tmp_path):
     from evaluation.program import Answer
 
     mirror = np.array([1, 0, -1])
-    shape = Shape("a", tmp_path / "a.ply", mirror, {"series": "holes", "severity": 0, "subject": 0, "kind": "bird"})
+    shape = Shape(
+        "a", tmp_path / "a.ply", mirror, {"series": "holes", "severity": 0, "subject": 0, "kind": "bird"}
+    )
     nothing = Answer("a", False, np.full(3, -1), {"report": {"judged": None, "seconds": []}}, np.zeros(3))
     found = robustness.judge(shape, nothing)
-    assert not found["answered"] and found["mean_error"] is None and found["paired_share"] == pytest.approx(2 / 3, abs=1e-3)
+    assert (
+        not found["answered"]
+        and found["mean_error"] is None
+        and found["paired_share"] == pytest.approx(2 / 3, abs=1e-3)
+    )
 
 
 def test_accepted_is_the_default_of_the_program():

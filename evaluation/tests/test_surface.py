@@ -10,7 +10,9 @@ def sheet(columns=13, rows=9, fold=0.0):
     """A sheet of unit squares, optionally folded along x = 6, which changes no distance along it."""
     x, y = (part.ravel().astype(float) for part in np.meshgrid(np.arange(columns), np.arange(rows)))
     corner = np.array([row * columns + column for row in range(rows - 1) for column in range(columns - 1)])
-    triangles = np.concatenate([np.c_[corner, corner + 1, corner + columns], np.c_[corner + 1, corner + columns + 1, corner + columns]])
+    triangles = np.concatenate(
+        [np.c_[corner, corner + 1, corner + columns], np.c_[corner + 1, corner + columns + 1, corner + columns]]
+    )
     beyond = np.maximum(x - 6, 0)
     return np.c_[x - beyond + beyond * np.cos(fold), y, beyond * np.sin(fold)], triangles
 
