@@ -11,6 +11,7 @@ use crate::refinement::SampleRefiner;
 use crate::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
 use crate::sign_network::SignPrediction;
 use faer::Mat;
+use std::collections::HashSet;
 
 /// Samples on which candidates are refined and scored.
 const CANDIDATE_SAMPLES: usize = 500;
@@ -67,6 +68,7 @@ pub fn find(
     let expected = signs.iter().map(|sign| f64::from(sign.even - sign.odd)).collect();
     let scorer = Scorer::new(surface, basis, &refiner, expected);
     let mut candidates = Vec::new();
+    let mut seen = HashSet::new();
     for (round, (proposals, width)) in
         [(&PROPOSALS[..], beam_width), (&WIDE_PROPOSALS[..], WIDER * beam_width)].into_iter().enumerate()
     {
@@ -77,7 +79,7 @@ pub fn find(
         for (done, start) in starts.iter().enumerate() {
             progress
                 .report("candidates", 0.45 + 0.15 * (round as f64 + done as f64 / starts.len() as f64))?;
-            candidates.extend(try_start(&refiner, &scorer, start)?);
+            candidates.extend(try_start(&refiner, &scorer, start, &mut seen)?);
         }
         if candidates.iter().any(|candidate: &Candidate| candidate.score.total() < CONVINCING) {
             break;
@@ -87,9 +89,14 @@ pub fn find(
     Ok(candidates)
 }
 
-/// Refines and scores a start; `None` if it ends near the identity.
-fn try_start(refiner: &SampleRefiner, scorer: &Scorer, start: &Mat<f64>) -> Result<Option<Candidate>> {
-    let map = refine(refiner, start)?;
+/// Refines and scores a start; `None` if it ends near the identity or where another start has been.
+fn try_start(
+    refiner: &SampleRefiner,
+    scorer: &Scorer,
+    start: &Mat<f64>,
+    seen: &mut HashSet<Passage>,
+) -> Result<Option<Candidate>> {
+    let Some(map) = refine(refiner, start, seen)? else { return Ok(None) };
     let score = scorer.score(&map)?;
     let partners = refiner.partners(&map);
     Ok((!score.is_identity()).then(|| Candidate {
@@ -144,13 +151,27 @@ fn propose_signs(signs: &[SignPrediction]) -> Vec<Mat<f64>> {
     starts
 }
 
-/// ICP at the start's length, then ZoomOut to the candidates' size.
-fn refine(refiner: &SampleRefiner, start: &Mat<f64>) -> Result<Mat<f64>> {
+/// What the rest of a refinement depends on: the step by which the map grows, its next size, and the partners.
+type Passage = (usize, usize, Vec<u32>);
+
+/// ICP at the start's length, then ZoomOut to the candidates' size; `None` on meeting the path of another start.
+fn refine(
+    refiner: &SampleRefiner,
+    start: &Mat<f64>,
+    seen: &mut HashSet<Passage>,
+) -> Result<Option<Mat<f64>>> {
     let length = start.nrows();
     let (rounds, step) = if length >= 8 { (5, 3) } else { (2, 2) };
-    let map = refiner.refine(start.clone(), &vec![length; rounds], Projection::Orthogonal)?;
-    let sizes: Vec<usize> = (length + step..=CANDIDATE_SIZE).step_by(step).collect();
-    refiner.refine(map, &sizes, Projection::Involution)
+    let mut map = refiner.refine(start.clone(), &vec![length; rounds], Projection::Orthogonal)?;
+    for size in (length + step..=CANDIDATE_SIZE).step_by(step) {
+        let passage = (step, size, refiner.partners(&map));
+        if seen.contains(&passage) {
+            return Ok(None);
+        }
+        map = refiner.estimate(&passage.2, size.min(refiner.samples.rows.ncols()), Projection::Involution)?;
+        seen.insert(passage);
+    }
+    Ok(Some(map))
 }
 
 /// Keeps the best of each group of near-equal maps, at most `most`, and sets their margins.

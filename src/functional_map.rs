@@ -35,11 +35,22 @@ pub fn estimate(
     size: usize,
     projection: Projection,
 ) -> Result<Mat<f64>> {
+    let lower = gram_cholesky(gram.submatrix(0, 0, size, size))?;
+    estimate_with(rows, lower.as_ref(), partner, size, projection)
+}
+
+/// The same with the Cholesky factor `lower` of the Gram matrix, whose leading blocks are those of every size.
+pub fn estimate_with(
+    rows: MatRef<f64>,
+    lower: MatRef<f64>,
+    partner: &[u32],
+    size: usize,
+    projection: Projection,
+) -> Result<Mat<f64>> {
     let source = rows.subcols(0, size);
     let images = Mat::from_fn(rows.nrows(), size, |i, j| rows[(partner[i] as usize, j)]);
     let mut map = product(source.transpose(), images.as_ref());
-    let lower = gram_cholesky(gram.submatrix(0, 0, size, size))?;
-    cholesky_solve(lower.as_ref(), map.as_mut());
+    cholesky_solve(lower.submatrix(0, 0, size, size), map.as_mut());
     project(map, projection)
 }
 

@@ -9,6 +9,7 @@
 
 use crate::sampling::Samples;
 use faer::Mat;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Samples whose image is sought, and samples among which it is sought.
 const SOURCES: usize = 300;
@@ -66,9 +67,15 @@ pub fn search(samples: &Samples, eigenvalues: &[f64], lengths: &[usize], width: 
 fn extend_all(beams: &[Beam], columns: &[Vec<f32>], sources: usize, width: usize) -> Vec<Beam> {
     let options = block_options(columns.len());
     let mut ranked: Vec<(f32, usize, Block)> = Vec::with_capacity(options.len() * beams.len());
+    // Energies of the best `width` so far, ascending: what exceeds them all need not be known exactly.
+    let mut best = Vec::with_capacity(width + 1);
     for (parent, beam) in beams.iter().enumerate() {
         for &block in &options {
-            ranked.push((extended_energy(beam, &Step { columns, block }, sources), parent, block));
+            let bound = if best.len() < width { f32::MAX } else { best[width - 1] };
+            let energy = extended_energy(beam, &Step { columns, block }, sources, bound);
+            best.insert(best.partition_point(|other| *other <= energy), energy);
+            best.truncate(width);
+            ranked.push((energy, parent, block));
         }
     }
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -113,6 +120,7 @@ fn matrix(blocks: &[Block]) -> Mat<f64> {
 
 impl Step<'_> {
     /// The block's coordinates of the image of `source`.
+    #[inline(always)]
     fn image(&self, source: usize) -> [f32; 2] {
         match self.block {
             Block::Single(sign) => [sign * self.columns[0][source], 0.0],
@@ -124,21 +132,44 @@ impl Step<'_> {
     }
 }
 
-fn extended_energy(beam: &Beam, step: &Step, sources: usize) -> f32 {
-    let targets = step.columns[0].len();
-    let mut total = 0.0;
-    for (source, row) in beam.distances.chunks_exact(targets).enumerate().take(sources) {
-        let image = step.image(source);
-        total += match step.columns {
-            [single] => smallest(row, single, image[0]),
-            [first, second] => smallest_of_pair(row, first, second, image),
-            _ => unreachable!("a block has one or two columns"),
-        };
+/// The mean over the sources of the smallest extended distance; infinite if it is above `bound`.
+fn extended_energy(beam: &Beam, step: &Step, sources: usize, bound: f32) -> f32 {
+    Arch::new().dispatch(ExtendedEnergy { beam, step, sources, bound })
+}
+
+/// [`extended_energy`] as an operation that is compiled for each instruction set and chosen at run time.
+struct ExtendedEnergy<'a> {
+    beam: &'a Beam,
+    step: &'a Step<'a>,
+    sources: usize,
+    bound: f32,
+}
+
+impl WithSimd for ExtendedEnergy<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f32 {
+        let targets = self.step.columns[0].len();
+        let mut total = 0.0;
+        for (source, row) in self.beam.distances.chunks_exact(targets).enumerate().take(self.sources) {
+            let image = self.step.image(source);
+            total += match self.step.columns {
+                [single] => smallest(row, single, image[0]),
+                [first, second] => smallest_of_pair(row, first, second, image),
+                _ => unreachable!("a block has one or two columns"),
+            };
+            // Sums only grow, so the rounded mean does too.
+            if total / self.sources as f32 > self.bound {
+                return f32::INFINITY;
+            }
+        }
+        total / self.sources as f32
     }
-    total / sources as f32
 }
 
 /// `min over y of row[y] + (value - column[y])^2`, in lanes that the compiler vectorises.
+#[inline(always)]
 fn smallest(row: &[f32], column: &[f32], value: f32) -> f32 {
     const LANES: usize = 16;
     let mut lanes = [f32::MAX; LANES];
@@ -156,6 +187,7 @@ fn smallest(row: &[f32], column: &[f32], value: f32) -> f32 {
 }
 
 /// The same for two columns.
+#[inline(always)]
 fn smallest_of_pair(row: &[f32], first: &[f32], second: &[f32], image: [f32; 2]) -> f32 {
     const LANES: usize = 16;
     let mut lanes = [f32::MAX; LANES];

@@ -9,13 +9,16 @@ use crate::error::Result;
 use crate::functional_map::{self, Projection};
 use crate::sampling::Samples;
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, Mat, MatRef, Par, Side};
+use pulp::{Arch, Simd, WithSimd};
 
-/// Samples prepared for repeated estimation: their Gram matrix is formed once.
+/// Samples prepared for repeated estimation: their Gram matrix is formed and factorised once.
 pub struct SampleRefiner<'a> {
     /// The samples.
     pub samples: &'a Samples,
     gram: Mat<f64>,
+    /// Its Cholesky factor; `None` if there are too few samples for all functions.
+    lower: Option<Mat<f64>>,
     single: Mat<f32>,
 }
 
@@ -25,7 +28,8 @@ impl<'a> SampleRefiner<'a> {
         let rows = samples.rows.as_ref();
         let gram = product(rows.transpose(), rows);
         let single = Mat::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] as f32);
-        SampleRefiner { samples, gram, single }
+        let lower = gram.llt(Side::Lower).ok().map(|factor| factor.L().to_owned());
+        SampleRefiner { samples, gram, lower, single }
     }
 
     /// The sample nearest to each sample's image under `map`.
@@ -37,7 +41,11 @@ impl<'a> SampleRefiner<'a> {
 
     /// Least-squares map of `size` that sends each sample to `partners`.
     pub fn estimate(&self, partners: &[u32], size: usize, projection: Projection) -> Result<Mat<f64>> {
-        functional_map::estimate(self.samples.rows.as_ref(), self.gram.as_ref(), partners, size, projection)
+        let rows = self.samples.rows.as_ref();
+        match &self.lower {
+            Some(lower) => functional_map::estimate_with(rows, lower.as_ref(), partners, size, projection),
+            None => functional_map::estimate(rows, self.gram.as_ref(), partners, size, projection),
+        }
     }
 
     /// Alternates partners and estimation through `sizes`: equal sizes are ICP, growing ones ZoomOut.
@@ -59,55 +67,115 @@ pub fn embed(rows: MatRef<f32>, map: &Mat<f64>) -> Mat<f32> {
     out
 }
 
-/// For each row of `queries` the nearest row of `targets`, by tiles of a matrix product.
+/// For each row of `queries` the nearest row of `targets`, the first of equals. O(queries x targets x columns).
 pub fn nearest(queries: MatRef<f32>, targets: MatRef<f32>) -> Vec<u32> {
-    const QUERY_TILE: usize = 128;
-    const TARGET_TILE: usize = 512;
-    let half_norms = half_squared_norms(targets);
-    let mut best = vec![(f32::MAX, 0u32); queries.nrows()];
-    let mut tile = Mat::<f32>::zeros(TARGET_TILE, QUERY_TILE);
-    for target_start in (0..targets.nrows()).step_by(TARGET_TILE) {
-        let target_count = TARGET_TILE.min(targets.nrows() - target_start);
-        let norms = &half_norms[target_start..target_start + target_count];
-        for query_start in (0..queries.nrows()).step_by(QUERY_TILE) {
-            let query_count = QUERY_TILE.min(queries.nrows() - query_start);
-            let mut products = tile.as_mut().submatrix_mut(0, 0, target_count, query_count);
-            let left = targets.subrows(target_start, target_count);
-            let right = queries.subrows(query_start, query_count).transpose();
-            matmul(products.as_mut(), Accum::Replace, left, right, 1.0, Par::Seq);
-            for query in 0..query_count {
-                let column = &tile.col_as_slice(query)[..target_count];
-                let (value, index) = lowest(norms, column);
-                let entry = &mut best[query_start + query];
-                if value < entry.0 {
-                    *entry = (value, (target_start + index) as u32);
+    Arch::new().dispatch(Nearest { queries, targets })
+}
+
+/// Queries that are compared at once with a vector register of targets.
+const GROUP: usize = 8;
+
+/// Smallest `|target|^2 / 2 - query . target` of each query, compiled for each instruction set.
+struct Nearest<'a> {
+    queries: MatRef<'a, f32>,
+    targets: MatRef<'a, f32>,
+}
+
+impl WithSimd for Nearest<'_> {
+    type Output = Vec<u32>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Vec<u32> {
+        let columns = self.queries.ncols();
+        let packed = negated_chunks(self.targets, S::F32_LANES);
+        let norms = half_squared_norms(self.targets, S::F32_LANES);
+        let (packed, norms) = (S::as_simd_f32s(&packed).0, S::as_simd_f32s(&norms).0);
+        let mut partners = Vec::with_capacity(self.queries.nrows() + GROUP);
+        let mut group = vec![[0.0; GROUP]; columns];
+        for start in (0..self.queries.nrows()).step_by(GROUP) {
+            for (j, values) in group.iter_mut().enumerate() {
+                for (q, value) in values.iter_mut().enumerate() {
+                    *value = self.queries[((start + q).min(self.queries.nrows() - 1), j)];
                 }
             }
+            let mut lowest = [simd.splat_f32s(f32::INFINITY); GROUP];
+            let mut chunk_of = [simd.splat_u32s(0); GROUP];
+            for (chunk, norm) in norms.iter().enumerate() {
+                let mut distances = [*norm; GROUP];
+                for (values, target) in group.iter().zip(&packed[chunk * columns..][..columns]) {
+                    for q in 0..GROUP {
+                        distances[q] = simd.mul_add_e_f32s(simd.splat_f32s(values[q]), *target, distances[q]);
+                    }
+                }
+                let own = simd.splat_u32s(chunk as u32);
+                for q in 0..GROUP {
+                    let less = simd.less_than_f32s(distances[q], lowest[q]);
+                    lowest[q] = simd.select_f32s(less, distances[q], lowest[q]);
+                    chunk_of[q] = simd.select_u32s(less, own, chunk_of[q]);
+                }
+            }
+            for q in 0..GROUP {
+                let (values, chunks) =
+                    (pulp::bytemuck::bytes_of(&lowest[q]), pulp::bytemuck::bytes_of(&chunk_of[q]));
+                partners.push(first_lowest(
+                    pulp::bytemuck::cast_slice(values),
+                    pulp::bytemuck::cast_slice(chunks),
+                ));
+            }
         }
+        partners.truncate(self.queries.nrows());
+        partners
     }
-    best.into_iter().map(|entry| entry.1).collect()
 }
 
-fn half_squared_norms(rows: MatRef<f32>) -> Vec<f32> {
-    (0..rows.nrows())
-        .map(|i| 0.5 * (0..rows.ncols()).map(|j| rows[(i, j)] * rows[(i, j)]).sum::<f32>())
-        .collect()
-}
-
-/// Smallest `norms - products` and its first index.
-fn lowest(norms: &[f32], products: &[f32]) -> (f32, usize) {
-    const LANES: usize = 16;
-    let mut lanes = [f32::MAX; LANES];
-    let (norm_chunks, norm_rest) = norms.as_chunks::<LANES>();
-    let (product_chunks, product_rest) = products.as_chunks::<LANES>();
-    for (norm, product) in norm_chunks.iter().zip(product_chunks) {
-        for lane in 0..LANES {
-            let value = norm[lane] - product[lane];
-            lanes[lane] = if value < lanes[lane] { value } else { lanes[lane] };
+/// The negated rows by chunks of `lanes`, each column by column.
+fn negated_chunks(rows: MatRef<f32>, lanes: usize) -> Vec<f32> {
+    let columns = rows.ncols();
+    let mut packed = vec![0.0; rows.nrows().next_multiple_of(lanes) * columns];
+    for j in 0..columns {
+        for i in 0..rows.nrows() {
+            packed[(i / lanes * columns + j) * lanes + i % lanes] = -rows[(i, j)];
         }
     }
-    let rest = norm_rest.iter().zip(product_rest).map(|(norm, product)| norm - product);
-    let value = lanes.into_iter().chain(rest).fold(f32::MAX, f32::min);
-    let index = norms.iter().zip(products).position(|(norm, product)| norm - product <= value);
-    (value, index.unwrap_or(0))
+    packed
+}
+
+/// Infinite where the last chunk has no row.
+fn half_squared_norms(rows: MatRef<f32>, lanes: usize) -> Vec<f32> {
+    let mut norms = vec![f32::INFINITY; rows.nrows().next_multiple_of(lanes)];
+    for (i, norm) in norms.iter_mut().enumerate().take(rows.nrows()) {
+        *norm = 0.5 * (0..rows.ncols()).map(|j| rows[(i, j)] * rows[(i, j)]).sum::<f32>();
+    }
+    norms
+}
+
+/// The first row among the smallest of all lanes.
+fn first_lowest(values: &[f32], chunks: &[u32]) -> u32 {
+    let lanes = values.len() as u32;
+    let rows =
+        values.iter().zip(chunks).zip(0..).map(|((value, chunk), lane)| (*value, chunk * lanes + lane));
+    let first = |a: (f32, u32), b: (f32, u32)| if b.0 < a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a };
+    rows.reduce(first).expect("lanes").1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_is_the_first_of_equals_at_any_count() {
+        let rows = |count: usize, columns: usize, step: usize| {
+            Mat::from_fn(count, columns, |i, j| ((i * step + j * 5) % 7) as f32)
+        };
+        for (sources, count, columns) in [(1, 1, 1), (3, 15, 2), (4, 16, 5), (5, 17, 30), (130, 600, 12)] {
+            let (queries, targets) = (rows(sources, columns, 3), rows(count, columns, 4));
+            let away = |i: usize, k: usize| -> f32 {
+                (0..columns).map(|j| (queries[(i, j)] - targets[(k, j)]).powi(2)).sum()
+            };
+            let first =
+                |i: usize| (0..count).fold(0, |best, k| if away(i, k) < away(i, best) { k } else { best });
+            let expected: Vec<u32> = (0..sources).map(|i| first(i) as u32).collect();
+            assert_eq!(nearest(queries.as_ref(), targets.as_ref()), expected, "{count} x {columns}");
+        }
+    }
 }

@@ -107,21 +107,110 @@ fn spread_embedding(basis: &Eigenbasis, pool: &[u32]) -> Vec<[f32; SPREAD_COORDI
         .collect()
 }
 
-fn farthest_points(points: &[[f32; SPREAD_COORDINATES]], count: usize) -> Vec<usize> {
-    let distance = |a: &[f32; SPREAD_COORDINATES], b: &[f32; SPREAD_COORDINATES]| {
-        a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum::<f32>()
-    };
-    // The first sample is the point farthest from the embedding's origin: a tip of the shape.
-    let origin = [0.0; SPREAD_COORDINATES];
-    let mut nearest: Vec<f32> = points.iter().map(|point| distance(point, &origin)).collect();
-    let mut chosen = Vec::with_capacity(count);
-    for round in 0..count {
-        let next = (0..points.len()).fold(0, |best, i| if nearest[i] > nearest[best] { i } else { best });
-        chosen.push(next);
-        for (point, nearest) in points.iter().zip(&mut nearest) {
-            let to_next = distance(point, &points[next]);
-            *nearest = if round == 0 { to_next } else { nearest.min(to_next) };
-        }
+type Point = [f32; SPREAD_COORDINATES];
+
+/// The points nearer to one chosen point than to any other.
+struct Cell {
+    centre: usize,
+    /// The other points of the cell with their distances from the centre.
+    members: Vec<(u32, f32)>,
+    /// Place in `members` of the farthest.
+    farthest: usize,
+}
+
+impl Cell {
+    fn new(centre: usize, members: Vec<(u32, f32)>) -> Cell {
+        let mut cell = Cell { centre, members, farthest: 0 };
+        cell.find_farthest();
+        cell
     }
-    chosen
+
+    fn find_farthest(&mut self) {
+        let farther = |best: usize, i: usize| {
+            // Of equals the first in the pool, whatever the order in the cell.
+            let ((a, own), (b, other)) = (self.members[i], self.members[best]);
+            if own > other || (own == other && a < b) { i } else { best }
+        };
+        self.farthest = (0..self.members.len()).fold(0, farther);
+    }
+
+    /// Its farthest point and that one's distance.
+    fn tip(&self) -> Option<(u32, f32)> {
+        self.members.get(self.farthest).copied()
+    }
+}
+
+/// Indices of `count` points, each the farthest from those before it.
+///
+/// A new point can only take points from a cell whose centre is nearer to it than twice the cell's radius (triangle
+/// inequality), so that most cells need not be looked at.
+fn farthest_points(points: &[Point], count: usize) -> Vec<usize> {
+    let distance = |a: usize, b: usize| squared(&points[a], &points[b]).sqrt();
+    // The first sample is the point farthest from the embedding's origin: a tip of the shape.
+    let radii: Vec<f32> = points.iter().map(|point| squared(point, &[0.0; SPREAD_COORDINATES])).collect();
+    let first = (0..points.len()).fold(0, |best, i| if radii[i] > radii[best] { i } else { best });
+    let others = (0..points.len()).filter(|&i| i != first);
+    let mut cells = vec![Cell::new(first, others.map(|i| (i as u32, distance(i, first))).collect())];
+    while cells.len() < count.min(points.len()) {
+        let tips = cells.iter().filter_map(Cell::tip);
+        let farther =
+            |a: (u32, f32), b: (u32, f32)| if b.1 > a.1 || (b.1 == a.1 && b.0 < a.0) { b } else { a };
+        let next = tips.reduce(farther).expect("a point that is not chosen").0 as usize;
+        let mut taken = Vec::new();
+        for cell in &mut cells {
+            let Some((_, radius)) = cell.tip() else { continue };
+            // The slack covers rounding: a cell too many does no harm.
+            if distance(next, cell.centre) > 2.001 * radius {
+                continue;
+            }
+            let before = cell.members.len();
+            cell.members.retain(|&(point, own)| {
+                let nearer = distance(point as usize, next);
+                let moves = nearer < own || point as usize == next;
+                if moves && point as usize != next {
+                    taken.push((point, nearer));
+                }
+                !moves
+            });
+            if cell.members.len() < before {
+                cell.find_farthest();
+            }
+        }
+        cells.push(Cell::new(next, taken));
+    }
+    cells.iter().map(|cell| cell.centre).collect()
+}
+
+fn squared(a: &Point, b: &Point) -> f32 {
+    a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_point_is_the_farthest_from_those_before_it() {
+        let mut random = 1u64;
+        let mut coordinate = || {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (random >> 40) as f32 / (1u64 << 24) as f32
+        };
+        let points: Vec<Point> = (0..500).map(|_| std::array::from_fn(|_| coordinate())).collect();
+        let chosen = farthest_points(&points, 60);
+        assert_eq!(chosen.len(), 60);
+        for count in 1..60 {
+            let nearest = |i: usize| {
+                chosen[..count]
+                    .iter()
+                    .map(|&c| squared(&points[i], &points[c]).sqrt())
+                    .fold(f32::MAX, f32::min)
+            };
+            let farthest = (0..points.len()).map(nearest).fold(0.0, f32::max);
+            assert_eq!(nearest(chosen[count]), farthest, "{count}");
+        }
+        let mut all = farthest_points(&points, 1000);
+        all.sort_unstable();
+        assert_eq!(all, (0..500).collect::<Vec<_>>());
+    }
 }

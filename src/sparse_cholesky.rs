@@ -19,9 +19,6 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Par, Side};
 use pulp::{Arch, Simd, WithSimd};
 
-/// Right-hand sides that are solved together: a few vector registers of each row.
-const LANES: usize = 16;
-
 /// The order of elimination and the structure of L: all that depends on the sparsity alone.
 pub struct Analysis {
     symbolic: SymbolicCholesky<u32>,
@@ -165,65 +162,79 @@ impl Factor<'_> {
     /// elimination ([`Analysis::order`]). O(entries of L x width).
     pub fn solve(&self, block: &mut [f64], width: usize) {
         assert!(block.len() == width * self.analysis.size());
-        // Columns are solved a few at a time in a block of their own: fewer cache lines than in the wide one.
-        let mut columns = vec![[0.0; LANES]; self.analysis.size()];
-        for first in (0..width).step_by(LANES) {
-            let taken = LANES.min(width - first);
-            for (narrow, wide) in columns.iter_mut().zip(block.chunks_exact(width)) {
-                narrow[..taken].copy_from_slice(&wide[first..first + taken]);
-            }
-            Arch::new().dispatch(Solve { factor: self, columns: &mut columns });
-            for (narrow, wide) in columns.iter().zip(block.chunks_exact_mut(width)) {
-                wide[first..first + taken].copy_from_slice(&narrow[..taken]);
-            }
-        }
+        Arch::new().dispatch(Solve { factor: self, block, width });
     }
 }
 
+/// Vector registers of right-hand sides that are solved together.
+const REGISTERS: usize = 4;
+
 /// One row of a few right-hand sides.
-type Row = [f64; LANES];
+type Row<S> = [<S as Simd>::f64s; REGISTERS];
 
 /// The solve as an operation that is compiled for each instruction set and chosen at run time.
 struct Solve<'a> {
     factor: &'a Factor<'a>,
-    columns: &'a mut [Row],
+    block: &'a mut [f64],
+    width: usize,
 }
 
 impl WithSimd for Solve<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let count = self.factor.analysis.supernode_count();
-        for index in 0..count {
-            forward::<S>(&self.factor.supernode(index), self.columns);
-        }
-        for index in (0..count).rev() {
-            backward::<S>(&self.factor.supernode(index), self.columns);
+    fn with_simd<S: Simd>(self, simd: S) {
+        let lanes = REGISTERS * S::F64_LANES;
+        // Columns are solved a few at a time in a block of their own: fewer cache lines than in the wide one.
+        let mut columns = vec![0.0; self.factor.analysis.size() * lanes];
+        for first in (0..self.width).step_by(lanes) {
+            let taken = first..self.width.min(first + lanes);
+            for (narrow, wide) in columns.chunks_exact_mut(lanes).zip(self.block.chunks_exact(self.width)) {
+                narrow[..taken.len()].copy_from_slice(&wide[taken.clone()]);
+            }
+            solve_columns(simd, self.factor, S::as_mut_simd_f64s(&mut columns).0.as_chunks_mut().0);
+            for (narrow, wide) in columns.chunks_exact(lanes).zip(self.block.chunks_exact_mut(self.width)) {
+                wide[taken.clone()].copy_from_slice(&narrow[..taken.len()]);
+            }
         }
     }
 }
 
 #[inline(always)]
-fn multiply_add<S: Simd>(sum: &mut Row, factor: f64, row: &Row) {
-    for lane in 0..LANES {
-        // Without the instruction, `mul_add` would be a slow function call.
-        sum[lane] =
-            if S::IS_SCALAR { sum[lane] + factor * row[lane] } else { factor.mul_add(row[lane], sum[lane]) };
+fn solve_columns<S: Simd>(simd: S, factor: &Factor, columns: &mut [Row<S>]) {
+    let count = factor.analysis.supernode_count();
+    for index in 0..count {
+        forward(simd, &factor.supernode(index), columns);
     }
+    for index in (0..count).rev() {
+        backward(simd, &factor.supernode(index), columns);
+    }
+}
+
+/// `sum += factor * row`.
+#[inline(always)]
+fn add_multiple<S: Simd>(simd: S, sum: &mut Row<S>, factor: f64, row: &Row<S>) {
+    for register in 0..REGISTERS {
+        sum[register] = simd.mul_add_e_f64s(simd.splat_f64s(factor), row[register], sum[register]);
+    }
+}
+
+#[inline(always)]
+fn scaled<S: Simd>(simd: S, row: Row<S>, factor: f64) -> Row<S> {
+    row.map(|value| simd.mul_f64s(value, simd.splat_f64s(factor)))
 }
 
 /// `L y = x` for the columns of a supernode, and their part of the rows below.
 #[inline(always)]
-fn forward<S: Simd>(node: &Supernode, x: &mut [Row]) {
+fn forward<S: Simd>(simd: S, node: &Supernode, x: &mut [Row<S>]) {
     let (square, rest) = node.panel.split_at(node.columns * node.columns);
     for (r, row) in square.chunks_exact(node.columns).enumerate() {
         let own = &mut x[node.start..node.start + r + 1];
         let (done, last) = own.split_at_mut(r);
         for (entry, value) in row.iter().zip(done.iter()) {
-            multiply_add::<S>(&mut last[0], *entry, value);
+            add_multiple(simd, &mut last[0], *entry, value);
         }
-        last[0] = last[0].map(|value| value * row[r]);
+        last[0] = scaled(simd, last[0], row[r]);
     }
     let mut pairs = rest.chunks_exact(2 * node.columns);
     for (rows, targets) in (&mut pairs).zip(node.below.chunks_exact(2)) {
@@ -231,8 +242,8 @@ fn forward<S: Simd>(node: &Supernode, x: &mut [Row]) {
         let (mut first, mut second) = (x[targets[0] as usize], x[targets[1] as usize]);
         let own = &x[node.start..node.start + node.columns];
         for ((a, b), value) in upper.iter().zip(lower).zip(own) {
-            multiply_add::<S>(&mut first, *a, value);
-            multiply_add::<S>(&mut second, *b, value);
+            add_multiple(simd, &mut first, *a, value);
+            add_multiple(simd, &mut second, *b, value);
         }
         x[targets[0] as usize] = first;
         x[targets[1] as usize] = second;
@@ -240,7 +251,7 @@ fn forward<S: Simd>(node: &Supernode, x: &mut [Row]) {
     if let (row @ [_, ..], Some(&target)) = (pairs.remainder(), node.below.last()) {
         let mut sum = x[target as usize];
         for (entry, value) in row.iter().zip(&x[node.start..]) {
-            multiply_add::<S>(&mut sum, *entry, value);
+            add_multiple(simd, &mut sum, *entry, value);
         }
         x[target as usize] = sum;
     }
@@ -248,7 +259,7 @@ fn forward<S: Simd>(node: &Supernode, x: &mut [Row]) {
 
 /// `L^T y = x` for the columns of a supernode, from the rows below, which are done.
 #[inline(always)]
-fn backward<S: Simd>(node: &Supernode, x: &mut [Row]) {
+fn backward<S: Simd>(simd: S, node: &Supernode, x: &mut [Row<S>]) {
     let (columns, start) = (node.columns, node.start);
     let (square, rest) = node.panel.split_at(columns * columns);
     for c in (0..columns).step_by(2) {
@@ -257,8 +268,8 @@ fn backward<S: Simd>(node: &Supernode, x: &mut [Row]) {
         let (mut first, mut second) = (x[start + c], x[start + other]);
         for (row, &target) in rest.chunks_exact(columns).zip(node.below) {
             let value = &x[target as usize];
-            multiply_add::<S>(&mut first, row[c], value);
-            multiply_add::<S>(&mut second, row[other], value);
+            add_multiple(simd, &mut first, row[c], value);
+            add_multiple(simd, &mut second, row[other], value);
         }
         x[start + c] = first;
         if other > c {
@@ -268,9 +279,9 @@ fn backward<S: Simd>(node: &Supernode, x: &mut [Row]) {
     for c in (0..columns).rev() {
         let (own, done) = x[start + c..start + columns].split_first_mut().expect("a column of the supernode");
         for (r, value) in done.iter().enumerate() {
-            multiply_add::<S>(own, square[(c + 1 + r) * columns + c], value);
+            add_multiple(simd, own, square[(c + 1 + r) * columns + c], value);
         }
-        *own = own.map(|value| value * square[c * columns + c]);
+        *own = scaled(simd, *own, square[c * columns + c]);
     }
 }
 
