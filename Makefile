@@ -51,4 +51,5 @@ include fuzz/fuzz.mk
 include python/python.mk
 include blender_addon/blender.mk
 include training/train.mk
+include benches/bench.mk
 include evaluation/evaluate.mk

@@ -47,7 +47,8 @@ pub struct Eigenbasis {
     pub eigenvalues: Vec<f64>,
     /// vertices x count; columns orthonormal in `lumped_mass`. The sign of a column has no meaning.
     pub eigenfunctions: Mat<f64>,
-    /// `|stiffness phi - eigenvalue mass phi|` in the norm of `mass^-1`, relative to `eigenvalue + 10`.
+    /// `|stiffness phi - eigenvalue mass phi|` in the norm of `mass^-1`, relative to `eigenvalue + 10`; empty for
+    /// [`Accuracy::Map`], which nobody asks.
     pub residuals: Vec<f64>,
 }
 
@@ -83,7 +84,9 @@ impl Eigenbasis {
         let eigenfunctions = Mat::from_fn(size, count, |i, j| pairs.vectors[i * pairs.width + j + 1]);
         let eigenvalues = pairs.values[1..=count].iter().map(|value| value.max(0.0)).collect();
         let mut basis = Eigenbasis { eigenvalues, eigenfunctions, residuals: Vec::new() };
-        basis.residuals = residuals(surface, &basis);
+        if accuracy == Accuracy::Full {
+            basis.residuals = residuals(surface, &basis);
+        }
         Ok(basis)
     }
 

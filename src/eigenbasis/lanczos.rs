@@ -13,6 +13,9 @@ use faer::{Mat, MatRef};
 /// Vectors of a Lanczos block: bounds the multiplicity that is found without rounding's help.
 pub const BLOCK: usize = 12;
 
+/// Relative residuals from which on fewer steps than twice the pairs may do.
+const ROUGH: f64 = 1e-2;
+
 /// The block Krylov basis and the projected operator, which grow step by step.
 struct Krylov {
     /// size x capacity; the first `filled` columns are orthonormal.
@@ -44,7 +47,9 @@ pub fn eigenpairs(
 }
 
 fn lanczos(operator: &ShiftInvert, count: usize, tolerance: f64, progress: &Progress) -> Result<RitzPairs> {
-    let first_check = (2 * count).div_ceil(BLOCK) + 2;
+    // A rough answer is there sooner.
+    let first_check =
+        if tolerance < ROUGH { (2 * count).div_ceil(BLOCK) + 2 } else { (3 * count / 2).div_ceil(BLOCK) };
     let steps = (operator.size() / BLOCK).min(first_check + 3 * count.div_ceil(BLOCK) + 12);
     let mut krylov = Krylov::new(operator.scale(), steps)?;
     let mut accepted = None;

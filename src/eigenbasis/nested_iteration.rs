@@ -21,6 +21,8 @@ use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
+/// Columns that are filtered at once, few enough to stay in the cache; widths are multiples of it.
+const PANEL: usize = 16;
 /// Vertices for each eigenpair from which a coarser operator is made.
 const VERTICES_PER_PAIR: usize = 40;
 /// Coarse vertices for each eigenpair that are enough for a start; a vertex with very many neighbours may leave fewer.
@@ -47,7 +49,7 @@ pub fn eigenpairs(
     progress: &Progress,
 ) -> Result<RitzPairs> {
     // A margin beyond the wanted pairs: what is farther off is damped by their ratio in each inverse iteration.
-    let width = (count + count / 4).next_multiple_of(16);
+    let width = (count + count / 4).next_multiple_of(PANEL);
     if pays(mass.len(), width) {
         corrected(stiffness, mass, width, FINEST_DEGREE, progress)
     } else {
@@ -101,9 +103,6 @@ fn prolonged(coarse: &Coarsening, start: &RitzPairs, operator: &ShiftInvert) -> 
 }
 
 /// Damps what lies beyond the block's eigenpairs, then one inverse iteration, then the Ritz pairs.
-///
-/// The filter is the Chebyshev polynomial of `degree` of B on `[0, 1 / (last eigenvalue + shift)]`: Y. Saad, "Chebyshev
-/// Acceleration Techniques for Solving Nonsymmetric Eigenvalue Problems", 1984.
 fn improve(
     operator: &ShiftInvert,
     mut block: Vec<f64>,
@@ -111,25 +110,20 @@ fn improve(
     degree: usize,
     progress: &Progress,
 ) -> Result<RitzPairs> {
-    let mut image = block.clone();
-    operator.apply(&mut image, width);
-    if degree > 0 {
-        let last = last_rayleigh_quotient(&block, &image, width);
-        // T_1(x) = 2 last B x - x, then T_{i+1} = 2 (2 last B - 1) T_i - T_{i-1}.
-        let mut before = block;
-        block = before.iter().zip(&image).map(|(x, image)| 2.0 * last * image - x).collect();
-        for _ in 1..degree {
-            progress.check()?;
-            image.copy_from_slice(&block);
-            operator.apply(&mut image, width);
-            for ((older, own), image) in before.iter_mut().zip(&block).zip(&image) {
-                *older = 4.0 * last * image - 2.0 * own - *older;
-            }
-            std::mem::swap(&mut before, &mut block);
-        }
+    let mut image = vec![0.0; block.len()];
+    let mut bound = 0.0;
+    // From the last panel to the first: the last holds the bound of the filter's interval.
+    for first in (0..width).step_by(PANEL).rev() {
         progress.check()?;
-        image.copy_from_slice(&block);
-        operator.apply(&mut image, width);
+        let panel = panel_of(&block, width, first);
+        if first + PANEL >= width && degree > 0 {
+            let mut image = panel.clone();
+            operator.apply(&mut image, PANEL);
+            bound = largest_rayleigh_quotient(&panel, &image);
+        }
+        let (filtered, inverse) = filtered(operator, panel, degree, bound);
+        put_panel(&mut block, width, first, &filtered);
+        put_panel(&mut image, width, first, &inverse);
     }
     let (x, y) = (rows(&block, width), rows(&image, width));
     // For y = B x: y^T B^-1 y = y^T x.
@@ -148,16 +142,52 @@ fn improve(
     Ok(RitzPairs { values: values.iter().map(|value| value - operator.shift).collect(), vectors, width })
 }
 
-/// Of B^-1, for the largest of the columns: `x^T y / y^T y` with `y = B x`.
-fn last_rayleigh_quotient(block: &[f64], image: &[f64], width: usize) -> f64 {
-    let (mut products, mut squares) = (vec![0.0; width], vec![0.0; width]);
-    for (x, y) in block.chunks_exact(width).zip(image.chunks_exact(width)) {
-        for j in 0..width {
+/// `T(B) x` and `B T(B) x` of a panel x, with the Chebyshev polynomial T of `degree` on `[0, 1 / bound]`: Y. Saad,
+/// "Chebyshev Acceleration Techniques for Solving Nonsymmetric Eigenvalue Problems", 1984.
+fn filtered(operator: &ShiftInvert, panel: Vec<f64>, degree: usize, bound: f64) -> (Vec<f64>, Vec<f64>) {
+    let (mut before, mut own) = (Vec::new(), panel);
+    let mut image = own.clone();
+    operator.apply(&mut image, PANEL);
+    for step in 0..degree {
+        if step == 0 {
+            before = own.iter().zip(&image).map(|(x, image)| 2.0 * bound * image - x).collect();
+        } else {
+            for ((older, own), image) in before.iter_mut().zip(&own).zip(&image) {
+                *older = 4.0 * bound * image - 2.0 * own - *older;
+            }
+        }
+        std::mem::swap(&mut before, &mut own);
+        image.copy_from_slice(&own);
+        operator.apply(&mut image, PANEL);
+    }
+    (own, image)
+}
+
+/// Of B^-1: the largest of the columns' `x^T y / y^T y` with `y = B x`.
+fn largest_rayleigh_quotient(panel: &[f64], image: &[f64]) -> f64 {
+    let (mut products, mut squares) = ([0.0; PANEL], [0.0; PANEL]);
+    for (x, y) in panel.as_chunks::<PANEL>().0.iter().zip(image.as_chunks::<PANEL>().0) {
+        for j in 0..PANEL {
             products[j] += x[j] * y[j];
             squares[j] += y[j] * y[j];
         }
     }
     products.iter().zip(&squares).map(|(product, square)| product / square).fold(0.0, f64::max)
+}
+
+/// Columns `first..first + PANEL` of a block.
+fn panel_of(block: &[f64], width: usize, first: usize) -> Vec<f64> {
+    let mut panel = Vec::with_capacity(block.len() / width * PANEL);
+    for row in block.chunks_exact(width) {
+        panel.extend_from_slice(&row[first..first + PANEL]);
+    }
+    panel
+}
+
+fn put_panel(block: &mut [f64], width: usize, first: usize, panel: &[f64]) {
+    for (row, values) in block.chunks_exact_mut(width).zip(panel.as_chunks::<PANEL>().0) {
+        row[first..first + PANEL].copy_from_slice(values);
+    }
 }
 
 fn rows(block: &[f64], width: usize) -> MatRef<'_, f64> {

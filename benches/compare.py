@@ -1,0 +1,194 @@
+"""Seconds and memory of the pipeline by mesh size, beside SciPy's eigenvalue solver on the same meshes.
+
+    make bench                                  # builds, runs this, writes benches/results/DATE
+    python benches/compare.py --out FOLDER 10 35 71
+
+Each number f is a generated mesh of 10 f^2 + 2 vertices (`benches/stages.rs`). For each, one process runs the whole
+pipeline a few times; then one process for each peer computes what pyFM and robust_laplacian users compute:
+
+- `scipy eigsh`: cotangent stiffness and lumped mass, 50 eigenpairs by shift-invert at -0.01 (pyFM's call);
+- `robust_laplacian + eigsh`: its Laplacian, 50 eigenpairs by shift-invert at 1e-8 (its README's call).
+
+FOLDER/runs.json keeps all raw seconds; FOLDER/table.md and FOLDER/speed.png are made from it. One thread each.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import platform
+import resource
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+EIGENPAIRS = 50
+# Above so many vertices everything runs once.
+LARGE = 100_000
+
+
+def cotangent_laplacian(vertices: np.ndarray, faces: np.ndarray):
+    """Stiffness and lumped mass, both sparse."""
+    from scipy.sparse import coo_matrix, diags
+
+    count = len(vertices)
+    stiffness = coo_matrix((count, count))
+    areas = np.linalg.norm(np.cross(*(vertices[faces[:, c]] - vertices[faces[:, 0]] for c in (1, 2))), axis=1) / 2
+    for corner in range(3):
+        i, j, k = (faces[:, (corner + step) % 3] for step in range(3))
+        cotangent = np.einsum("ij,ij->i", vertices[j] - vertices[i], vertices[k] - vertices[i]) / (2 * areas)
+        half = coo_matrix((cotangent / 2, (j, k)), shape=(count, count))
+        stiffness = stiffness - half - half.T
+    stiffness = (stiffness - diags(np.asarray(stiffness.sum(axis=1)).ravel())).tocsc()
+    mass = np.bincount(faces.ravel(), np.repeat(areas / 3, 3), count)
+    return stiffness, diags(mass).tocsc()
+
+
+def peer(name: str, prefix: str, repeats: int) -> None:
+    """Runs one peer in this process and prints its seconds and peak memory."""
+    from scipy.sparse.linalg import eigsh
+
+    vertices = np.fromfile(prefix + ".positions").reshape(-1, 3)
+    faces = np.fromfile(prefix + ".triangles", np.uint32).reshape(-1, 3).astype(int)
+    runs = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        if name == "scipy eigsh":
+            stiffness, mass = cotangent_laplacian(vertices, faces)
+            shift = -0.01
+        else:
+            import robust_laplacian
+
+            stiffness, mass = robust_laplacian.mesh_laplacian(vertices, faces)
+            shift = 1e-8
+        middle = time.perf_counter()
+        values, _ = eigsh(stiffness, EIGENPAIRS, mass, sigma=shift)
+        runs.append({"laplacian": middle - start, "eigenpairs": time.perf_counter() - middle})
+    peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    print(json.dumps({"runs": runs, "peak_memory_bytes": peak, "first_eigenvalues": sorted(values)[1:4]}))
+
+
+PEERS = ["scipy eigsh", "robust_laplacian + eigsh"]
+
+
+def output(command: list) -> dict:
+    """The JSON that a command prints."""
+    return json.loads(subprocess.run([str(part) for part in command], check=True, stdout=subprocess.PIPE).stdout)
+
+
+def measure(program: Path, frequency: int) -> dict:
+    """All runs on one mesh."""
+    repeats = 1 if 10 * frequency**2 > LARGE else 5
+    with tempfile.TemporaryDirectory() as folder:
+        prefix = f"{folder}/mesh"
+        own = output([program, frequency, "--repeats", repeats, "--write", prefix])
+        peers = {name: output([sys.executable, __file__, "--peer", name, prefix, repeats]) for name in PEERS}
+    return {"vertices": own["vertices"], "intrinsym": own, "peers": peers, "load": os.getloadavg()[0]}
+
+
+def stages(entry: dict) -> dict[str, float]:
+    """Median seconds of each stage of the pipeline."""
+    runs = [dict(run["seconds"]) for run in entry["intrinsym"]["runs"]]
+    return {stage: statistics.median(run.get(stage, 0.0) for run in runs) for stage in runs[0]}
+
+
+def total(entry: dict) -> float:
+    return statistics.median(sum(seconds for _, seconds in run["seconds"]) for run in entry["intrinsym"]["runs"])
+
+
+def peer_total(entry: dict, name: str) -> float:
+    return statistics.median(sum(run.values()) for run in entry["peers"][name]["runs"])
+
+
+def exponent(sizes: list[int], seconds: list[float]) -> float:
+    """Slope of the least-squares line in log-log."""
+    return float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0])
+
+
+def table(entries: list[dict]) -> str:
+    """Markdown: milliseconds by stage and size, then the comparison."""
+    sizes = [entry["vertices"] for entry in entries]
+    header = "| | " + " | ".join(f"{size:,}" for size in sizes) + " | growth |"
+    lines = [header, "|---" * (len(sizes) + 2) + "|"]
+
+    def row(name: str, seconds: list[float]) -> None:
+        growth = f"N^{exponent(sizes[1:], seconds[1:]):.2f}" if len(sizes) > 2 else ""
+        cells = " | ".join(f"{1e3 * value:,.1f}" if value < 0.1 else f"{1e3 * value:,.0f}" for value in seconds)
+        lines.append(f"| {name} | {cells} | {growth} |")
+
+    for stage in stages(entries[0]):
+        row(stage, [stages(entry)[stage] for entry in entries])
+    row("**all**", [total(entry) for entry in entries])
+    for name in PEERS:
+        row(name, [peer_total(entry, name) for entry in entries])
+    ratios = [peer_total(entry, PEERS[0]) / (stages(entry)["laplacian"] + stages(entry)["eigenfunctions"]) for entry in entries]
+    lines.append("| times slower than our Laplacian and eigenfunctions | " + " | ".join(f"{r:.1f}" for r in ratios) + " | |")
+    ratios = [peer_total(entry, PEERS[0]) / total(entry) for entry in entries]
+    lines.append("| times slower than our whole pipeline | " + " | ".join(f"{r:.1f}" for r in ratios) + " | |")
+    for name, memory in [("intrinsym", [e["intrinsym"] for e in entries]), *((n, [e["peers"][n] for e in entries]) for n in PEERS)]:
+        cells = " | ".join(f"{m['peak_memory_bytes'] / 1e6:,.0f}" for m in memory)
+        lines.append(f"| peak memory, MB: {name} | {cells} | |")
+    return "\n".join(lines) + "\n"
+
+
+def plot(entries: list[dict], path: Path) -> None:
+    """Seconds over vertices, both logarithmic."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    sizes = [entry["vertices"] for entry in entries]
+    curves = {"intrinsym, whole pipeline": [total(entry) for entry in entries]}
+    curves["intrinsym, Laplacian and eigenfunctions"] = [
+        stages(entry)["laplacian"] + stages(entry)["eigenfunctions"] for entry in entries
+    ]
+    curves |= {name + ", eigenfunctions alone": [peer_total(entry, name) for entry in entries] for name in PEERS}
+    figure, axes = pyplot.subplots(figsize=(7, 4.5))
+    for name, seconds in curves.items():
+        axes.loglog(sizes, seconds, marker="o", label=f"{name} (N^{exponent(sizes[1:], seconds[1:]):.2f})")
+    axes.set(xlabel="vertices", ylabel="seconds, one thread")
+    axes.grid(alpha=0.3, which="both")
+    axes.legend(fontsize=8)
+    figure.tight_layout()
+    figure.savefig(path, dpi=110)
+
+
+def newest_program() -> Path:
+    """The bench executable that was built last."""
+    folder = Path(os.environ.get("CARGO_TARGET_DIR", "target")) / "release" / "deps"
+    built = [path for path in folder.glob("stages-*") if path.suffix == ""]
+    return max(built, key=lambda path: path.stat().st_mtime)
+
+
+def main() -> None:
+    """Command line entry."""
+    if sys.argv[1:2] == ["--peer"]:
+        return peer(sys.argv[2], sys.argv[3], int(sys.argv[4]))
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("frequencies", type=int, nargs="+")
+    parser.add_argument("--program", type=Path, help="the bench executable; default: the one built last")
+    parser.add_argument("--out", type=Path, required=True)
+    arguments = parser.parse_args()
+    program = arguments.program or newest_program()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    entries = []
+    for frequency in arguments.frequencies:
+        entries.append(measure(program, frequency))
+        print(f"{entries[-1]['vertices']:,} vertices: {total(entries[-1]):.3f} s", file=sys.stderr)
+    machine = {"machine": platform.machine(), "processors": os.cpu_count(), "python": platform.python_version()}
+    (arguments.out / "runs.json").write_text(json.dumps({"machine": machine, "entries": entries}, indent=1) + "\n")
+    (arguments.out / "table.md").write_text(table(entries))
+    if len(entries) > 2:
+        plot(entries, arguments.out / "speed.png")
+    print(table(entries))
+
+
+if __name__ == "__main__":
+    main()
