@@ -13,7 +13,7 @@ use faer::{Mat, MatRef};
 /// Vectors of a Lanczos block: bounds the multiplicity that is found without rounding's help.
 pub const BLOCK: usize = 12;
 
-/// Relative residuals from which on fewer steps than twice the pairs may do.
+/// Tolerances from which on a start for other methods is wanted rather than an answer.
 const ROUGH: f64 = 1e-2;
 
 /// The block Krylov basis and the projected operator, which grow step by step.
@@ -47,10 +47,11 @@ pub fn eigenpairs(
 }
 
 fn lanczos(operator: &ShiftInvert, count: usize, tolerance: f64, progress: &Progress) -> Result<RitzPairs> {
-    // A rough answer is there sooner.
-    let first_check =
-        if tolerance < ROUGH { (2 * count).div_ceil(BLOCK) + 2 } else { (3 * count / 2).div_ceil(BLOCK) };
-    let steps = (operator.size() / BLOCK).min(first_check + 3 * count.div_ceil(BLOCK) + 12);
+    let rough = tolerance >= ROUGH;
+    let first_check = (if rough { 3 * count / 2 } else { 2 * count }).div_ceil(BLOCK) + 2;
+    // A rough answer is not worth a second look: the dense eigenvalue problem costs more than the steps.
+    let more = if rough { 1 } else { 3 * count.div_ceil(BLOCK) + 12 };
+    let steps = (operator.size() / BLOCK).min(first_check + more - 1);
     let mut krylov = Krylov::new(operator.scale(), steps)?;
     let mut accepted = None;
     for step in 0..steps {

@@ -24,9 +24,9 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 /// Columns that are filtered at once, few enough to stay in the cache; widths are multiples of it.
 const PANEL: usize = 16;
 /// Vertices for each eigenpair from which a coarser operator is made.
-const VERTICES_PER_PAIR: usize = 40;
+const VERTICES_PER_PAIR: usize = 20;
 /// Coarse vertices for each eigenpair that are enough for a start; a vertex with very many neighbours may leave fewer.
-const LEAST_PER_PAIR: usize = 4;
+const LEAST_PER_PAIR: usize = 2;
 /// Relative residual where there is no coarse start.
 const LONE_TOLERANCE: f64 = 1e-5;
 /// Shift for each pair: a tenth of the last eigenvalue, which Weyl's law puts near `4 pi width`. With less, the filter
