@@ -3,7 +3,8 @@
     python -m evaluation.confidence SYMMETRIC [--evidence target/release/examples/evidence] [--keep FOLDER]
 
 SYMMETRIC is a folder of `training.generate`. The example program `evidence` says of every vertex what the confidence is made
-of; 300 vertices of each shape are compared with the truth. Maps of a plausibility below 33 % are left out (`--answers`
+of; 300 vertices of each shape are compared with the truth. A vertex whose true partner is missing is wrong, whatever its
+partner. Maps of a plausibility below 33 % are left out (`--answers`
 names the folder that `evaluation.acceptance --keep` filled), as are shapes without a map. Prints the weights beside those
 in the source, the calibration, and the same in four-fold cross-validation by shape.
 """
@@ -18,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from . import logistic
-from .generated import Shape, read_shapes
+from .generated import MEASURED, Shape, read_shapes
 from .program import read_answer
 
 SOURCE = Path(__file__).parent.parent / "src" / "confidence.rs"
@@ -26,22 +27,20 @@ SOURCE = Path(__file__).parent.parent / "src" / "confidence.rs"
 RIGHT = 0.05
 # Maps that are less plausible are not asked for their confidence.
 PLAUSIBLE = 0.33
-# In the order of WEIGHTS in the source: what the model takes of the evidence of vertices.
-FEATURES = {
-    "ln(round_trip + 0.002)": lambda rows, margin: np.log(rows["round_trip"] + 0.002),
-    "ln(signature_mismatch + 0.02)": lambda rows, margin: np.log(rows["signature_mismatch"] + 0.02),
-    "margin": lambda rows, margin: np.full(len(rows), margin),
-}
-COLUMNS = [("vertex", int), ("partner", int), ("round_trip", float), ("signature_mismatch", float)]
+# The columns of `Evidence::features` in the source, in the order of WEIGHTS.
+FEATURES = (
+    "ln(round trip + 0.002)",
+    "its square",
+    "margin",
+    "ln(mean signature mismatch + 0.002)",
+)
 BATCH = 20
 
 
-def read_evidence(path: Path) -> tuple[np.ndarray, float] | None:
-    """Rows of `COLUMNS` and the map's margin; None if there was no map."""
-    head, _, body = path.read_text().partition("\n")
-    if not head:
-        return None
-    return np.loadtxt(body.splitlines(), dtype=COLUMNS, ndmin=1), float(head.split()[1])
+def read_evidence(path: Path) -> np.ndarray | None:
+    """Rows of vertex, partner and `FEATURES`; None if there was no map."""
+    text = path.read_text()
+    return np.loadtxt(text.splitlines(), ndmin=2) if text else None
 
 
 def gather(program: str, shapes: list[Shape], folder: Path) -> None:
@@ -53,20 +52,17 @@ def gather(program: str, shapes: list[Shape], folder: Path) -> None:
 
 
 def table_of(shape: Shape, folder: Path) -> tuple[np.ndarray, np.ndarray] | None:
-    """Features (n, columns) of the measured vertices, and whether each partner is right; None without a map."""
-    evidence = read_evidence(folder / f"{shape.name}.evidence")
-    if evidence is None:
+    """Features (n, columns) of some vertices, and whether each partner is right; None without a map."""
+    rows = read_evidence(folder / f"{shape.name}.evidence")
+    if rows is None:
         return None
-    rows, margin = evidence
-    row_of = np.full(len(shape.mirror), -1)
-    row_of[rows["vertex"]] = np.arange(len(rows))
-    vertices = shape.measured()
-    vertices = vertices[row_of[vertices] >= 0]
-    partners = np.full(len(shape.mirror), -1)
-    partners[rows["vertex"]] = rows["partner"]
-    chosen = rows[row_of[vertices]]
-    features = np.stack([measure(chosen, margin) for measure in FEATURES.values()], axis=1)
-    return features, shape.errors_at(vertices, partners) <= RIGHT
+    own, partner = rows[:, 0].astype(int), rows[:, 1].astype(int)
+    row_of, partners = np.full((2, len(shape.mirror)), -1)
+    row_of[own], partners[own] = np.arange(len(rows)), partner
+    vertices = np.sort(np.random.default_rng(0).permutation(own)[:MEASURED])
+    right = shape.mirror[vertices] >= 0
+    right[right] = shape.errors_at(vertices[right], partners) <= RIGHT
+    return rows[row_of[vertices], 2:], right
 
 
 def report(stated: np.ndarray, right: np.ndarray) -> str:

@@ -1,10 +1,10 @@
 //! What confidence is made of, for fitting it: `evaluation/confidence.py` runs this.
 //!
-//! `cargo run --release --example evidence FOLDER MESH...` writes FOLDER/NAME.evidence for each mesh: `margin NUMBER`,
-//! then for every vertex of the largest shell `vertex partner round_trip signature_mismatch`. The best map of the
-//! spectral search is used, accepted or not, and whatever the connectivity says.
+//! `cargo run --release --example evidence FOLDER MESH...` writes FOLDER/NAME.evidence for each mesh: for every
+//! vertex of the largest shell `vertex partner` and the columns of `Evidence::features`. The best map of the spectral
+//! search is used, accepted or not, and whatever the connectivity says.
 
-use intrinsym::confidence::round_trips;
+use intrinsym::confidence::Evidence;
 use intrinsym::full_refinement::MatchTarget;
 use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::limits::Limits;
@@ -38,12 +38,15 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let Some(candidate) = found.first() else { return Ok(String::new()) };
     let map = finish(&shell, candidate, &progress)?;
     let target = MatchTarget::new(&shell.surface, &shell.basis);
-    let round_trips = round_trips(&target, map.map.nrows(), &map.images);
+    let evidence = Evidence::new(&target, &map);
     let vertex = |local: u32| mesh.vertex_of_point[points[local as usize] as usize];
-    let mut text = format!("margin {}\n", map.margin);
+    let mut text = String::new();
     for (local, partner) in map.images.partners.iter().enumerate() {
-        let (own, partner) = (vertex(local as u32), vertex(*partner));
-        writeln!(text, "{own} {partner} {} {}", round_trips[local], map.mismatch[local]).expect("memory");
+        write!(text, "{} {}", vertex(local as u32), vertex(*partner)).expect("memory");
+        for feature in evidence.features(local) {
+            write!(text, " {feature}").expect("memory");
+        }
+        text.push('\n');
     }
     Ok(text)
 }

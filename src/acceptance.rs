@@ -6,7 +6,7 @@
 use crate::candidate_score::Score;
 
 /// Weights of the logistic model: constant, ln(signature mismatch), isometry score.
-const WEIGHTS: [f64; 3] = [-12.071, -4.046, -2.376];
+const WEIGHTS: [f64; 3] = [-13.873, -4.776, -2.705];
 /// Added before the logarithm.
 const FLOOR: f64 = 0.002;
 

@@ -1,71 +1,90 @@
 //! Confidence: the probability that a partner lies within 0.05 sqrt(area) of the true mirror image.
 //!
-//! A logistic model of what can be seen without the truth: how far the vertex is from the image of its image,
-//! how far its heat kernel signature is from its image's, and how clearly the whole map beats the next
-//! distinct one. The weights are fitted on generated shapes with known truth (`docs/method.md`).
+//! A logistic model of what can be seen without the truth: how far the vertices around are from the images of
+//! their images, how clearly the whole map beats the next distinct one, and how far the heat kernel signatures
+//! of partners differ on the whole. The weights are fitted on generated shapes with known truth (`docs/method.md`).
 
-use crate::eigenbasis::Eigenbasis;
-use crate::full_refinement::{MatchTarget, TrianglePoint, VertexImages};
+use crate::acceptance::Judgement;
+use crate::full_refinement::MatchTarget;
 use crate::laplacian::IntrinsicSurface;
+use crate::mesh_descent::VertexRows;
+use crate::shell_symmetry::ShellSymmetry;
 
-/// Weights of the logistic model: constant, ln(round trip), ln(signature mismatch), margin.
-const WEIGHTS: [f64; 4] = [-1.8365, -0.1986, -0.3476, 1.1833];
-/// Added before each of the logarithms.
-const FLOORS: [f64; 2] = [0.002, 0.02];
+/// Weights of the logistic model: constant, then those of [`Evidence::features`].
+const WEIGHTS: [f64; 5] = [-19.4656, -7.2554, -0.7361, 0.9095, -1.3079];
+/// Rounds of averaging over neighbours: a vertex is judged by its surroundings.
+const SMOOTHING_ROUNDS: usize = 3;
 
-/// Confidence of every vertex, 0..=1, from its [`round_trips`] and its [`crate::signature::mismatch`], for a
-/// map that beats the next one by `margin` (0..=2).
-pub fn confidence(round_trips: &[f64], mismatch: &[f64], margin: f64) -> Vec<f32> {
-    let of_vertex = |(round_trip, mismatch): (&f64, &f64)| {
-        let local = WEIGHTS[1] * (round_trip + FLOORS[0]).ln() + WEIGHTS[2] * (mismatch + FLOORS[1]).ln();
-        (1.0 / (1.0 + (-(WEIGHTS[0] + local + WEIGHTS[3] * margin)).exp())) as f32
-    };
-    round_trips.iter().zip(mismatch).map(of_vertex).collect()
+/// What is seen of a finished map without the truth.
+pub struct Evidence {
+    /// Distance of each vertex from the image of its image, about in sqrt(area).
+    pub round_trip: Vec<f64>,
+    /// How clearly the whole map beats the next distinct one, 0..=2.
+    pub margin: f64,
+    /// What the whole map was judged by.
+    pub judged: Judgement,
 }
 
-/// Distance of every vertex from the image of its image in the embedding of the first `size` eigenfunctions, about
-/// in sqrt(area), for a shell that is mapped onto itself. O(vertices x size).
-pub fn round_trips(target: &MatchTarget, size: usize, images: &VertexImages) -> Vec<f64> {
-    let stretch = embedding_stretch(target.surface, target.basis, size);
-    let functions = target.basis.eigenfunctions.as_ref();
-    let round_trip = |vertex: usize| {
-        let there = images.points[vertex];
-        let corners = target.surface.triangles[there.triangle as usize];
-        let mut squared = 0.0;
-        for j in 0..size {
-            let back: f64 = (0..3)
-                .map(|c| {
-                    f64::from(there.barycentric[c]) * value(target, &images.points[corners[c] as usize], j)
-                })
-                .sum();
-            squared += (back - functions[(vertex, j)]).powi(2);
+impl Evidence {
+    /// Gathers the evidence of a shell's map onto itself. O(vertices x eigenfunctions).
+    pub fn new(target: &MatchTarget, found: &ShellSymmetry) -> Evidence {
+        let rows = target.rows(found.map.nrows());
+        let images = target.rows_at(&rows, &found.images.points);
+        let back = target.rows_at(&images, &found.images.points);
+        let scale = embedding_scale(target.surface, &rows);
+        Evidence {
+            round_trip: smoothed(target.surface, round_trips(&rows, &back, &scale)),
+            margin: found.margin,
+            judged: found.judged,
         }
-        squared.sqrt() / stretch[vertex]
-    };
-    (0..images.points.len()).map(round_trip).collect()
+    }
+
+    /// The columns of the logistic model at a vertex.
+    pub fn features(&self, vertex: usize) -> [f64; WEIGHTS.len() - 1] {
+        let round_trip = (self.round_trip[vertex] + 0.002).ln();
+        let signature_mismatch = (self.judged.signature_mismatch + 0.002).ln();
+        [round_trip, round_trip * round_trip, self.margin, signature_mismatch]
+    }
+
+    /// Confidence of every vertex, 0..=1.
+    pub fn confidence(&self) -> Vec<f32> {
+        let of_vertex = |vertex: usize| {
+            let terms = self.features(vertex).into_iter().zip(&WEIGHTS[1..]);
+            let logit = WEIGHTS[0] + terms.map(|(feature, weight)| feature * weight).sum::<f64>();
+            (1.0 / (1.0 + (-logit).exp())) as f32
+        };
+        (0..self.round_trip.len()).map(of_vertex).collect()
+    }
 }
 
-fn value(target: &MatchTarget, point: &TrianglePoint, function: usize) -> f64 {
-    let column = target.basis.eigenfunctions.col_as_slice(function);
-    let corners = target.surface.triangles[point.triangle as usize];
-    (0..3).map(|c| f64::from(point.barycentric[c]) * column[corners[c] as usize]).sum()
+/// Averages over the neighbours.
+fn smoothed(surface: &IntrinsicSurface, mut values: Vec<f64>) -> Vec<f64> {
+    for _ in 0..SMOOTHING_ROUNDS {
+        let mean = |vertex: usize| {
+            let around = surface.stiffness.neighbours(vertex);
+            around.iter().map(|&next| values[next as usize]).sum::<f64>() / around.len() as f64
+        };
+        values = (0..values.len()).map(mean).collect();
+    }
+    values
+}
+
+/// Distance of every vertex from the image of its image, `back`, about in sqrt(area).
+fn round_trips(rows: &VertexRows, back: &VertexRows, scale: &[f64]) -> Vec<f64> {
+    let distance = |vertex: usize| f64::from(rows.distance(vertex, back, vertex)).sqrt() / scale[vertex];
+    (0..scale.len()).map(distance).collect()
 }
 
 /// Embedding distance per unit of surface distance around each vertex, from its triangles' edges.
-fn embedding_stretch(surface: &IntrinsicSurface, basis: &Eigenbasis, size: usize) -> Vec<f64> {
+fn embedding_scale(surface: &IntrinsicSurface, rows: &VertexRows) -> Vec<f64> {
     let count = surface.vertex_count();
     let (mut embedded, mut real) = (vec![0.0; count], vec![0.0; count]);
     for (triangle, lengths) in surface.triangles.iter().zip(&surface.edge_lengths) {
         for corner in 0..3 {
             let (a, b) = (triangle[(corner + 1) % 3] as usize, triangle[(corner + 2) % 3] as usize);
-            let squared: f64 = (0..size)
-                .map(|j| {
-                    let column = basis.eigenfunctions.col_as_slice(j);
-                    (column[a] - column[b]).powi(2)
-                })
-                .sum();
+            let distance = f64::from(rows.distance(a, rows, b)).sqrt();
             for vertex in [a, b] {
-                embedded[vertex] += squared.sqrt();
+                embedded[vertex] += distance;
                 real[vertex] += lengths[corner];
             }
         }

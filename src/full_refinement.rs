@@ -4,14 +4,15 @@
 //! the embedded mesh does not (D. Ezuz, M. Ben-Chen, "Deblurring and Denoising of Maps between
 //! Shapes", 2017, section 4.2). All vertices with their masses replace the samples of `refinement`.
 
-use crate::dense::product;
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::functional_map::{Projection, project};
 use crate::laplacian::IntrinsicSurface;
 use crate::mesh_descent::{MeshDescent, VertexRows};
 use crate::progress::Progress;
-use faer::{Mat, MatRef};
+use crate::refinement::embed;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par};
 use std::collections::HashMap;
 
 /// Weight of the mean curvature beside the eigenfunctions, whose squares have mean 1 each (`docs/method.md`).
@@ -32,6 +33,8 @@ pub struct MatchTarget<'a> {
     pub surface: &'a IntrinsicSurface,
     /// Its eigenbasis.
     pub basis: &'a Eigenbasis,
+    /// The eigenfunctions in single precision, which matching needs no more than.
+    functions: Mat<f32>,
     triangle_offsets: Vec<u32>,
     triangles_of_vertex: Vec<u32>,
 }
@@ -66,7 +69,7 @@ impl VertexImages {
 }
 
 impl<'a> MatchTarget<'a> {
-    /// O(triangles).
+    /// O(triangles + vertices x eigenfunctions).
     pub fn new(surface: &'a IntrinsicSurface, basis: &'a Eigenbasis) -> Self {
         let mut triangle_offsets = vec![0u32; surface.vertex_count() + 1];
         for vertex in surface.triangles.iter().flatten() {
@@ -83,7 +86,9 @@ impl<'a> MatchTarget<'a> {
                 next[vertex as usize] += 1;
             }
         }
-        MatchTarget { surface, basis, triangle_offsets, triangles_of_vertex }
+        let exact = &basis.eigenfunctions;
+        let functions = Mat::from_fn(exact.nrows(), exact.ncols(), |i, j| exact[(i, j)] as f32);
+        MatchTarget { surface, basis, functions, triangle_offsets, triangles_of_vertex }
     }
 
     fn triangles_of(&self, vertex: u32) -> &[u32] {
@@ -95,30 +100,53 @@ impl<'a> MatchTarget<'a> {
     ///
     /// `seeds` are pairs (source vertex, target vertex) near the truth, at least one per connected part.
     pub fn images(&self, source: &MatchTarget, map: &Mat<f64>, seeds: &[(u32, u32)]) -> VertexImages {
-        let functions = source.basis.eigenfunctions.subcols(0, map.nrows());
-        let mapped = product(functions, map.as_ref());
-        // Between two shells their places decide; on one shell its shape helps.
-        let own = std::ptr::eq(source.surface, self.surface);
-        let curvature: &[Vec<f64>] = if own { &self.surface.mean_curvature } else { &[] };
+        self.images_by(source, map, seeds, &[])
+    }
+
+    /// The same by eigenfunctions and the columns of `curvature`, which source and target share.
+    fn images_by(
+        &self,
+        source: &MatchTarget,
+        map: &Mat<f64>,
+        seeds: &[(u32, u32)],
+        curvature: &[Vec<f64>],
+    ) -> VertexImages {
+        let mapped = embed(source.functions.subcols(0, map.nrows()), map);
         let rows =
-            |functions: MatRef<f64>| VertexRows::new(functions, map.ncols(), curvature, CURVATURE_WEIGHT);
+            |functions: MatRef<f32>| VertexRows::new(functions, map.ncols(), curvature, CURVATURE_WEIGHT);
         let queries = rows(mapped.as_ref());
-        let targets = rows(self.basis.eigenfunctions.as_ref());
+        let targets = rows(self.functions.as_ref());
         let descent = MeshDescent { graph: &self.surface.stiffness, queries: &queries, targets: &targets };
         let partners = descent.run(&source.surface.stiffness, seeds, 2);
-        let nearest = |(vertex, &partner)| self.nearest_point(queries.row(vertex), &targets, partner);
+        let edges = self.squared_edges(&targets);
+        let nearest = |(vertex, &partner)| {
+            self.nearest_point(|corner| queries.distance(vertex, &targets, corner as usize), &edges, partner)
+        };
         let points = partners.iter().enumerate().map(nearest).collect();
         VertexImages { partners, points }
     }
 
-    /// Nearest point among the triangles around `start`, walking on while it improves.
-    fn nearest_point(&self, query: &[f32], targets: &VertexRows, start: u32) -> TrianglePoint {
+    /// Squared lengths in `rows` of the edges opposite each triangle's corners.
+    fn squared_edges(&self, rows: &VertexRows) -> Vec<[f32; 3]> {
+        let between = |a: u32, b: u32| rows.distance(a as usize, rows, b as usize);
+        let of_triangle = |&[a, b, c]: &[u32; 3]| [between(b, c), between(c, a), between(a, b)];
+        self.surface.triangles.iter().map(of_triangle).collect()
+    }
+
+    /// Nearest point among the triangles around `start`, walking on while it improves: `squared_distance` is that
+    /// of the query to a vertex, `edges` are squared lengths.
+    fn nearest_point(
+        &self,
+        squared_distance: impl Fn(u32) -> f32,
+        edges: &[[f32; 3]],
+        start: u32,
+    ) -> TrianglePoint {
         let mut best = (TrianglePoint { triangle: 0, barycentric: [1.0, 0.0, 0.0] }, f32::MAX);
         let mut visited = start;
         for _ in 0..3 {
             for &triangle in self.triangles_of(visited) {
-                let corners = self.surface.triangles[triangle as usize].map(|c| targets.row(c as usize));
-                let (barycentric, squared) = nearest_in_triangle(query, corners);
+                let to_corners = self.surface.triangles[triangle as usize].map(&squared_distance);
+                let (barycentric, squared) = nearest_in_triangle(to_corners, edges[triangle as usize]);
                 if squared < best.1 {
                     best = (TrianglePoint { triangle, barycentric }, squared);
                 }
@@ -132,6 +160,17 @@ impl<'a> MatchTarget<'a> {
         best.0
     }
 
+    /// The leading `size` eigenfunctions, a row a vertex.
+    pub fn rows(&self, size: usize) -> VertexRows {
+        VertexRows::new(self.functions.as_ref(), size, &[], 0.0)
+    }
+
+    /// What `rows` of the vertices give at `points`.
+    pub fn rows_at(&self, rows: &VertexRows, points: &[TrianglePoint]) -> VertexRows {
+        let corners = |point: &TrianglePoint| self.surface.triangles[point.triangle as usize];
+        rows.combined(points.iter().map(|point| (corners(point), point.barycentric)))
+    }
+
     /// The corner of `point`'s triangle with the largest weight.
     pub fn heaviest_corner(&self, point: &TrianglePoint) -> u32 {
         let weights = point.barycentric;
@@ -140,18 +179,12 @@ impl<'a> MatchTarget<'a> {
     }
 }
 
-/// Nearest point of a triangle in any dimension: C. Ericson, "Real-Time Collision Detection", 2005, 5.1.5.
-fn nearest_in_triangle(query: &[f32], [a, b, c]: [&[f32]; 3]) -> ([f32; 3], f32) {
-    let (mut d1, mut d2, mut e11, mut e12, mut e22, mut own) = (0f32, 0f32, 0f32, 0f32, 0f32, 0f32);
-    for i in 0..query.len() {
-        let (u, v, w) = (b[i] - a[i], c[i] - a[i], query[i] - a[i]);
-        d1 += u * w;
-        d2 += v * w;
-        e11 += u * u;
-        e12 += u * v;
-        e22 += v * v;
-        own += w * w;
-    }
+/// Nearest point of a triangle in any dimension (C. Ericson, "Real-Time Collision Detection", 2005, 5.1.5) and
+/// its squared distance, from the squared distances to the corners and the squared lengths of the opposite edges.
+fn nearest_in_triangle([own, to_b, to_c]: [f32; 3], [bc, e22, e11]: [f32; 3]) -> ([f32; 3], f32) {
+    // Inner products of a -> query with a -> b and a -> c, and of these two.
+    let (d1, d2) = (0.5 * (e11 + own - to_b), 0.5 * (e22 + own - to_c));
+    let e12 = 0.5 * (e11 + e22 - bc);
     let squared =
         |s: f32, t: f32| own - 2.0 * (s * d1 + t * d2) + s * s * e11 + 2.0 * s * t * e12 + t * t * e22;
     let determinant = e11 * e22 - e12 * e12;
@@ -176,7 +209,8 @@ fn weights(s: f32, t: f32) -> [f32; 3] {
     [(1.0 - s - t).max(0.0), s, t]
 }
 
-/// Refines `map` (square, an involution) on all vertices of one shell through growing `sizes`.
+/// Refines `map` (square, an involution) on all vertices of one shell through growing `sizes`, guided by
+/// `curvature` beside the eigenfunctions unless that is empty.
 ///
 /// Returns the last map and the images under it. O(vertices x size^2) a step.
 ///
@@ -187,16 +221,17 @@ pub fn refine(
     mut map: Mat<f64>,
     seeds: &[(u32, u32)],
     sizes: &[usize],
+    curvature: &[Vec<f64>],
     progress: &Progress,
 ) -> Result<(Mat<f64>, VertexImages)> {
-    let mut images = shell.images(shell, &map, seeds);
+    let mut images = shell.images_by(shell, &map, seeds, curvature);
     for (step, &size) in sizes.iter().enumerate() {
         progress.report("refining on all vertices", 0.75 + 0.2 * step as f64 / sizes.len() as f64)?;
         let size = size.min(shell.basis.count());
         map = project(estimate(shell, shell, &images.points, size, size), Projection::Involution)?;
         let seeds: Vec<(u32, u32)> =
             images.partners.iter().enumerate().map(|(i, p)| (i as u32, *p)).collect();
-        images = shell.images(shell, &map, &seeds);
+        images = shell.images_by(shell, &map, &seeds, curvature);
     }
     Ok((map, images))
 }
@@ -209,15 +244,17 @@ pub fn estimate(
     source_size: usize,
     target_size: usize,
 ) -> Mat<f64> {
-    let functions = &target.basis.eigenfunctions;
-    let mut pulled = Mat::<f64>::zeros(points.len(), target_size);
+    let mut pulled = Mat::<f32>::zeros(points.len(), target_size);
     for j in 0..target_size {
-        let column = functions.col_as_slice(j);
+        let column = target.functions.col_as_slice(j);
         for (i, value) in pulled.col_as_slice_mut(j).iter_mut().enumerate() {
             let corners = target.surface.triangles[points[i].triangle as usize];
-            let weighted = |c: usize| f64::from(points[i].barycentric[c]) * column[corners[c] as usize];
-            *value = (weighted(0) + weighted(1) + weighted(2)) * source.surface.lumped_mass[i];
+            let weighted = |c: usize| points[i].barycentric[c] * column[corners[c] as usize];
+            *value = (weighted(0) + weighted(1) + weighted(2)) * source.surface.lumped_mass[i] as f32;
         }
     }
-    product(source.basis.eigenfunctions.subcols(0, source_size).transpose(), pulled.as_ref())
+    let functions = source.functions.subcols(0, source_size);
+    let mut map = Mat::<f32>::zeros(source_size, target_size);
+    matmul(map.as_mut(), Accum::Replace, functions.transpose(), pulled.as_ref(), 1.0, Par::Seq);
+    Mat::from_fn(source_size, target_size, |i, j| f64::from(map[(i, j)]))
 }

@@ -9,6 +9,9 @@ use crate::laplacian::SymmetricSparse;
 use crate::mesh::NONE;
 use faer::MatRef;
 
+/// Values that are worked on at once; rows are padded to whole lanes with zeros.
+const LANES: usize = 8;
+
 /// The eigenfunctions of all vertices in single precision, one padded row a vertex.
 pub struct VertexRows {
     values: Vec<f32>,
@@ -16,15 +19,13 @@ pub struct VertexRows {
 }
 
 impl VertexRows {
-    const LANES: usize = 8;
-
     /// The leading `size` columns of `functions`, then the `further` columns times `weight`.
-    pub fn new(functions: MatRef<f64>, size: usize, further: &[Vec<f64>], weight: f64) -> VertexRows {
-        let stride = (size + further.len()).next_multiple_of(Self::LANES);
+    pub fn new(functions: MatRef<f32>, size: usize, further: &[Vec<f64>], weight: f64) -> VertexRows {
+        let stride = (size + further.len()).next_multiple_of(LANES);
         let mut values = vec![0.0; functions.nrows() * stride];
         for j in 0..size {
             for (i, row) in values.chunks_exact_mut(stride).enumerate() {
-                row[j] = functions[(i, j)] as f32;
+                row[j] = functions[(i, j)];
             }
         }
         for (column, j) in further.iter().zip(size..) {
@@ -35,18 +36,31 @@ impl VertexRows {
         VertexRows { values, stride }
     }
 
+    /// At each of `points` (three rows and their weights) the weighted sum of the rows.
+    pub fn combined(&self, points: impl ExactSizeIterator<Item = ([u32; 3], [f32; 3])>) -> VertexRows {
+        let mut values = vec![0.0; points.len() * self.stride];
+        for (out, (corners, weights)) in values.chunks_exact_mut(self.stride).zip(points) {
+            for (corner, weight) in corners.into_iter().zip(weights) {
+                for (out, value) in out.iter_mut().zip(self.row(corner as usize)) {
+                    *out += weight * value;
+                }
+            }
+        }
+        VertexRows { values, stride: self.stride }
+    }
+
     /// One padded row.
     pub fn row(&self, vertex: usize) -> &[f32] {
         &self.values[vertex * self.stride..(vertex + 1) * self.stride]
     }
 
     /// Squared distance of a row here to a row there.
-    fn distance(&self, vertex: usize, other: &VertexRows, target: usize) -> f32 {
-        let (left, _) = self.row(vertex).as_chunks::<8>();
-        let (right, _) = other.row(target).as_chunks::<8>();
-        let mut lanes = [0f32; Self::LANES];
+    pub fn distance(&self, vertex: usize, other: &VertexRows, target: usize) -> f32 {
+        let (left, _) = self.row(vertex).as_chunks::<LANES>();
+        let (right, _) = other.row(target).as_chunks::<LANES>();
+        let mut lanes = [0f32; LANES];
         for (a, b) in left.iter().zip(right) {
-            for lane in 0..Self::LANES {
+            for lane in 0..LANES {
                 let difference = a[lane] - b[lane];
                 lanes[lane] += difference * difference;
             }

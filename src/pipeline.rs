@@ -4,7 +4,7 @@ use crate::acceptance::Judgement;
 use crate::assembly::{PointMap, Summary, symmetry};
 use crate::automorphism;
 use crate::companions::{self, Companion, Primary};
-use crate::confidence::{confidence, round_trips};
+use crate::confidence::Evidence;
 use crate::correspondence::Symmetry;
 use crate::eigenbasis::{Accuracy, Eigenbasis};
 use crate::error::Result;
@@ -198,8 +198,7 @@ impl<'a> Assembler<'a> {
 
     fn assemble(&self, found: &ShellSymmetry, kind: SymmetryKind, progress: &Progress) -> Result<Symmetry> {
         let mut map = PointMap::empty(self.mesh);
-        let round_trips = round_trips(&self.target, found.map.nrows(), &found.images);
-        let trust = confidence(&round_trips, &found.mismatch, found.margin);
+        let trust = Evidence::new(&self.target, found).confidence();
         map.insert(&self.shells[0], &self.shells[0], &found.images, &trust);
         let odd = self.odd(found);
         for (local, &point) in self.shells[0].points.iter().enumerate() {

@@ -19,8 +19,11 @@ use faer::Mat;
 
 /// Sizes of the functional map on samples after a candidate is chosen.
 const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
+/// Size of the map that is judged, made without curvature: finer and guided ones fit shapes without a symmetry,
+/// too.
+const JUDGED_SIZE: usize = 50;
 /// Step by which the functional map grows on all vertices, up to all eigenfunctions.
-const FULL_STEP: usize = 20;
+const FULL_STEP: usize = 10;
 
 /// Eigenfunctions whose sign is predicted, and vertices the network looks at.
 const PREDICTED_SIGNS: usize = 12;
@@ -37,8 +40,6 @@ pub struct ShellSymmetry {
     pub score: Score,
     /// Margin of the candidate it came from.
     pub margin: f64,
-    /// Difference of the heat kernel signatures of each vertex and its image: 0 for an isometry.
-    pub mismatch: Vec<f64>,
     /// Whether the map is a symmetry at all.
     pub judged: Judgement,
 }
@@ -137,9 +138,14 @@ pub fn finish(shell: &PreparedShell, candidate: &Candidate, progress: &Progress)
         .collect();
     let target = MatchTarget::new(&shell.surface, &shell.basis);
     let count = shell.basis.count();
-    let sizes: Vec<usize> = (map.nrows()..count).step_by(FULL_STEP).chain([count]).collect();
-    let (map, images) = full_refinement::refine(&target, map, &seeds, &sizes, progress)?;
-    Ok(judge(shell, map, images, candidate.score, candidate.margin))
+    let judged_sizes = [JUDGED_SIZE.min(count)];
+    let (map, images) = full_refinement::refine(&target, map, &seeds, &judged_sizes, &[], progress)?;
+    let judged = judge(shell, &images, &candidate.score);
+    let sizes: Vec<usize> = (JUDGED_SIZE..count).step_by(FULL_STEP).chain([count]).collect();
+    let seeds: Vec<(u32, u32)> = (0..).zip(images.partners).collect();
+    let curvature = &shell.surface.mean_curvature;
+    let (map, images) = full_refinement::refine(&target, map, &seeds, &sizes, curvature, progress)?;
+    Ok(ShellSymmetry { map, images, score: candidate.score, margin: candidate.margin, judged })
 }
 
 /// The symmetry that sends each vertex to `partners`, which the connectivity says; no rival.
@@ -158,17 +164,11 @@ pub fn of_partners(shell: &PreparedShell, partners: Vec<u32>) -> Result<ShellSym
     let scored = size.min(CANDIDATE_SIZE);
     let leading = map.submatrix(0, 0, scored, scored).to_owned();
     let score = Scorer::new(&shell.surface, &shell.basis, &refiner, Vec::new()).score(&leading)?;
-    Ok(judge(shell, map, images, score, LARGEST_MARGIN))
+    let judged = judge(shell, &images, &score);
+    Ok(ShellSymmetry { map, images, score, margin: LARGEST_MARGIN, judged })
 }
 
-fn judge(
-    shell: &PreparedShell,
-    map: Mat<f64>,
-    images: VertexImages,
-    score: Score,
-    margin: f64,
-) -> ShellSymmetry {
-    let mismatch = signature::mismatch(&shell.surface, &shell.basis, &images);
-    let mean = signature::mean(&shell.surface, mismatch.iter().copied());
-    ShellSymmetry { map, images, score, margin, mismatch, judged: Judgement::new(&score, mean) }
+fn judge(shell: &PreparedShell, images: &VertexImages, score: &Score) -> Judgement {
+    let mismatch = signature::mismatch(&shell.surface, &shell.basis, images);
+    Judgement::new(score, signature::mean(&shell.surface, mismatch.into_iter()))
 }

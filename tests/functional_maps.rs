@@ -200,14 +200,18 @@ fn a_mirrored_mesh_has_even_and_odd_eigenfunctions() {
     assert!((4..=16).contains(&odd), "{odd} odd functions");
 }
 
+fn rows(functions: &Mat<f64>, size: usize) -> VertexRows {
+    let single = Mat::from_fn(functions.nrows(), size, |i, j| functions[(i, j)] as f32);
+    VertexRows::new(single.as_ref(), size, &[], 0.0)
+}
+
 #[test]
 fn descent_along_the_mesh_finds_what_a_full_search_finds() {
     let shape = Shape::quadruped();
     let map = shape.true_map(50);
     let functions = &shape.basis.eigenfunctions;
     let mapped = product(functions.subcols(0, 50), map.as_ref());
-    let (queries, targets) =
-        (VertexRows::new(mapped.as_ref(), 50, &[], 0.0), VertexRows::new(functions.as_ref(), 50, &[], 0.0));
+    let (queries, targets) = (rows(&mapped, 50), rows(functions, 50));
     let descent = MeshDescent { graph: &shape.surface.stiffness, queries: &queries, targets: &targets };
     let away = |i: usize, k: u32| -> f64 {
         (0..50).map(|j| (mapped[(i, j)] - functions[(k as usize, j)]).powi(2)).sum::<f64>().sqrt()
@@ -232,7 +236,7 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
 #[test]
 fn descent_reaches_only_what_is_connected_to_a_seed() {
     let shape = Shape::creature(2, 0.0);
-    let rows = VertexRows::new(shape.basis.eigenfunctions.as_ref(), 30, &[], 0.0);
+    let rows = rows(&shape.basis.eigenfunctions, 30);
     let descent = MeshDescent { graph: &shape.surface.stiffness, queries: &rows, targets: &rows };
     assert!(descent.run(&shape.surface.stiffness, &[], 2).iter().all(|partner| *partner == NONE));
     assert_eq!(descent.run(&shape.surface.stiffness, &[(5, 5)], 2), shape.all(), "the identity");
@@ -259,7 +263,7 @@ fn refinement_leaves_the_true_map_in_place() {
         let target = MatchTarget::new(&shape.surface, &shape.basis);
         let seeds = shape.seeds(&samples.vertices);
         let (_, images) =
-            full_refinement::refine(&target, refined, &seeds, &[50, 60], &Progress::default()).unwrap();
+            full_refinement::refine(&target, refined, &seeds, &[50, 60], &[], &Progress::default()).unwrap();
         let error = shape.mean_error(&shape.all(), &images.partners);
         println!("vertices: {error}");
         assert!(error < largest, "{error} sqrt(area) on vertices");
@@ -343,9 +347,15 @@ fn the_fixed_curve_is_one_closed_loop_in_the_mirror_plane_and_sides_exchange() {
         let shape = Shape::creature(4, turn);
         let target = MatchTarget::new(&shape.surface, &shape.basis);
         let seeds = shape.seeds(&shape.all());
-        let (_, images) =
-            full_refinement::refine(&target, shape.true_map(50), &seeds, &[50, 60], &Progress::default())
-                .unwrap();
+        let (_, images) = full_refinement::refine(
+            &target,
+            shape.true_map(50),
+            &seeds,
+            &[50, 60],
+            &[],
+            &Progress::default(),
+        )
+        .unwrap();
         let odd = odd_function(&shape.surface, &shape.basis, &images);
         let edge = shape.surface.mean_edge_length();
         let x = |vertex: u32| shape.shell.positions[vertex as usize][0];

@@ -49,7 +49,8 @@ def test_acceptance_learns_what_tells_right_maps_from_others(tmp_path, monkeypat
     for prefix, mismatch in (("even", 0.05), ("odd", 0.4)):
         for index in range(40):
             wrong = prefix == "even" and index < 5  # the identity: neither right nor asymmetric
-            judged = {"signature_mismatch": mismatch * rng.lognormal(0, 0.8), "isometry_score": float(rng.normal()), "plausibility": 0.5}
+            judged = {"signature_mismatch": mismatch * rng.lognormal(0, 0.8), "isometry_score": float(rng.normal())}
+            judged["plausibility"] = 0.5
             write_answer(tmp_path / "answers", f"{prefix}-{index:04d}", np.arange(len(mirror)) if wrong else mirror, judged)
     words = [str(tmp_path / "symmetric"), str(tmp_path / "asymmetric"), "--keep", str(tmp_path / "answers")]
     monkeypatch.setattr(sys, "argv", ["acceptance", *words])
@@ -69,14 +70,15 @@ def test_confidence_learns_which_evidence_counts(tmp_path, monkeypatch, capsys):
         round_trip = rng.lognormal(-4, 1.5, len(mirror))
         wrong = rng.random(len(mirror)) < 1 / (1 + np.exp(-2 * (np.log(round_trip) + 4)))
         partner = np.where(wrong, (mirror + 4) % len(mirror), mirror)
-        rows = [f"{v} {partner[v]} {round_trip[v]} {rng.random()}" for v in range(len(mirror))]
-        (tmp_path / "evidence" / f"even-{index:04d}.evidence").write_text(f"margin {rng.random()}\n" + "\n".join(rows) + "\n")
+        noise = rng.normal(size=(len(mirror), len(confidence.FEATURES) - 1))
+        rows = np.c_[np.arange(len(mirror)), partner, np.log(round_trip + 0.002), noise]
+        np.savetxt(tmp_path / "evidence" / f"even-{index:04d}.evidence", rows, fmt="%g")
     monkeypatch.setattr(sys, "argv", ["confidence", str(tmp_path / "symmetric"), "--keep", str(tmp_path / "evidence")])
     confidence.main()
     printed = capsys.readouterr().out
     weight = {line.split("|")[1].strip(): float(line.split("|")[2]) for line in printed.splitlines() if line.startswith(("| ln", "| margin"))}
-    assert weight["ln(round_trip + 0.002)"] == pytest.approx(-2, rel=0.3)
-    assert abs(weight["ln(signature_mismatch + 0.02)"]) < 0.3
+    assert weight["ln(round trip + 0.002)"] == pytest.approx(-2, rel=0.3)
+    assert abs(weight["margin"]) < 0.3
     assert "four-fold cross-validation by shape: expected calibration error 0.0" in printed
 
 

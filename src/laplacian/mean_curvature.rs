@@ -125,7 +125,7 @@ fn standardise(mut values: Vec<f64>, mass: &[f64]) -> Option<Vec<f64>> {
     values.iter_mut().for_each(|value| *value -= mean);
     let deviation = mean_of(&values, 2).sqrt();
     // What rounding leaves of the constant curvature of a sphere is no feature of it.
-    if !(deviation > 1e-3 * largest) {
+    if deviation.is_nan() || deviation <= 1e-3 * largest {
         return None;
     }
     let share = (TIMES.len() as f64).sqrt();
