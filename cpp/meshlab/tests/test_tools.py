@@ -24,8 +24,9 @@ def test_vertex_selection(quadruped, detected_quadruped):
     quadruped.apply_filter(SELECT_VERTICES, mode="Add to the selection")
     both = expected | detected_quadruped.mirror_selection(expected)
     assert np.array_equal(quadruped.current_mesh().vertex_selection_array(), both)
-    trusted = detected_quadruped.mirror_selection(both, minimum_confidence=0.9)
-    quadruped.apply_filter(SELECT_VERTICES, minimum_confidence=0.9)
+    middle = round(float(np.median(detected_quadruped.confidence[both])), 3)
+    trusted = detected_quadruped.mirror_selection(both, minimum_confidence=middle)
+    quadruped.apply_filter(SELECT_VERTICES, minimum_confidence=middle)
     assert np.array_equal(quadruped.current_mesh().vertex_selection_array(), trusted)
     assert trusted.sum() < both.sum()
 
