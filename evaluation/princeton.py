@@ -26,7 +26,7 @@ import numpy as np
 
 from . import princeton_tables
 from .map_metrics import MapMetrics, measure
-from .program import Answer, detect, identity, read_answer
+from .program import Answer, detect, identity, read_answer, write_results
 from .remeshed import read_off
 from .surface import Surface
 
@@ -147,7 +147,7 @@ def main() -> None:
         "default": default,
         "refused, accepted": accepted,
     }
-    arguments.out.write_text(princeton_tables.one_row_a_line(result))
+    write_results(arguments.out, result)
     print(princeton_tables.full_report(result))
     if arguments.pictures:
         draw_worst(arguments.program, entries, princeton_tables.every_map(result), arguments.pictures)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 
 import numpy as np
 
@@ -182,13 +181,3 @@ def full_report(result: dict) -> str:
     source = f"`make evaluate`, {result['date']} ([data](results/{result['date']}-princeton.json)):"
     parts = [source, published_tables(result), measures_table(result), stages_table(result), worst_table(result)]
     return "\n\n".join(parts)
-
-
-def one_row_a_line(result: dict) -> str:
-    """JSON with one mesh a line, so that differences can be read."""
-    parts = []
-    for name, value in result.items():
-        rows = isinstance(value, list) and value
-        shown = "[\n" + ",\n".join("  " + json.dumps(row) for row in value) + "\n ]" if rows else json.dumps(value)
-        parts.append(f" {json.dumps(name)}: {shown}")
-    return "{\n" + ",\n".join(parts) + "\n}\n"

@@ -93,6 +93,17 @@ def identity(program: str) -> str:
     return f"{version}, commit {commit}" if commit else version
 
 
+def write_results(path: Path, result: dict) -> None:
+    """Writes JSON with one mesh a line, so that differences can be read."""
+    parts = []
+    for name, value in result.items():
+        rows = isinstance(value, list) and value
+        shown = "[\n" + ",\n".join("  " + json.dumps(row) for row in value) + "\n ]" if rows else json.dumps(value)
+        parts.append(f" {json.dumps(name)}: {shown}")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text("{\n" + ",\n".join(parts) + "\n}\n")
+
+
 def read_answer(folder: Path, name: str) -> Answer:
     """The answer that `detect` left for the mesh NAME."""
     report = json.loads((folder / f"{name}.json").read_text())

@@ -16,7 +16,6 @@ from __future__ import annotations
 import argparse
 import json
 import shlex
-import subprocess
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
@@ -25,6 +24,8 @@ from pathlib import Path
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
+
+from .program import detect, read_answer
 
 MEASURED = 250
 # A map whose mean error is above this pairs the wrong limbs, or moves too little.
@@ -76,17 +77,10 @@ def mean_error(mesh: Path, partners: np.ndarray) -> float:
 def measure(program: str, mesh: Path, options: list[str]) -> Result:
     """Runs the program on a mesh and judges its answer."""
     with tempfile.TemporaryDirectory() as folder:
-        files = [Path(folder) / "out.map", Path(folder) / "out.json"]
-        command = [program, "detect", mesh, "--map", files[0], "--json", files[1], "--quiet", *options]
-        status = subprocess.run(command, capture_output=True, text=True)
-        if status.returncode not in (0, 1):
-            raise RuntimeError(f"{mesh}: {status.stderr.strip()}")
-        report = json.loads(files[1].read_text())
-        found = status.returncode == 0
-        error = mean_error(mesh, np.loadtxt(files[0], dtype=int)) if found else None
-    judged = report["report"]["judged"]
-    seconds = sum(seconds for _, seconds in report["report"]["seconds"])
-    return Result(mesh.parts[-3], mesh.stem, found, judged and judged["plausibility"], error, seconds)
+        detect(program, [mesh], Path(folder), options)
+        answer = read_answer(Path(folder), mesh.stem)
+    error = mean_error(mesh, answer.partners) if answer.found else None
+    return Result(mesh.parts[-3], mesh.stem, answer.found, answer.plausibility, error, sum(answer.seconds.values()))
 
 
 def table(results: list[Result]) -> str:

@@ -11,7 +11,6 @@ cut limb, a prop.
 from __future__ import annotations
 
 import argparse
-import json
 from datetime import date
 from pathlib import Path
 
@@ -20,7 +19,7 @@ from training.mirror_truth import mirror_map
 from training.people import People
 
 from .generated import Shape, read_shapes
-from .program import Answer, detect, identity, read_answer
+from .program import Answer, detect, identity, read_answer, write_results
 from .robustness_tables import report
 from .severity import SERIES, Subject
 
@@ -112,8 +111,7 @@ def main() -> None:
         "quick": arguments.quick,
         "rows": rows,
     }
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    arguments.out.write_text(json.dumps(result).replace('{"series"', '\n {"series"') + "\n")
+    write_results(arguments.out, result)
     print(report(result))
 
 

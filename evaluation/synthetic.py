@@ -11,7 +11,6 @@ used nowhere else, neither in training nor in fitting.
 from __future__ import annotations
 
 import argparse
-import json
 from datetime import date
 from pathlib import Path
 
@@ -25,7 +24,7 @@ from training.skeleton import MIRROR
 
 from .generated import Shape, read_shapes
 from .logistic import area_under_curve, calibration_error, calibration_table
-from .program import detect, identity, read_answer
+from .program import detect, identity, read_answer, write_results
 from .surface import Surface
 from .synthetic_tables import report
 
@@ -140,8 +139,7 @@ def main() -> None:
                         "plausibility": answer.plausibility and round(answer.plausibility, 4)}
                        for shape, answer in zip(lopsided, others)],
     }  # fmt: skip
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    arguments.out.write_text(json.dumps(result).replace('{"name"', '\n {"name"') + "\n")
+    write_results(arguments.out, result)
     print(report(result))
 
 

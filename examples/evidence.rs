@@ -33,11 +33,12 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let (limits, options, progress) = (Limits::default(), Options::default(), Progress::default());
     let mesh = Mesh::new(&io::read(path, &limits)?.polygons, &limits)?;
     let points = mesh.shells()[0].points.clone();
-    let shell = PreparedShell::new(IntrinsicSurface::new(&mesh.shells()[0]), &options, &progress)?;
+    let shell =
+        PreparedShell::new(IntrinsicSurface::with_mean_curvature(&mesh.shells()[0]), &options, &progress)?;
     let found = candidates(&shell, &signs(&shell, &options)?, 1, &options, &progress)?;
     let Some(candidate) = found.first() else { return Ok(String::new()) };
-    let map = finish(&shell, candidate, &progress)?;
     let target = MatchTarget::new(&shell.surface, &shell.basis);
+    let map = finish(&shell, &target, candidate, &progress)?;
     let evidence = Evidence::new(&target, &map);
     let vertex = |local: u32| mesh.vertex_of_point[points[local as usize] as usize];
     let mut text = String::new();

@@ -26,7 +26,7 @@ const DENSE_LIMIT: usize = 300;
 pub enum Accuracy {
     /// Relative residuals below 1e-7.
     Full,
-    /// What a map needs: the lowest dozen eigenvalues to about 1e-4, the last to about 1e-2.
+    /// What a map needs: the lower half of the eigenvalues to about 1e-5, the last to about 1e-2.
     Map,
 }
 
@@ -48,7 +48,7 @@ pub struct Eigenbasis {
     /// vertices x count; columns orthonormal in `lumped_mass`. The sign of a column has no meaning.
     pub eigenfunctions: Mat<f64>,
     /// `|stiffness phi - eigenvalue mass phi|` in the norm of `mass^-1`, relative to `eigenvalue + 10`; empty for
-    /// [`Accuracy::Map`], which nobody asks.
+    /// [`Accuracy::Map`], where nobody asks for them.
     pub residuals: Vec<f64>,
 }
 

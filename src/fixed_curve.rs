@@ -13,6 +13,9 @@ use crate::laplacian::IntrinsicSurface;
 /// Rounds of averaging over neighbours, which take the jags of single edges off the curve.
 const SMOOTHING_ROUNDS: usize = 4;
 
+/// Share of the area below which a part of one sign is no side of its own: a disc of radius 0.018 sqrt(area).
+const SPECK: f64 = 1e-3;
+
 /// A crossing of the fixed curve with an edge of the shell: `(1 - t) * from + t * to`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EdgeCrossing {
@@ -39,7 +42,44 @@ pub fn odd_function(surface: &IntrinsicSurface, basis: &Eigenbasis, images: &Ver
     for _ in 0..SMOOTHING_ROUNDS {
         odd = (0..odd.len()).map(|vertex| mean_with(neighbours(vertex), &odd, vertex)).collect();
     }
+    dissolve_specks(neighbours, &surface.lumped_mass, &mut odd);
     odd
+}
+
+/// Gives connected parts of one sign that have less than `SPECK` of the area the other sign, the one around them:
+/// on the curve the movement is all noise. The largest part of each sign stays. O(n).
+fn dissolve_specks<'a>(neighbours: impl Fn(usize) -> &'a [u32], mass: &[f64], odd: &mut [f64]) {
+    let positive: Vec<bool> = odd.iter().map(|value| *value >= 0.0).collect();
+    let mut visited = vec![false; odd.len()];
+    let mut parts = Vec::new();
+    for start in 0..odd.len() {
+        if std::mem::replace(&mut visited[start], true) {
+            continue;
+        }
+        let mut part = vec![start];
+        let mut next = 0;
+        while next < part.len() {
+            for &other in neighbours(part[next]) {
+                let other = other as usize;
+                if positive[other] == positive[start] && !std::mem::replace(&mut visited[other], true) {
+                    part.push(other);
+                }
+            }
+            next += 1;
+        }
+        parts.push((part.iter().map(|&vertex| mass[vertex]).sum::<f64>(), part));
+    }
+    let sign = |part: &[usize]| positive[part[0]];
+    let largest = |side: bool| {
+        parts.iter().filter(|(_, part)| sign(part) == side).map(|(area, _)| *area).fold(0.0, f64::max)
+    };
+    let largest = [largest(false), largest(true)];
+    let limit = SPECK * mass.iter().sum::<f64>();
+    for (_, part) in parts.iter().filter(|(area, part)| *area < limit.min(largest[usize::from(sign(part))])) {
+        for &vertex in part {
+            odd[vertex] = if odd[vertex] == 0.0 { -f64::EPSILON } else { -odd[vertex] };
+        }
+    }
 }
 
 /// Distance of each vertex from its image, in the commute-time embedding (eigenfunctions over the root of
@@ -219,6 +259,21 @@ mod tests {
         partners[3] = 2;
         moved[3] = 1.0;
         assert_two_halves(&sides(|vertex| &neighbours[vertex], &partners, &moved));
+    }
+
+    #[test]
+    fn specks_take_the_sign_around_them_and_sides_stay() {
+        let neighbours: Vec<Vec<u32>> =
+            (0..4000u32).map(|i| (i.saturating_sub(1)..=(i + 1).min(3999)).collect()).collect();
+        let mass = vec![1.0 / 4000.0; 4000];
+        // Sides of 2,000 vertices each; specks of two and of one, whose value is exactly 0; a part of 10.
+        let mut odd: Vec<f64> = (0..4000).map(|i| if i < 2000 { 1.0 } else { -1.0 }).collect();
+        odd[100..102].fill(-0.5);
+        odd[3000] = 0.0;
+        odd[500..510].fill(-0.5);
+        dissolve_specks(|vertex| &neighbours[vertex], &mass, &mut odd);
+        let negative = |i: usize| i >= 2000 || (500..510).contains(&i);
+        assert!((0..4000).all(|i| (odd[i] < 0.0) == negative(i)));
     }
 
     #[test]

@@ -55,7 +55,8 @@ pub struct IntrinsicSurface {
     pub stiffness: SymmetricSparse,
     /// Lumped (barycentric) mass of each vertex; they sum to about 1.
     pub lumped_mass: Vec<f64>,
-    /// Diffused mean curvature of each vertex, one column a time of diffusion; none where it has no sign.
+    /// Diffused mean curvature of each vertex, one column a time of diffusion; none where it has no sign, and
+    /// unless it was asked for.
     ///
     /// Each column has mean 0; the squares of all columns together have mean 1. All else here is intrinsic.
     pub mean_curvature: Vec<Vec<f64>>,
@@ -85,11 +86,18 @@ impl IntrinsicSurface {
         IntrinsicSurface {
             triangles: shell.triangles.clone(),
             edge_lengths,
-            mean_curvature: mean_curvature::channels(shell, &stiffness, &lumped_mass),
+            mean_curvature: Vec::new(),
             stiffness,
             lumped_mass,
             orientable: shell.orientable,
         }
+    }
+
+    /// [`IntrinsicSurface::new`], and the mean curvature, which costs at most 200 times O(vertices) more.
+    pub fn with_mean_curvature(shell: &Shell) -> IntrinsicSurface {
+        let mut surface = IntrinsicSurface::new(shell);
+        surface.mean_curvature = mean_curvature::channels(shell, &surface.stiffness, &surface.lumped_mass);
+        surface
     }
 
     /// Number of vertices.

@@ -7,7 +7,7 @@
 //! |---|---|
 //! | shared vocabulary | [`error`], [`options`], [`limits`], [`progress`], [`atomic_file`], [`symmetry_kind`] |
 //! | any mesh file -> validated triangle mesh | [`mesh`] |
-//! | one shell -> stiffness, lumped mass | [`laplacian`] |
+//! | one shell -> stiffness, lumped mass, mean curvature | [`laplacian`] |
 //! | operators -> eigenvalues, eigenfunctions | [`sparse_cholesky`], [`eigenbasis`], [`sampling`] |
 //! | eigenfunctions -> parity of each, with its probability | [`sign_network`] |
 //! | eigenfunctions -> parity vectors | [`parity_search`] |

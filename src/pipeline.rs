@@ -78,7 +78,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let mut clock = Clock::start();
     progress.report("shells", 0.0)?;
     let shells = mesh.shells();
-    let surface = IntrinsicSurface::new(&shells[0]);
+    let surface = IntrinsicSurface::with_mean_curvature(&shells[0]);
     clock.lap("laplacian");
     let shell = PreparedShell::new(surface, options, progress)?;
     clock.lap("eigenfunctions");
@@ -92,7 +92,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let certain = mirrored.as_ref().filter(|map| any_will_do && map.judged.accepted(CERTAIN));
     let mut maps = match certain {
         Some(map) => vec![(map.clone(), SymmetryKind::Reflection)],
-        None => search(&shell, &signs, options, progress, &mut clock)?,
+        None => search(&shell, &assembler.target, &signs, options, progress, &mut clock)?,
     };
     let judged = maps.first().map(|(map, _)| map.judged);
     let mut evidence = match maps.first() {
@@ -131,6 +131,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
 /// The best maps of the spectral search, finished: reflections, then half turns.
 fn search(
     shell: &PreparedShell,
+    target: &MatchTarget,
     signs: &[SignPrediction],
     options: &Options,
     progress: &Progress,
@@ -141,7 +142,7 @@ fn search(
     let mut maps = Vec::new();
     for candidate in &found {
         let kind = candidate.score.kind().unwrap_or(SymmetryKind::Reflection);
-        maps.push((finish(shell, candidate, progress)?, kind));
+        maps.push((finish(shell, target, candidate, progress)?, kind));
     }
     clock.lap("refinement");
     Ok(maps)
@@ -235,7 +236,8 @@ impl<'a> Assembler<'a> {
             local[point as usize] = index as u32;
         }
         let partner = |&point: &u32| local[found.partner[point as usize] as usize];
-        shell_symmetry::of_partners(self.shell, shell.points.iter().map(partner).collect()).map(Some)
+        let partners = shell.points.iter().map(partner).collect();
+        shell_symmetry::of_partners(self.shell, &self.target, partners).map(Some)
     }
 
     fn odd(&self, found: &ShellSymmetry) -> Vec<f64> {

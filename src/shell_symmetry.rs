@@ -122,11 +122,16 @@ pub fn candidates(
     Ok(kept)
 }
 
-/// Refines a candidate on all samples, then on all vertices.
+/// Refines a candidate on all samples, then on all vertices of the shell, which is `target`.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
-pub fn finish(shell: &PreparedShell, candidate: &Candidate, progress: &Progress) -> Result<ShellSymmetry> {
+pub fn finish(
+    shell: &PreparedShell,
+    target: &MatchTarget,
+    candidate: &Candidate,
+    progress: &Progress,
+) -> Result<ShellSymmetry> {
     let refiner = SampleRefiner::new(&shell.samples);
     let map = refiner.refine(candidate.map.clone(), &POLISH_SIZES, Projection::Involution)?;
     let vertices = &shell.samples.vertices;
@@ -136,15 +141,14 @@ pub fn finish(shell: &PreparedShell, candidate: &Candidate, progress: &Progress)
         .zip(&partners)
         .map(|(vertex, partner)| (*vertex, vertices[*partner as usize]))
         .collect();
-    let target = MatchTarget::new(&shell.surface, &shell.basis);
     let count = shell.basis.count();
     let judged_sizes = [JUDGED_SIZE.min(count)];
-    let (map, images) = full_refinement::refine(&target, map, &seeds, &judged_sizes, &[], progress)?;
+    let (map, images) = full_refinement::refine(target, map, &seeds, &judged_sizes, &[], progress)?;
     let judged = judge(shell, &images, &candidate.score);
     let sizes: Vec<usize> = (JUDGED_SIZE..count).step_by(FULL_STEP).chain([count]).collect();
     let seeds: Vec<(u32, u32)> = (0..).zip(images.partners).collect();
     let curvature = &shell.surface.mean_curvature;
-    let (map, images) = full_refinement::refine(&target, map, &seeds, &sizes, curvature, progress)?;
+    let (map, images) = full_refinement::refine(target, map, &seeds, &sizes, curvature, progress)?;
     Ok(ShellSymmetry { map, images, score: candidate.score, margin: candidate.margin, judged })
 }
 
@@ -152,12 +156,11 @@ pub fn finish(shell: &PreparedShell, candidate: &Candidate, progress: &Progress)
 ///
 /// # Errors
 /// [`crate::Error::Internal`] if the decomposition of the functional map fails.
-pub fn of_partners(shell: &PreparedShell, partners: Vec<u32>) -> Result<ShellSymmetry> {
+pub fn of_partners(shell: &PreparedShell, target: &MatchTarget, partners: Vec<u32>) -> Result<ShellSymmetry> {
     let images = VertexImages::at_vertices(&shell.surface.triangles, partners);
-    let target = MatchTarget::new(&shell.surface, &shell.basis);
     let size = shell.basis.count();
     let map = project(
-        full_refinement::estimate(&target, &target, &images.points, size, size),
+        full_refinement::estimate(target, target, &images.points, size, size),
         Projection::Involution,
     )?;
     let refiner = SampleRefiner::new(&shell.samples);

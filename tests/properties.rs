@@ -7,6 +7,7 @@
 mod support;
 
 use intrinsym::candidates::Candidate;
+use intrinsym::full_refinement::MatchTarget;
 use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::mesh::PolygonMesh;
 use intrinsym::options::Options;
@@ -232,12 +233,13 @@ fn with_signs(shell: &mut PreparedShell, signs: &[bool]) -> (Candidate, Vec<u32>
     let (options, progress) = (Options::default(), Progress::default());
     let predicted = shell_symmetry::signs(shell, &options).unwrap();
     let best = shell_symmetry::candidates(shell, &predicted, 1, &options, &progress).unwrap().swap_remove(0);
-    let partners = shell_symmetry::finish(shell, &best, &progress).unwrap().images.partners;
+    let target = MatchTarget::new(&shell.surface, &shell.basis);
+    let partners = shell_symmetry::finish(shell, &target, &best, &progress).unwrap().images.partners;
     (best, partners)
 }
 
 fn prepared(mesh: &PolygonMesh) -> PreparedShell {
-    let surface = IntrinsicSurface::new(&validated(mesh).shells()[0]);
+    let surface = IntrinsicSurface::with_mean_curvature(&validated(mesh).shells()[0]);
     PreparedShell::new(surface, &Options::default(), &Progress::default()).unwrap()
 }
 

@@ -107,8 +107,6 @@ class INTRINSIC_SYMMETRY_OT_select_line(MapOperator, bpy.types.Operator):
         steps = set()
         for line in lines:
             near = line.nearest_vertices()
-            if len(set(near.tolist())) < 2:
-                continue  # a speck around one vertex
             vertices[near] = True
             following = np.roll(near, -1) if line.closed else near[1:]
             steps.update(tuple(sorted(step)) for step in zip(near.tolist(), following.tolist()))

@@ -50,8 +50,11 @@ def test_a_program_is_run_and_judged(strip, tmp_path, status, row):
     answer = tmp_path / "answer.map"
     np.savetxt(answer, truth, fmt="%d")
     program = tmp_path / "program"
-    report = '{"report": {"judged": {"plausibility": 0.75}, "seconds": [["a", 0.25], ["b", 0.5]]}}'
-    program.write_text(f"#!/bin/sh\ncp {answer} $4\necho '{report}' > $6\nexit {status}\n")
+    report = '"report": {"judged": {"plausibility": 0.75}, "seconds": [["a", 0.25], ["b", 0.5]]}'
+    outcome = "found" if status == 0 else "none"
+    program.write_text(
+        f"#!/bin/sh\ncp {answer} $4/strip.map\necho '{{\"outcome\": \"{outcome}\", {report}}}' > $4/strip.json\nexit {status}\n"
+    )
     program.chmod(program.stat().st_mode | stat.S_IXUSR)
     result = remeshed.measure(str(program), mesh, [])
     assert (result.set, result.name, result.found, result.seconds) == ("SET", "strip", status == 0, 0.75)
