@@ -1,6 +1,5 @@
-"""What pyproject.toml cannot say: the version, and the wheel's tag. The wheel is made by `make wheel`."""
+"""What pyproject.toml cannot say: the version, and that any Python will do. The wheel is made by `make wheel`."""
 
-import os
 import re
 from pathlib import Path
 
@@ -26,8 +25,7 @@ class AnyPython(bdist_wheel):
     """The library is called through ctypes: any Python will do, of one platform."""
 
     def get_tag(self) -> tuple[str, str, str]:
-        platform = os.environ.get("INTRINSYM_WHEEL_PLATFORM") or super().get_tag()[2]
-        return "py3", "none", platform
+        return "py3", "none", super().get_tag()[2]
 
 
 setup(version=version(), distclass=WheelWithLibrary, cmdclass={"bdist_wheel": AnyPython})

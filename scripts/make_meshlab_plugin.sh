@@ -21,14 +21,6 @@ source_tree() {
     realpath "$BUILD/$package"
 }
 
-# The OpenMesh code in the plugin must be the one whose headers the library was built with.
-check_openmesh() {
-    local header=OpenMesh/Core/Mesh/PolyConnectivity.hh
-    cmp -s "$1/src/$header" "$(pkg-config --variable=includedir openmesh)/$header" && return
-    echo "make_meshlab_plugin: $1 is not the installed version of OpenMesh" >&2
-    exit 1
-}
-
 build() {
     local precision=$1
     cmake -S cpp/meshlab -B "$BUILD/$precision" -DMESHLAB_PRECISION="$precision" \
@@ -63,9 +55,8 @@ pack() {
 mkdir -p "$BUILD"
 cargo build --release --locked --lib
 MESHLAB_SOURCE=${MESHLAB_SOURCE:-$(source_tree meshlab "$MESHLAB_SHA256" sid testing)}
-OPENMESH_SOURCE=${OPENMESH_SOURCE:-$(source_tree openmesh "" "$(. /etc/os-release && echo "$VERSION_CODENAME")")}
+OPENMESH_SOURCE=$(scripts/get_openmesh.sh)
 [ "$(cat "$MESHLAB_SOURCE/ML_VERSION")" = "$MESHLAB_VERSION" ]
-check_openmesh "$OPENMESH_SOURCE"
 build double
 build float
 pack

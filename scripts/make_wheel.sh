@@ -1,46 +1,61 @@
 #!/usr/bin/env bash
-# Builds the C library and puts it into a wheel, out/wheels/intrinsym-VERSION-py3-none-PLATFORM.whl, together with
-# the OpenMesh library that it needs: users have no package of it.
+# Builds the C library and puts it into a wheel that runs on every Linux since 2018 (glibc 2.28, such as RHEL 8, which
+# is also what Blender asks for): out/wheels/intrinsym-VERSION-py3-none-manylinux_2_28_MACHINE.whl
 # usage: make_wheel.sh PYTHON   (a Python with what python/requirements-test.txt names)
-# INTRINSYM_LIBRARY names a library that is built already.
+#
+# The code is what cargo compiles for this machine. Only the last step differs: zig's linker brings the symbols of an
+# old glibc, OpenMesh is linked in, and auditwheel refuses the wheel if it needs anything newer than its tag says.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 PYTHON=$1
+GLIBC=2.28
+MACHINE=$(uname -m)
+BUILD=build/wheel
 STAGE=python/src/intrinsym/lib
 export PATH="$(dirname "$PYTHON"):$PATH"
 
-build_library() {
-    [ -n "${INTRINSYM_LIBRARY:-}" ] && return
-    cargo build --release --locked --lib
-    INTRINSYM_LIBRARY=${CARGO_TARGET_DIR:-target}/release/libintrinsym.so
+# The part of OpenMesh that the library uses, as an archive: Debian has only a shared library, users have none.
+build_openmesh() {
+    [ -f "$BUILD/openmesh.a" ] && return
+    local source objects=()
+    for source in "$1"/src/OpenMesh/Core/{Mesh,System,Utils}/*.cc; do
+        objects+=("$BUILD/$(basename "$source" .cc).o")
+        c++ -std=c++17 -O2 -DNDEBUG -fPIC -w -I "$1/src" -c "$source" -o "${objects[-1]}"
+    done
+    ar rcs "$BUILD/openmesh.a" "${objects[@]}"
 }
 
-# The file that the loader takes for the OpenMesh library; nothing where OpenMesh was linked statically.
-openmesh_file() {
-    ldd "$INTRINSYM_LIBRARY" | awk '$1 ~ /^libOpenMeshCore/ { print $3 }'
+# A file of the compiler, such as libstdc++.so.
+compilers() {
+    realpath "$(c++ -print-file-name="$1")"
 }
 
-# Debug information is three quarters of the library. Each library finds its neighbours in its own folder.
+link_library() {
+    local archive=${CARGO_TARGET_DIR:-target}/release/libintrinsym.a
+    c++ -std=c++17 -O2 -fPIC -c python/old_libstdcxx.cpp -o "$BUILD/old_libstdcxx.o"
+    echo '{ global: isym_*; local: *; };' >"$BUILD/exports.map"
+    "$PYTHON" -m ziglang cc -target "$MACHINE-linux-gnu.$GLIBC" -shared -o "$STAGE/libintrinsym.so" \
+        -Wl,-soname,libintrinsym.so -Wl,--version-script="$BUILD/exports.map" -Wl,-z,defs -Wl,--gc-sections \
+        -Wl,--strip-all -Wl,--whole-archive "$archive" -Wl,--no-whole-archive "$BUILD/old_libstdcxx.o" \
+        "$BUILD/openmesh.a" "$(compilers libstdc++.so)" "$(compilers libgcc_s.so.1)" -lm -lpthread -ldl -lc
+}
+
 stage() {
     rm -rf "$STAGE"
-    mkdir -p "$STAGE"
-    local file
-    for file in "$INTRINSYM_LIBRARY" $(openmesh_file); do
-        strip --strip-unneeded -o "$STAGE/$(basename "$file")" "$file"
-        patchelf --set-rpath '$ORIGIN' "$STAGE/$(basename "$file")"
-    done
-    cp LICENSE LICENSE-APACHE LICENSE-MIT "$STAGE/"
-    cp models/MODEL_CARD.md "$STAGE/"
-    cp /usr/share/doc/libopenmesh-dev/copyright "$STAGE/LICENSE-OpenMesh" 2>/dev/null ||
-        [ -z "$(openmesh_file)" ] || { echo "make_wheel: the licence of OpenMesh is missing" >&2; exit 1; }
+    mkdir -p "$STAGE" "$BUILD"
+    cp LICENSE LICENSE-APACHE LICENSE-MIT models/MODEL_CARD.md "$STAGE/"
+    install -m 644 "$1/LICENSE" "$STAGE/LICENSE-OpenMesh"
+    build_openmesh "$1"
+    link_library
 }
 
-# The newest glibc symbol decides on which systems the wheel runs.
-platform_tag() {
-    local newest
-    newest=$(objdump -T "$STAGE"/*.so* | grep -o 'GLIBC_2\.[0-9]*' | sort -Vu | tail -n 1)
-    echo "manylinux_${newest#GLIBC_}_$(uname -m)" | tr . _
+# auditwheel gives the wheel its tag, or says which symbols are too new for it.
+pack() {
+    rm -rf "$BUILD/dist" out/wheels/intrinsym-*.whl
+    "$PYTHON" -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir "$BUILD/dist" ./python
+    auditwheel repair --plat "manylinux_${GLIBC/./_}_$MACHINE" --only-plat --wheel-dir out/wheels \
+        "$BUILD"/dist/*.whl
 }
 
 # A checkout is to load the library of the last build, not one that was left here.
@@ -48,10 +63,9 @@ unstage() {
     rm -rf "$STAGE" python/build python/src/intrinsym.egg-info
 }
 
+[ "$(uname -s)" = Linux ] || { echo "make_wheel: wheels are made on Linux only" >&2; exit 1; }
 trap unstage EXIT
-build_library
-stage
-rm -f out/wheels/intrinsym-*.whl
-INTRINSYM_WHEEL_PLATFORM=$(platform_tag) "$PYTHON" -m pip wheel --quiet --no-deps --no-build-isolation \
-    --wheel-dir out/wheels ./python
+cargo build --release --locked --lib
+stage "$(scripts/get_openmesh.sh)"
+pack
 ls -l out/wheels/intrinsym-*.whl

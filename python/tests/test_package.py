@@ -77,11 +77,11 @@ def test_the_wheel_works_in_a_clean_environment(tmp_path):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads the loader's table of Linux")
-def test_the_wheel_brings_its_own_openmesh():
+def test_the_wheel_needs_no_openmesh():
     maps = Path("/proc/self/maps").read_text().splitlines()
     loaded = {Path(line.split()[-1]) for line in maps if ".so" in line}
     ours = intrinsym.library_path()
     assert ours in loaded
     if intrinsym.ENVIRONMENT_VARIABLE in os.environ or ours.is_relative_to(ROOT / "target"):
         pytest.skip("runs from a build, not from the wheel")
-    assert all(path.parent == ours.parent for path in loaded if "OpenMesh" in path.name)
+    assert not [path for path in loaded if "OpenMesh" in path.name]
