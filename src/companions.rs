@@ -14,6 +14,7 @@ use crate::mesh::{Attachment, Shell};
 use crate::progress::Progress;
 use crate::refinement::nearest;
 use crate::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
+use crate::vertex_rows::Guide;
 use faer::Mat;
 
 /// Spread coordinates of the anchor, and the weighted height above it.
@@ -209,11 +210,9 @@ fn refine_between(
     let count = bases[0].count().min(bases[1].count());
     let mut images = start.clone();
     for size in SIZES.into_iter().filter(|size| *size <= count) {
-        let free = full_refinement::estimate(&from, &onto, &images.points, size, size);
+        let free = full_refinement::estimate(&from.vertices(), &onto, &images.points, size, size);
         let map = project(free, Projection::Orthogonal)?;
-        let seeds: Vec<(u32, u32)> =
-            images.partners.iter().enumerate().map(|(i, p)| (i as u32, *p)).collect();
-        images = onto.images(&from, &map, &seeds);
+        images = onto.images(&from.vertices(), &map, &images.seeds(), Guide::Eigenfunctions);
     }
     Ok(images)
 }

@@ -7,8 +7,9 @@
 use crate::acceptance::Judgement;
 use crate::full_refinement::MatchTarget;
 use crate::laplacian::IntrinsicSurface;
-use crate::mesh_descent::VertexRows;
 use crate::shell_symmetry::ShellSymmetry;
+use crate::vertex_rows::{Guide, VertexRows};
+use std::ops::Range;
 
 /// Weights of the logistic model: constant, then those of [`Evidence::features`].
 const WEIGHTS: [f64; 5] = [-19.4656, -7.2554, -0.7361, 0.9095, -1.3079];
@@ -28,12 +29,12 @@ pub struct Evidence {
 impl Evidence {
     /// Gathers the evidence of a shell's map onto itself. O(vertices x eigenfunctions).
     pub fn new(target: &MatchTarget, found: &ShellSymmetry) -> Evidence {
-        let rows = target.rows(found.map.nrows());
-        let images = target.rows_at(&rows, &found.images.points);
+        let columns = target.rows.columns(found.map.nrows(), Guide::Eigenfunctions);
+        let images = target.rows_at(&target.rows, &found.images.points);
         let back = target.rows_at(&images, &found.images.points);
-        let scale = embedding_scale(target.surface, &rows);
+        let scale = embedding_scale(target.surface, &target.rows, &columns);
         Evidence {
-            round_trip: smoothed(target.surface, round_trips(&rows, &back, &scale)),
+            round_trip: smoothed(target.surface, round_trips(&target.rows, &back, &columns, &scale)),
             margin: found.margin,
             judged: found.judged,
         }
@@ -70,19 +71,20 @@ fn smoothed(surface: &IntrinsicSurface, mut values: Vec<f64>) -> Vec<f64> {
 }
 
 /// Distance of every vertex from the image of its image, `back`, about in sqrt(area).
-fn round_trips(rows: &VertexRows, back: &VertexRows, scale: &[f64]) -> Vec<f64> {
-    let distance = |vertex: usize| f64::from(rows.distance(vertex, back, vertex)).sqrt() / scale[vertex];
+fn round_trips(rows: &VertexRows, back: &VertexRows, columns: &Range<usize>, scale: &[f64]) -> Vec<f64> {
+    let distance =
+        |vertex: usize| f64::from(rows.distance(vertex, back, vertex, columns)).sqrt() / scale[vertex];
     (0..scale.len()).map(distance).collect()
 }
 
 /// Embedding distance per unit of surface distance around each vertex, from its triangles' edges.
-fn embedding_scale(surface: &IntrinsicSurface, rows: &VertexRows) -> Vec<f64> {
+fn embedding_scale(surface: &IntrinsicSurface, rows: &VertexRows, columns: &Range<usize>) -> Vec<f64> {
     let count = surface.vertex_count();
     let (mut embedded, mut real) = (vec![0.0; count], vec![0.0; count]);
     for (triangle, lengths) in surface.triangles.iter().zip(&surface.edge_lengths) {
         for corner in 0..3 {
             let (a, b) = (triangle[(corner + 1) % 3] as usize, triangle[(corner + 2) % 3] as usize);
-            let distance = f64::from(rows.distance(a, rows, b)).sqrt();
+            let distance = f64::from(rows.distance(a, rows, b, columns)).sqrt();
             for vertex in [a, b] {
                 embedded[vertex] += distance;
                 real[vertex] += lengths[corner];

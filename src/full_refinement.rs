@@ -2,21 +2,22 @@
 //!
 //! Vertex targets limit the map to the sampling of the mesh; the nearest point inside a triangle of
 //! the embedded mesh does not (D. Ezuz, M. Ben-Chen, "Deblurring and Denoising of Maps between
-//! Shapes", 2017, section 4.2). All vertices with their masses replace the samples of `refinement`.
+//! Shapes", 2017, section 4.2). The points whose images are sought are all vertices, or the few of
+//! [`crate::spread_points`], with their masses.
 
+use crate::adjacency::Adjacency;
+use crate::dense::cholesky_solve;
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::functional_map::{Projection, project};
 use crate::laplacian::IntrinsicSurface;
-use crate::mesh_descent::{MeshDescent, VertexRows};
+use crate::mesh_descent::MeshDescent;
 use crate::progress::Progress;
-use crate::refinement::embed;
+use crate::vertex_rows::{Guide, VertexRows};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use std::collections::HashMap;
-
-/// Weight of the mean curvature beside the eigenfunctions, whose squares have mean 1 each (`docs/method.md`).
-const CURVATURE_WEIGHT: f64 = 8.0;
+use std::ops::Range;
 
 /// A point inside a triangle of a shell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,13 +34,27 @@ pub struct MatchTarget<'a> {
     pub surface: &'a IntrinsicSurface,
     /// Its eigenbasis.
     pub basis: &'a Eigenbasis,
-    /// The eigenfunctions in single precision, which matching needs no more than.
-    functions: Mat<f32>,
+    /// Its vertices' rows.
+    pub rows: VertexRows,
+    graph: Adjacency,
     triangle_offsets: Vec<u32>,
     triangles_of_vertex: Vec<u32>,
 }
 
-/// Images of all vertices of a source shell on a target shell.
+/// Points of a shell whose images are sought, each with what matching and estimation need of it.
+#[derive(Clone, Copy)]
+pub struct Sources<'a> {
+    /// Their rows.
+    pub rows: &'a VertexRows,
+    /// Area that each point stands for.
+    pub mass: &'a [f64],
+    /// Which points are next to each other.
+    pub graph: &'a Adjacency,
+    /// Cholesky factor of `functions^T mass functions`; none where that is the identity.
+    pub gram: Option<MatRef<'a, f64>>,
+}
+
+/// Images of the vertices of a source shell, or of some points of it, on a target shell.
 #[derive(Debug, Clone)]
 pub struct VertexImages {
     /// Nearest target vertex.
@@ -66,6 +81,11 @@ impl VertexImages {
         };
         VertexImages { points: partners.iter().map(point).collect(), partners }
     }
+
+    /// Each point with its partner, to start from.
+    pub fn seeds(&self) -> Vec<(u32, u32)> {
+        (0..).zip(self.partners.iter().copied()).collect()
+    }
 }
 
 impl<'a> MatchTarget<'a> {
@@ -86,9 +106,15 @@ impl<'a> MatchTarget<'a> {
                 next[vertex as usize] += 1;
             }
         }
-        let exact = &basis.eigenfunctions;
-        let functions = Mat::from_fn(exact.nrows(), exact.ncols(), |i, j| exact[(i, j)] as f32);
-        MatchTarget { surface, basis, functions, triangle_offsets, triangles_of_vertex }
+        let rows = VertexRows::new(surface, basis);
+        let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
+        let graph = Adjacency::new(surface.vertex_count(), surface.triangles.iter().flat_map(sides));
+        MatchTarget { surface, basis, rows, graph, triangle_offsets, triangles_of_vertex }
+    }
+
+    /// All vertices.
+    pub fn vertices(&self) -> Sources<'_> {
+        Sources { rows: &self.rows, mass: &self.surface.lumped_mass, graph: &self.graph, gram: None }
     }
 
     fn triangles_of(&self, vertex: u32) -> &[u32] {
@@ -96,62 +122,75 @@ impl<'a> MatchTarget<'a> {
         &self.triangles_of_vertex[start..self.triangle_offsets[vertex as usize + 1] as usize]
     }
 
-    /// The images of all vertices of `source` under `map` (source size x target size).
+    /// The images of `source` under `map` (source size x target size).
     ///
-    /// `seeds` are pairs (source vertex, target vertex) near the truth, at least one per connected part.
-    pub fn images(&self, source: &MatchTarget, map: &Mat<f64>, seeds: &[(u32, u32)]) -> VertexImages {
-        self.images_by(source, map, seeds, &[])
-    }
-
-    /// The same by eigenfunctions and the columns of `curvature`, which source and target share.
-    fn images_by(
+    /// `seeds` are pairs (point of the source, target vertex) near the truth, at least one per connected part.
+    pub fn images(
         &self,
-        source: &MatchTarget,
+        source: &Sources,
         map: &Mat<f64>,
         seeds: &[(u32, u32)],
-        curvature: &[Vec<f64>],
+        guide: Guide,
     ) -> VertexImages {
-        let mapped = embed(source.functions.subcols(0, map.nrows()), map);
-        let rows =
-            |functions: MatRef<f32>| VertexRows::new(functions, map.ncols(), curvature, CURVATURE_WEIGHT);
-        let queries = rows(mapped.as_ref());
-        let targets = rows(self.functions.as_ref());
-        let descent = MeshDescent { graph: &self.surface.stiffness, queries: &queries, targets: &targets };
-        let partners = descent.run(&source.surface.stiffness, seeds, 2);
-        let edges = self.squared_edges(&targets);
-        let nearest = |(vertex, &partner)| {
-            self.nearest_point(|corner| queries.distance(vertex, &targets, corner as usize), &edges, partner)
-        };
-        let points = partners.iter().enumerate().map(nearest).collect();
+        let queries = source.rows.mapped(map);
+        let columns = self.rows.columns(map.ncols(), guide);
+        let descent = MeshDescent { graph: &self.graph, queries: &queries, targets: &self.rows, columns };
+        let partners = descent.run(source.graph, seeds, 2);
+        let mut search = PointSearch::new(self, &queries, descent.columns);
+        let points =
+            partners.iter().enumerate().map(|(point, &partner)| search.nearest(point, partner)).collect();
         VertexImages { partners, points }
     }
 
-    /// Squared lengths in `rows` of the edges opposite each triangle's corners.
-    fn squared_edges(&self, rows: &VertexRows) -> Vec<[f32; 3]> {
-        let between = |a: u32, b: u32| rows.distance(a as usize, rows, b as usize);
-        let of_triangle = |&[a, b, c]: &[u32; 3]| [between(b, c), between(c, a), between(a, b)];
-        self.surface.triangles.iter().map(of_triangle).collect()
+    /// What `rows` of the vertices give at `points`.
+    pub fn rows_at(&self, rows: &VertexRows, points: &[TrianglePoint]) -> VertexRows {
+        rows.combined(points.iter().map(|point| (self.corners(point), point.barycentric)))
     }
 
-    /// Nearest point among the triangles around `start`, walking on while it improves: `squared_distance` is that
-    /// of the query to a vertex, `edges` are squared lengths.
-    fn nearest_point(
-        &self,
-        squared_distance: impl Fn(u32) -> f32,
-        edges: &[[f32; 3]],
-        start: u32,
-    ) -> TrianglePoint {
+    /// The corners of `point`'s triangle.
+    fn corners(&self, point: &TrianglePoint) -> [u32; 3] {
+        self.surface.triangles[point.triangle as usize]
+    }
+
+    /// The corner of `point`'s triangle with the largest weight.
+    pub fn heaviest_corner(&self, point: &TrianglePoint) -> u32 {
+        let weights = point.barycentric;
+        self.corners(point)[(0..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best })]
+    }
+}
+
+/// Nearest points inside triangles of the target.
+struct PointSearch<'a> {
+    target: &'a MatchTarget<'a>,
+    queries: &'a VertexRows,
+    columns: Range<usize>,
+    /// Squared lengths of the edges opposite each triangle's corners; not a number until they are needed.
+    edges: Vec<[f32; 3]>,
+    /// Vertices near the present query with their squared distances from it.
+    distances: Vec<(u32, f32)>,
+}
+
+impl<'a> PointSearch<'a> {
+    fn new(target: &'a MatchTarget<'a>, queries: &'a VertexRows, columns: Range<usize>) -> Self {
+        let edges = vec![[f32::NAN; 3]; target.surface.triangles.len()];
+        PointSearch { target, queries, columns, edges, distances: Vec::new() }
+    }
+
+    /// Nearest to row `query` among the triangles around `start`, walking on while it improves.
+    fn nearest(&mut self, query: usize, start: u32) -> TrianglePoint {
+        self.distances.clear();
         let mut best = (TrianglePoint { triangle: 0, barycentric: [1.0, 0.0, 0.0] }, f32::MAX);
         let mut visited = start;
         for _ in 0..3 {
-            for &triangle in self.triangles_of(visited) {
-                let to_corners = self.surface.triangles[triangle as usize].map(&squared_distance);
-                let (barycentric, squared) = nearest_in_triangle(to_corners, edges[triangle as usize]);
+            for &triangle in self.target.triangles_of(visited) {
+                let corners = self.target.surface.triangles[triangle as usize];
+                let to_corners = corners.map(|corner| self.distance(query, corner));
+                let (barycentric, squared) = nearest_in_triangle(to_corners, self.edges_of(triangle));
                 if squared < best.1 {
                     best = (TrianglePoint { triangle, barycentric }, squared);
                 }
             }
-            let heaviest = self.heaviest_corner(&best.0);
+            let heaviest = self.target.heaviest_corner(&best.0);
             if heaviest == visited {
                 break;
             }
@@ -160,22 +199,24 @@ impl<'a> MatchTarget<'a> {
         best.0
     }
 
-    /// The leading `size` eigenfunctions, a row a vertex.
-    pub fn rows(&self, size: usize) -> VertexRows {
-        VertexRows::new(self.functions.as_ref(), size, &[], 0.0)
+    fn distance(&mut self, query: usize, vertex: u32) -> f32 {
+        if let Some(&(_, known)) = self.distances.iter().find(|(other, _)| *other == vertex) {
+            return known;
+        }
+        let distance = self.queries.distance(query, &self.target.rows, vertex as usize, &self.columns);
+        self.distances.push((vertex, distance));
+        distance
     }
 
-    /// What `rows` of the vertices give at `points`.
-    pub fn rows_at(&self, rows: &VertexRows, points: &[TrianglePoint]) -> VertexRows {
-        let corners = |point: &TrianglePoint| self.surface.triangles[point.triangle as usize];
-        rows.combined(points.iter().map(|point| (corners(point), point.barycentric)))
-    }
-
-    /// The corner of `point`'s triangle with the largest weight.
-    pub fn heaviest_corner(&self, point: &TrianglePoint) -> u32 {
-        let weights = point.barycentric;
-        let corner = (0..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best });
-        self.surface.triangles[point.triangle as usize][corner]
+    fn edges_of(&mut self, triangle: u32) -> [f32; 3] {
+        let edges = &mut self.edges[triangle as usize];
+        if edges[0].is_nan() {
+            let rows = &self.target.rows;
+            let between = |a: u32, b: u32| rows.distance(a as usize, rows, b as usize, &self.columns);
+            let [a, b, c] = self.target.surface.triangles[triangle as usize];
+            *edges = [between(b, c), between(c, a), between(a, b)];
+        }
+        *edges
     }
 }
 
@@ -209,52 +250,47 @@ fn weights(s: f32, t: f32) -> [f32; 3] {
     [(1.0 - s - t).max(0.0), s, t]
 }
 
-/// Refines `map` (square, an involution) on all vertices of one shell through growing `sizes`, guided by
-/// `curvature` beside the eigenfunctions unless that is empty.
+/// Refines `map` (square, an involution) on `points` of the shell through growing `sizes`.
 ///
-/// Returns the last map and the images under it. O(vertices x size^2) a step.
+/// Returns the last map and the images of the points under it. O(points x size^2) a step.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
 pub fn refine(
     shell: &MatchTarget,
+    points: &Sources,
     mut map: Mat<f64>,
     seeds: &[(u32, u32)],
     sizes: &[usize],
-    curvature: &[Vec<f64>],
+    guide: Guide,
     progress: &Progress,
 ) -> Result<(Mat<f64>, VertexImages)> {
-    let mut images = shell.images_by(shell, &map, seeds, curvature);
+    let mut images = shell.images(points, &map, seeds, guide);
     for (step, &size) in sizes.iter().enumerate() {
-        progress.report("refining on all vertices", 0.75 + 0.2 * step as f64 / sizes.len() as f64)?;
+        progress.report("refining", 0.75 + 0.2 * step as f64 / sizes.len() as f64)?;
         let size = size.min(shell.basis.count());
-        map = project(estimate(shell, shell, &images.points, size, size), Projection::Involution)?;
-        let seeds: Vec<(u32, u32)> =
-            images.partners.iter().enumerate().map(|(i, p)| (i as u32, *p)).collect();
-        images = shell.images_by(shell, &map, &seeds, curvature);
+        map = project(estimate(points, shell, &images.points, size, size), Projection::Involution)?;
+        images = shell.images(points, &map, &images.seeds(), guide);
     }
     Ok((map, images))
 }
 
-/// `source^T mass (target at points)`: the least-squares map, since the source basis is orthonormal.
+/// The least-squares map that sends each point of `source` to its image.
 pub fn estimate(
-    source: &MatchTarget,
+    source: &Sources,
     target: &MatchTarget,
-    points: &[TrianglePoint],
+    images: &[TrianglePoint],
     source_size: usize,
     target_size: usize,
 ) -> Mat<f64> {
-    let mut pulled = Mat::<f32>::zeros(points.len(), target_size);
-    for j in 0..target_size {
-        let column = target.functions.col_as_slice(j);
-        for (i, value) in pulled.col_as_slice_mut(j).iter_mut().enumerate() {
-            let corners = target.surface.triangles[points[i].triangle as usize];
-            let weighted = |c: usize| points[i].barycentric[c] * column[corners[c] as usize];
-            *value = (weighted(0) + weighted(1) + weighted(2)) * source.surface.lumped_mass[i] as f32;
-        }
+    let mut pulled = target.rows_at(&target.rows, images);
+    pulled.scale_rows(source.mass);
+    let (from, onto) = (source.rows.functions(source_size), pulled.functions(target_size));
+    let mut single = Mat::<f32>::zeros(source_size, target_size);
+    matmul(single.as_mut(), Accum::Replace, from.transpose(), onto, 1.0, Par::Seq);
+    let mut map = Mat::from_fn(source_size, target_size, |i, j| f64::from(single[(i, j)]));
+    if let Some(lower) = source.gram {
+        cholesky_solve(lower.submatrix(0, 0, source_size, source_size), map.as_mut());
     }
-    let functions = source.functions.subcols(0, source_size);
-    let mut map = Mat::<f32>::zeros(source_size, target_size);
-    matmul(map.as_mut(), Accum::Replace, functions.transpose(), pulled.as_ref(), 1.0, Par::Seq);
-    Mat::from_fn(source_size, target_size, |i, j| f64::from(map[(i, j)]))
+    map
 }

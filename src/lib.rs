@@ -12,7 +12,7 @@
 //! | eigenfunctions -> parity of each, with its probability | [`sign_network`] |
 //! | eigenfunctions -> parity vectors | [`parity_search`] |
 //! | parity -> functional map, refined and scored | [`functional_map`], [`refinement`], [`candidate_score`], [`candidates`] |
-//! | functional map -> map of all vertices | [`mesh_descent`], [`full_refinement`] |
+//! | functional map -> map of all vertices | [`adjacency`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`], [`spread_points`] |
 //! | finished map -> is it a symmetry at all | [`signature`], [`acceptance`] |
 //! | all spectral stages of one shell | [`shell_symmetry`] |
 //! | other shells, confidence, sides | [`companions`], [`confidence`], [`fixed_curve`] |
@@ -24,6 +24,7 @@
 #![deny(unsafe_code)]
 
 pub mod acceptance;
+pub mod adjacency;
 pub mod assembly;
 pub mod atomic_file;
 pub mod automorphism;
@@ -58,6 +59,8 @@ pub mod shell_symmetry;
 pub mod sign_network;
 pub mod signature;
 pub mod sparse_cholesky;
+pub mod spread_points;
 pub mod symmetry_kind;
+pub mod vertex_rows;
 
 pub use error::{Error, Result};

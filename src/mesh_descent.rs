@@ -5,78 +5,21 @@
 //! is quadratic. The walk can stop in a local minimum; sweeps over the neighbours' answers repair
 //! nearly all of those.
 
-use crate::laplacian::SymmetricSparse;
+use crate::adjacency::Adjacency;
 use crate::mesh::NONE;
-use faer::MatRef;
-
-/// Values that are worked on at once; rows are padded to whole lanes with zeros.
-const LANES: usize = 8;
-
-/// The eigenfunctions of all vertices in single precision, one padded row a vertex.
-pub struct VertexRows {
-    values: Vec<f32>,
-    stride: usize,
-}
-
-impl VertexRows {
-    /// The leading `size` columns of `functions`, then the `further` columns times `weight`.
-    pub fn new(functions: MatRef<f32>, size: usize, further: &[Vec<f64>], weight: f64) -> VertexRows {
-        let stride = (size + further.len()).next_multiple_of(LANES);
-        let mut values = vec![0.0; functions.nrows() * stride];
-        for j in 0..size {
-            for (i, row) in values.chunks_exact_mut(stride).enumerate() {
-                row[j] = functions[(i, j)];
-            }
-        }
-        for (column, j) in further.iter().zip(size..) {
-            for (row, value) in values.chunks_exact_mut(stride).zip(column) {
-                row[j] = (weight * value) as f32;
-            }
-        }
-        VertexRows { values, stride }
-    }
-
-    /// At each of `points` (three rows and their weights) the weighted sum of the rows.
-    pub fn combined(&self, points: impl ExactSizeIterator<Item = ([u32; 3], [f32; 3])>) -> VertexRows {
-        let mut values = vec![0.0; points.len() * self.stride];
-        for (out, (corners, weights)) in values.chunks_exact_mut(self.stride).zip(points) {
-            for (corner, weight) in corners.into_iter().zip(weights) {
-                for (out, value) in out.iter_mut().zip(self.row(corner as usize)) {
-                    *out += weight * value;
-                }
-            }
-        }
-        VertexRows { values, stride: self.stride }
-    }
-
-    /// One padded row.
-    pub fn row(&self, vertex: usize) -> &[f32] {
-        &self.values[vertex * self.stride..(vertex + 1) * self.stride]
-    }
-
-    /// Squared distance of a row here to a row there.
-    pub fn distance(&self, vertex: usize, other: &VertexRows, target: usize) -> f32 {
-        let (left, _) = self.row(vertex).as_chunks::<LANES>();
-        let (right, _) = other.row(target).as_chunks::<LANES>();
-        let mut lanes = [0f32; LANES];
-        for (a, b) in left.iter().zip(right) {
-            for lane in 0..LANES {
-                let difference = a[lane] - b[lane];
-                lanes[lane] += difference * difference;
-            }
-        }
-        lanes.iter().sum()
-    }
-}
+use crate::vertex_rows::VertexRows;
+use std::ops::Range;
 
 /// Nearest target of every vertex by descent along the mesh.
 pub struct MeshDescent<'a> {
     /// Adjacency of the target mesh.
-    pub graph: &'a SymmetricSparse,
+    pub graph: &'a Adjacency,
     /// Images of the vertices under the map.
     pub queries: &'a VertexRows,
     /// The vertices' own rows.
     pub targets: &'a VertexRows,
+    /// Columns of the rows in which distances are measured.
+    pub columns: Range<usize>,
 }
 
 impl MeshDescent<'_> {
@@ -84,8 +27,8 @@ impl MeshDescent<'_> {
     /// vertex also tries its neighbours' answers. About 25 distances a vertex.
     ///
     /// Vertices not reached from a seed keep [`NONE`].
-    pub fn run(&self, source_graph: &SymmetricSparse, seeds: &[(u32, u32)], sweeps: usize) -> Vec<u32> {
-        let count = source_graph.size();
+    pub fn run(&self, sources: &Adjacency, seeds: &[(u32, u32)], sweeps: usize) -> Vec<u32> {
+        let count = sources.count();
         let mut partner = vec![NONE; count];
         let mut reached = vec![f32::MAX; count];
         let mut queue = Vec::with_capacity(count);
@@ -99,7 +42,7 @@ impl MeshDescent<'_> {
         while head < queue.len() {
             let from = queue[head] as usize;
             head += 1;
-            for &to in source_graph.neighbours(from) {
+            for &to in sources.of(from) {
                 let to_index = to as usize;
                 if partner[to_index] == NONE {
                     (partner[to_index], reached[to_index]) = self.descend(to_index, partner[from]);
@@ -110,25 +53,19 @@ impl MeshDescent<'_> {
         for sweep in 0..sweeps {
             for step in 0..count {
                 let vertex = if sweep % 2 == 0 { step } else { count - 1 - step };
-                self.try_neighbours(source_graph, vertex, &mut partner, &mut reached);
+                self.try_neighbours(sources, vertex, &mut partner, &mut reached);
             }
         }
         partner
     }
 
-    fn try_neighbours(
-        &self,
-        graph: &SymmetricSparse,
-        vertex: usize,
-        partner: &mut [u32],
-        reached: &mut [f32],
-    ) {
-        for &neighbour in graph.neighbours(vertex) {
+    fn try_neighbours(&self, sources: &Adjacency, vertex: usize, partner: &mut [u32], reached: &mut [f32]) {
+        for &neighbour in sources.of(vertex) {
             let guess = partner[neighbour as usize];
             if guess == NONE || guess == partner[vertex] {
                 continue;
             }
-            if self.queries.distance(vertex, self.targets, guess as usize) < reached[vertex] {
+            if self.distance(vertex, guess) < reached[vertex] {
                 (partner[vertex], reached[vertex]) = self.descend(vertex, guess);
             }
         }
@@ -136,11 +73,11 @@ impl MeshDescent<'_> {
 
     fn descend(&self, vertex: usize, guess: u32) -> (u32, f32) {
         let mut current = guess;
-        let mut distance = self.queries.distance(vertex, self.targets, guess as usize);
+        let mut distance = self.distance(vertex, guess);
         loop {
             let start = current;
-            for &next in self.graph.neighbours(start as usize) {
-                let candidate = self.queries.distance(vertex, self.targets, next as usize);
+            for &next in self.graph.of(start as usize) {
+                let candidate = self.distance(vertex, next);
                 if candidate < distance {
                     (current, distance) = (next, candidate);
                 }
@@ -149,5 +86,8 @@ impl MeshDescent<'_> {
                 return (current, distance);
             }
         }
+    }
+    fn distance(&self, vertex: usize, target: u32) -> f32 {
+        self.queries.distance(vertex, self.targets, target as usize, &self.columns)
     }
 }

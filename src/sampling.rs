@@ -5,7 +5,6 @@
 //! on the pose. Each prefix of the samples is itself a farthest-point sampling.
 
 use crate::eigenbasis::Eigenbasis;
-use crate::laplacian::IntrinsicSurface;
 use faer::Mat;
 
 /// Coordinates of the embedding that spreads the samples.
@@ -59,23 +58,23 @@ impl Samples {
     }
 }
 
-/// Evenly spread vertices drawn in proportion to their area, in a fixed order: `count` of them.
+/// Indices of `count` vertices spread in proportion to their area, deterministic.
 ///
-/// The golden-ratio sequence along the cumulated mass visits every part of the surface.
-pub fn area_weighted_vertices(surface: &IntrinsicSurface, count: usize) -> Vec<u32> {
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let mut cumulated = Vec::with_capacity(surface.vertex_count());
-    let mut total = 0.0;
-    for mass in &surface.lumped_mass {
-        total += mass;
-        cumulated.push(total);
+/// Systematic sampling: vertices lie end to end, each as long as its `mass`, and the middle of each of
+/// `count` equal parts picks one. Every vertex heavier than a part is picked at least once.
+pub fn area_weighted_vertices(mass: &[f64], count: usize) -> Vec<usize> {
+    let part = mass.iter().sum::<f64>() / count as f64;
+    let mut picked = Vec::with_capacity(count);
+    let mut reached = 0.0;
+    for (vertex, area) in mass.iter().enumerate() {
+        reached += area;
+        while picked.len() < count && (picked.len() as f64 + 0.5) * part <= reached {
+            picked.push(vertex);
+        }
     }
-    (0..count)
-        .map(|i| {
-            let target = (0.5 + i as f64 * GOLDEN).fract() * total;
-            cumulated.partition_point(|mass| *mass < target).min(cumulated.len() - 1) as u32
-        })
-        .collect()
+    let last = mass.len().saturating_sub(1);
+    picked.resize(if mass.is_empty() { 0 } else { count }, last);
+    picked
 }
 
 /// Samples in the spread embedding, scaled to a root mean square radius of 1.
@@ -188,6 +187,13 @@ fn squared(a: &Point, b: &Point) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn area_weighted_vertices_follow_the_area() {
+        let picked = area_weighted_vertices(&[1.0, 3.0, 0.0, 4.0], 8);
+        assert_eq!(picked, [0, 1, 1, 1, 3, 3, 3, 3]);
+        assert!(area_weighted_vertices(&[], 4).is_empty());
+    }
 
     #[test]
     fn each_point_is_the_farthest_from_those_before_it() {

@@ -5,16 +5,18 @@ use crate::candidate_score::{Score, Scorer};
 use crate::candidates::{self, CANDIDATE_SIZE, Candidate, LARGEST_MARGIN};
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
-use crate::full_refinement::{self, MatchTarget, VertexImages};
+use crate::full_refinement::{self, MatchTarget, Sources, VertexImages};
 use crate::functional_map::{Projection, project};
 use crate::laplacian::IntrinsicSurface;
 use crate::options::Options;
 use crate::progress::Progress;
 use crate::refinement::SampleRefiner;
-use crate::sampling::Samples;
-use crate::sign_network::{REFERENCES, SignNetwork, SignPrediction, area_weighted_samples};
+use crate::sampling::{Samples, area_weighted_vertices};
+use crate::sign_network::{REFERENCES, SignNetwork, SignPrediction};
 use crate::signature;
+use crate::spread_points::SpreadPoints;
 use crate::symmetry_kind::SymmetryKind;
+use crate::vertex_rows::Guide;
 use faer::Mat;
 
 /// Sizes of the functional map on samples after a candidate is chosen.
@@ -22,7 +24,9 @@ const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
 /// Size of the map that is judged, made without curvature: finer and guided ones fit shapes without a symmetry,
 /// too.
 const JUDGED_SIZE: usize = 50;
-/// Step by which the functional map grows on all vertices, up to all eigenfunctions.
+/// Points on which it is refined from there on.
+const REFINED_POINTS: usize = 4000;
+/// Step by which the functional map grows, up to all eigenfunctions.
 const FULL_STEP: usize = 10;
 
 /// Eigenfunctions whose sign is predicted, and vertices the network looks at.
@@ -91,7 +95,7 @@ pub fn signs(shell: &PreparedShell, options: &Options) -> Result<Vec<SignPredict
 }
 
 fn predict(network: &SignNetwork, shell: &PreparedShell, k: usize) -> Result<Vec<SignPrediction>> {
-    let picked = area_weighted_samples(&shell.surface.lumped_mass, NETWORK_POINTS);
+    let picked = area_weighted_vertices(&shell.surface.lumped_mass, NETWORK_POINTS);
     let functions = &shell.basis.eigenfunctions;
     let rows: Vec<f64> =
         picked.iter().flat_map(|&vertex| (0..k).map(move |j| functions[(vertex, j)])).collect();
@@ -122,7 +126,8 @@ pub fn candidates(
     Ok(kept)
 }
 
-/// Refines a candidate on all samples, then on all vertices of the shell, which is `target`.
+/// Refines a candidate on all samples, then on points spread over the shell, which is `target`, then once on all
+/// its vertices.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -134,21 +139,18 @@ pub fn finish(
 ) -> Result<ShellSymmetry> {
     let refiner = SampleRefiner::new(&shell.samples);
     let map = refiner.refine(candidate.map.clone(), &POLISH_SIZES, Projection::Involution)?;
-    let vertices = &shell.samples.vertices;
-    let partners = refiner.partners(&map);
-    let seeds: Vec<(u32, u32)> = vertices
-        .iter()
-        .zip(&partners)
-        .map(|(vertex, partner)| (*vertex, vertices[*partner as usize]))
-        .collect();
-    let count = shell.basis.count();
-    let judged_sizes = [JUDGED_SIZE.min(count)];
-    let (map, images) = full_refinement::refine(target, map, &seeds, &judged_sizes, &[], progress)?;
-    let judged = judge(shell, &images, &candidate.score);
+    let points = SpreadPoints::new(target, REFINED_POINTS)?;
+    let seeds = points.seeds(&shell.samples, &refiner.partners(&map));
+    let (few, all, count) = (points.sources(), target.vertices(), shell.basis.count());
+    let refine = |points: &Sources, map, seeds: &[(u32, u32)], sizes: &[usize], guide| {
+        full_refinement::refine(target, points, map, seeds, sizes, guide, progress)
+    };
+    let (map, images) = refine(&few, map, &seeds, &[JUDGED_SIZE.min(count)], Guide::Eigenfunctions)?;
+    let judged = judge(shell, &points.vertices, &points.mass, &images, &candidate.score);
     let sizes: Vec<usize> = (JUDGED_SIZE..count).step_by(FULL_STEP).chain([count]).collect();
-    let seeds: Vec<(u32, u32)> = (0..).zip(images.partners).collect();
-    let curvature = &shell.surface.mean_curvature;
-    let (map, images) = full_refinement::refine(target, map, &seeds, &sizes, curvature, progress)?;
+    let (map, images) = refine(&few, map, &images.seeds(), &sizes, Guide::MeanCurvature)?;
+    let seeds: Vec<(u32, u32)> = points.vertices.iter().copied().zip(images.partners).collect();
+    let (map, images) = refine(&all, map, &seeds, &[count], Guide::MeanCurvature)?;
     Ok(ShellSymmetry { map, images, score: candidate.score, margin: candidate.margin, judged })
 }
 
@@ -160,18 +162,26 @@ pub fn of_partners(shell: &PreparedShell, target: &MatchTarget, partners: Vec<u3
     let images = VertexImages::at_vertices(&shell.surface.triangles, partners);
     let size = shell.basis.count();
     let map = project(
-        full_refinement::estimate(target, target, &images.points, size, size),
+        full_refinement::estimate(&target.vertices(), target, &images.points, size, size),
         Projection::Involution,
     )?;
     let refiner = SampleRefiner::new(&shell.samples);
     let scored = size.min(CANDIDATE_SIZE);
     let leading = map.submatrix(0, 0, scored, scored).to_owned();
     let score = Scorer::new(&shell.surface, &shell.basis, &refiner, Vec::new()).score(&leading)?;
-    let judged = judge(shell, &images, &score);
+    let vertices: Vec<u32> = (0..shell.surface.vertex_count() as u32).collect();
+    let judged = judge(shell, &vertices, &shell.surface.lumped_mass, &images, &score);
     Ok(ShellSymmetry { map, images, score, margin: LARGEST_MARGIN, judged })
 }
 
-fn judge(shell: &PreparedShell, images: &VertexImages, score: &Score) -> Judgement {
-    let mismatch = signature::mismatch(&shell.surface, &shell.basis, images);
-    Judgement::new(score, signature::mean(&shell.surface, mismatch.into_iter()))
+/// `images` are those of `vertices`, of which each stands for an area.
+fn judge(
+    shell: &PreparedShell,
+    vertices: &[u32],
+    areas: &[f64],
+    images: &VertexImages,
+    score: &Score,
+) -> Judgement {
+    let mismatch = signature::mismatch(&shell.surface, &shell.basis, vertices, images);
+    Judgement::new(score, signature::mean(areas, mismatch.into_iter()))
 }

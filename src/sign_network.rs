@@ -119,7 +119,7 @@ impl SignNetwork {
     /// Parity of each of the first `k` eigenfunctions.
     ///
     /// `eigenfunctions` holds `samples` rows of `k` numbers: the eigenfunctions (constant left out, by
-    /// rising eigenvalue) at points spread in proportion to area, see [`area_weighted_samples`]. Scale
+    /// rising eigenvalue) at points spread in proportion to area, see [`crate::sampling::area_weighted_vertices`]. Scale
     /// and sign of each column do not matter. Rows are thinned out evenly, or repeated, to the number
     /// of points that the model takes (256). Cost: `O(k * points)`, about 0.3 ms an eigenfunction.
     ///
@@ -185,25 +185,6 @@ fn without_network() -> Error {
     Error::Model("this library was built without the sign network (feature `onnx`)".into())
 }
 
-/// Indices of `count` vertices spread in proportion to their area, deterministic.
-///
-/// Systematic sampling: vertices lie end to end, each as long as its `mass`, and the middle of each of
-/// `count` equal parts picks one. Every vertex heavier than a part is picked at least once.
-pub fn area_weighted_samples(mass: &[f64], count: usize) -> Vec<usize> {
-    let part = mass.iter().sum::<f64>() / count as f64;
-    let mut picked = Vec::with_capacity(count);
-    let mut reached = 0.0;
-    for (vertex, area) in mass.iter().enumerate() {
-        reached += area;
-        while picked.len() < count && (picked.len() as f64 + 0.5) * part <= reached {
-            picked.push(vertex);
-        }
-    }
-    let last = mass.len().saturating_sub(1);
-    picked.resize(if mass.is_empty() { 0 } else { count }, last);
-    picked
-}
-
 #[cfg_attr(not(feature = "onnx"), allow(dead_code))]
 fn check_samples(eigenfunctions: &[f64], samples: usize, k: usize) -> Result<()> {
     if samples == 0 || k < REFERENCES || Some(eigenfunctions.len()) != samples.checked_mul(k) {
@@ -240,17 +221,6 @@ fn network_input(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn samples_follow_the_area() {
-        let picked = area_weighted_samples(&[1.0, 3.0, 0.0, 4.0], 8);
-        assert_eq!(picked, [0, 1, 1, 1, 3, 3, 3, 3]);
-    }
-
-    #[test]
-    fn samples_of_nothing_are_nothing() {
-        assert!(area_weighted_samples(&[], 4).is_empty());
-    }
 
     #[test]
     fn probabilities_add_up_and_the_logit_is_their_log_ratio() {

@@ -19,11 +19,16 @@ const TIME_RANGE: [f64; 2] = [0.002, 0.05];
 /// `ln h_t` of a vertex at each time.
 type Signature = [f64; TIMES];
 
-/// Difference of the signatures of each vertex and its image, in units of the signatures' mean deviation over the
+/// Difference of the signatures of each of `vertices` and its image, in units of the signatures' mean deviation over the
 /// whole surface: 0 for an isometry, about 1 for a random map. O(vertices x eigenfunctions).
-pub fn mismatch(surface: &IntrinsicSurface, basis: &Eigenbasis, images: &VertexImages) -> Vec<f64> {
+pub fn mismatch(
+    surface: &IntrinsicSurface,
+    basis: &Eigenbasis,
+    vertices: &[u32],
+    images: &VertexImages,
+) -> Vec<f64> {
     let signatures = signatures(basis, surface.vertex_count());
-    let deviation = mean_deviation(surface, &signatures);
+    let deviation = mean_deviation(&surface.lumped_mass, &signatures);
     let difference = |own: &Signature, point: &TrianglePoint| {
         let corners = surface.triangles[point.triangle as usize].map(|corner| &signatures[corner as usize]);
         let at_image = |t: usize| -> f64 {
@@ -32,13 +37,13 @@ pub fn mismatch(surface: &IntrinsicSurface, basis: &Eigenbasis, images: &VertexI
         let relative = |t: usize| (own[t] - at_image(t)).abs() / deviation[t];
         (0..TIMES).filter(|&t| deviation[t] > 0.0).map(relative).sum::<f64>() / TIMES as f64
     };
-    signatures.iter().zip(&images.points).map(|(own, point)| difference(own, point)).collect()
+    let own = vertices.iter().map(|&vertex| &signatures[vertex as usize]);
+    own.zip(&images.points).map(|(own, point)| difference(own, point)).collect()
 }
 
-/// Mean of a value per vertex, weighted by area.
-pub fn mean(surface: &IntrinsicSurface, values: impl Iterator<Item = f64>) -> f64 {
-    let total: f64 = surface.lumped_mass.iter().sum();
-    values.zip(&surface.lumped_mass).map(|(value, mass)| value * mass).sum::<f64>() / total
+/// Mean of values that stand for `areas`.
+pub fn mean(areas: &[f64], values: impl Iterator<Item = f64>) -> f64 {
+    values.zip(areas).map(|(value, area)| value * area).sum::<f64>() / areas.iter().sum::<f64>()
 }
 
 /// The constant function of a surface of unit area adds 1 to `h_t`, so its logarithm is never below 0.
@@ -58,9 +63,9 @@ fn signatures(basis: &Eigenbasis, vertices: usize) -> Vec<Signature> {
     signatures
 }
 
-fn mean_deviation(surface: &IntrinsicSurface, signatures: &[Signature]) -> [f64; TIMES] {
+fn mean_deviation(areas: &[f64], signatures: &[Signature]) -> [f64; TIMES] {
     std::array::from_fn(|t| {
-        let centre = mean(surface, signatures.iter().map(|signature| signature[t]));
-        mean(surface, signatures.iter().map(|signature| (signature[t] - centre).abs()))
+        let centre = mean(areas, signatures.iter().map(|signature| signature[t]));
+        mean(areas, signatures.iter().map(|signature| (signature[t] - centre).abs()))
     })
 }

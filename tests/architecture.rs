@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 37] = [
+const ORDER: [&str; 40] = [
     "error",
     "options",
     "limits",
@@ -25,8 +25,11 @@ const ORDER: [&str; 37] = [
     "refinement",
     "candidate_score",
     "candidates",
+    "adjacency",
+    "vertex_rows",
     "mesh_descent",
     "full_refinement",
+    "spread_points",
     "signature",
     "acceptance",
     "shell_symmetry",

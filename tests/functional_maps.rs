@@ -15,11 +15,13 @@ use intrinsym::functional_map::{
 };
 use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::mesh::{NONE, PolygonMesh, Shell};
-use intrinsym::mesh_descent::{MeshDescent, VertexRows};
+use intrinsym::mesh_descent::MeshDescent;
 use intrinsym::progress::Progress;
 use intrinsym::refinement::{SampleRefiner, embed, nearest};
 use intrinsym::sampling::Samples;
 use intrinsym::signature;
+use intrinsym::spread_points::SpreadPoints;
+use intrinsym::vertex_rows::Guide;
 use support::{creature, creature_truth, distance, example, example_truth, rectangle, validated};
 
 /// Numbers in -1..1 that are the same in every run.
@@ -200,19 +202,16 @@ fn a_mirrored_mesh_has_even_and_odd_eigenfunctions() {
     assert!((4..=16).contains(&odd), "{odd} odd functions");
 }
 
-fn rows(functions: &Mat<f64>, size: usize) -> VertexRows {
-    let single = Mat::from_fn(functions.nrows(), size, |i, j| functions[(i, j)] as f32);
-    VertexRows::new(single.as_ref(), size, &[], 0.0)
-}
-
 #[test]
 fn descent_along_the_mesh_finds_what_a_full_search_finds() {
     let shape = Shape::quadruped();
     let map = shape.true_map(50);
     let functions = &shape.basis.eigenfunctions;
     let mapped = product(functions.subcols(0, 50), map.as_ref());
-    let (queries, targets) = (rows(&mapped, 50), rows(functions, 50));
-    let descent = MeshDescent { graph: &shape.surface.stiffness, queries: &queries, targets: &targets };
+    let target = MatchTarget::new(&shape.surface, &shape.basis);
+    let (queries, graph) = (target.rows.mapped(&map), target.vertices().graph);
+    let columns = target.rows.columns(50, Guide::Eigenfunctions);
+    let descent = MeshDescent { graph, queries: &queries, targets: &target.rows, columns };
     let away = |i: usize, k: u32| -> f64 {
         (0..50).map(|j| (mapped[(i, j)] - functions[(k as usize, j)]).powi(2)).sum::<f64>().sqrt()
     };
@@ -221,7 +220,7 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
         .collect();
     let samples = Samples::farthest(&shape.basis, 1000).vertices;
     for seeds in [shape.seeds(&samples), shape.seeds(&samples[..1])] {
-        let found = descent.run(&shape.surface.stiffness, &seeds, 2);
+        let found = descent.run(graph, &seeds, 2);
         assert!(found.iter().all(|partner| *partner != NONE));
         let reached: Vec<f64> = found.iter().enumerate().map(|(i, k)| away(i, *k)).collect();
         let missed = (0..least.len()).filter(|&i| reached[i] > least[i] * 1.0001 + 1e-4).count();
@@ -236,10 +235,12 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
 #[test]
 fn descent_reaches_only_what_is_connected_to_a_seed() {
     let shape = Shape::creature(2, 0.0);
-    let rows = rows(&shape.basis.eigenfunctions, 30);
-    let descent = MeshDescent { graph: &shape.surface.stiffness, queries: &rows, targets: &rows };
-    assert!(descent.run(&shape.surface.stiffness, &[], 2).iter().all(|partner| *partner == NONE));
-    assert_eq!(descent.run(&shape.surface.stiffness, &[(5, 5)], 2), shape.all(), "the identity");
+    let target = MatchTarget::new(&shape.surface, &shape.basis);
+    let (rows, graph) = (&target.rows, target.vertices().graph);
+    let descent =
+        MeshDescent { graph, queries: rows, targets: rows, columns: rows.columns(30, Guide::Eigenfunctions) };
+    assert!(descent.run(graph, &[], 2).iter().all(|partner| *partner == NONE));
+    assert_eq!(descent.run(graph, &[(5, 5)], 2), shape.all(), "the identity");
 }
 
 #[test]
@@ -262,8 +263,9 @@ fn refinement_leaves_the_true_map_in_place() {
         assert!(error < 0.035, "{error} sqrt(area) on samples");
         let target = MatchTarget::new(&shape.surface, &shape.basis);
         let seeds = shape.seeds(&samples.vertices);
+        let (points, guide, progress) = (target.vertices(), Guide::Eigenfunctions, Progress::default());
         let (_, images) =
-            full_refinement::refine(&target, refined, &seeds, &[50, 60], &[], &Progress::default()).unwrap();
+            full_refinement::refine(&target, &points, refined, &seeds, &[50, 60], guide, &progress).unwrap();
         let error = shape.mean_error(&shape.all(), &images.partners);
         println!("vertices: {error}");
         assert!(error < largest, "{error} sqrt(area) on vertices");
@@ -275,6 +277,33 @@ fn refinement_leaves_the_true_map_in_place() {
             let near = corners.iter().map(|c| distance(place(*c), place(*partner))).fold(f64::MAX, f64::min);
             assert!(near < 4.0 * shape.surface.mean_edge_length(), "the point lies near the vertex: {near}");
         }
+    }
+}
+
+#[test]
+fn a_map_refined_on_few_points_is_that_of_all_vertices() {
+    let shape = Shape::quadruped();
+    let target = MatchTarget::new(&shape.surface, &shape.basis);
+    let points = SpreadPoints::new(&target, 1500).unwrap();
+    let area: f64 = points.mass.iter().sum();
+    assert!(points.vertices.len() > 1200 && points.vertices.is_sorted());
+    assert!((area - shape.surface.lumped_mass.iter().sum::<f64>()).abs() < 1e-9, "{area}");
+    // The true images of the points give the map that those of all vertices give.
+    let images = |vertices: &[u32]| {
+        let partners = vertices.iter().map(|&vertex| shape.truth[vertex as usize]).collect();
+        VertexImages::at_vertices(&shape.surface.triangles, partners).points
+    };
+    let all = full_refinement::estimate(&target.vertices(), &target, &images(&shape.all()), 30, 30);
+    let few = full_refinement::estimate(&points.sources(), &target, &images(&points.vertices), 30, 30);
+    let (size, apart) = (all.norm_l2(), (&all - &few).norm_l2());
+    println!("{apart} of {size}");
+    assert!(apart < 0.05 * size, "{apart} of {size}");
+    // From samples' partners every point has a guess at hand.
+    let samples = Samples::farthest(&shape.basis, 300);
+    let itself: Vec<u32> = (0..300).collect();
+    for (point, vertex) in points.seeds(&samples, &itself) {
+        let places = [points.vertices[point as usize], vertex].map(|v| shape.shell.positions[v as usize]);
+        assert!(distance(places[0], places[1]) < 6.0 * shape.surface.mean_edge_length());
     }
 }
 
@@ -304,8 +333,8 @@ fn signatures_of_true_partners_agree_and_those_of_others_do_not() {
     for (shape, largest) in [(Shape::creature(3, 0.0), 1e-6), (Shape::quadruped(), 0.15)] {
         let mean = |partners: &[u32]| {
             let images = VertexImages::at_vertices(&shape.surface.triangles, partners.to_vec());
-            let mismatch = signature::mismatch(&shape.surface, &shape.basis, &images);
-            signature::mean(&shape.surface, mismatch.into_iter())
+            let mismatch = signature::mismatch(&shape.surface, &shape.basis, &shape.all(), &images);
+            signature::mean(&shape.surface.lumped_mass, mismatch.into_iter())
         };
         let (truth, shifted) = (mean(&shape.truth), {
             let count = shape.truth.len();
@@ -347,15 +376,10 @@ fn the_fixed_curve_is_one_closed_loop_in_the_mirror_plane_and_sides_exchange() {
         let shape = Shape::creature(4, turn);
         let target = MatchTarget::new(&shape.surface, &shape.basis);
         let seeds = shape.seeds(&shape.all());
-        let (_, images) = full_refinement::refine(
-            &target,
-            shape.true_map(50),
-            &seeds,
-            &[50, 60],
-            &[],
-            &Progress::default(),
-        )
-        .unwrap();
+        let (points, guide, progress) = (target.vertices(), Guide::Eigenfunctions, Progress::default());
+        let map = shape.true_map(50);
+        let (_, images) =
+            full_refinement::refine(&target, &points, map, &seeds, &[50, 60], guide, &progress).unwrap();
         let odd = odd_function(&shape.surface, &shape.basis, &images);
         let edge = shape.surface.mean_edge_length();
         let x = |vertex: u32| shape.shell.positions[vertex as usize][0];

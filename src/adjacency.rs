@@ -1,0 +1,65 @@
+//! Who is next to whom: neighbours of the points of a graph, one list.
+
+/// The neighbours of each point of a graph, without the point itself.
+#[derive(Debug, Clone, Default)]
+pub struct Adjacency {
+    offsets: Vec<u32>,
+    neighbours: Vec<u32>,
+}
+
+impl Adjacency {
+    /// From the directed edges of a symmetric relation on `count` points; duplicates and loops are left out.
+    /// O(points + edges log degree).
+    pub fn new(count: usize, edges: impl Iterator<Item = (u32, u32)> + Clone) -> Adjacency {
+        let edges = edges.filter(|(from, to)| from != to);
+        let mut starts = vec![0u32; count + 1];
+        for (from, _) in edges.clone() {
+            starts[from as usize + 1] += 1;
+        }
+        for i in 0..count {
+            starts[i + 1] += starts[i];
+        }
+        let mut next = starts.clone();
+        let mut all = vec![0; starts[count] as usize];
+        for (from, to) in edges {
+            all[next[from as usize] as usize] = to;
+            next[from as usize] += 1;
+        }
+        let mut distinct = Adjacency { offsets: vec![0], neighbours: Vec::with_capacity(all.len()) };
+        for i in 0..count {
+            let row = &mut all[starts[i] as usize..starts[i + 1] as usize];
+            row.sort_unstable();
+            let first = distinct.neighbours.len();
+            for &to in row.iter() {
+                if distinct.neighbours[first..].last() != Some(&to) {
+                    distinct.neighbours.push(to);
+                }
+            }
+            distinct.offsets.push(distinct.neighbours.len() as u32);
+        }
+        distinct
+    }
+
+    /// Number of points.
+    pub fn count(&self) -> usize {
+        self.offsets.len().saturating_sub(1)
+    }
+
+    /// Neighbours of a point, ascending.
+    pub fn of(&self, point: usize) -> &[u32] {
+        &self.neighbours[self.offsets[point] as usize..self.offsets[point + 1] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn loops_and_duplicates_are_left_out() {
+        let edges = [(2, 0), (0, 2), (1, 1), (0, 2), (2, 0), (0, 1), (1, 0)];
+        let graph = Adjacency::new(4, edges.into_iter());
+        let rows: Vec<&[u32]> = (0..graph.count()).map(|point| graph.of(point)).collect();
+        assert_eq!(rows, [&[1u32, 2][..], &[0], &[0], &[]]);
+    }
+}

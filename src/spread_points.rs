@@ -1,0 +1,94 @@
+//! Few points of a shell that stand for all of it while a map is refined.
+//!
+//! A functional map has far fewer unknowns than a fine mesh has vertices, so some thousand points determine it as
+//! well as all vertices do (R. Magnet, M. Ovsjanikov, "Scalable and Efficient Functional Map Computations on
+//! Dense Meshes", 2023, for the sampling of large meshes; S. Melzi et al., "ZoomOut", 2019, section 4.3). Targets
+//! remain all points of the surface.
+
+use crate::adjacency::Adjacency;
+use crate::dense::{gram_cholesky, product};
+use crate::error::Result;
+use crate::full_refinement::{MatchTarget, Sources};
+use crate::mesh::NONE;
+use crate::sampling::{Samples, area_weighted_vertices};
+use crate::vertex_rows::VertexRows;
+use faer::Mat;
+
+/// Points spread over a shell in proportion to area; each stands for the vertices nearest to it along edges.
+pub struct SpreadPoints {
+    /// Their vertices, ascending.
+    pub vertices: Vec<u32>,
+    /// Area that each stands for.
+    pub mass: Vec<f64>,
+    rows: VertexRows,
+    graph: Adjacency,
+    gram: Mat<f64>,
+    /// For each vertex the point that stands for it.
+    nearest: Vec<u32>,
+}
+
+impl SpreadPoints {
+    /// About `count` points of a connected shell. O(vertices + count x eigenfunctions^2).
+    ///
+    /// # Errors
+    /// [`crate::Error::Internal`] if the eigenfunctions are not finite.
+    pub fn new(shell: &MatchTarget, count: usize) -> Result<SpreadPoints> {
+        let surface = shell.surface;
+        let mut vertices: Vec<u32> = area_weighted_vertices(&surface.lumped_mass, count)
+            .into_iter()
+            .map(|vertex| vertex as u32)
+            .collect();
+        vertices.dedup();
+        let everywhere = shell.vertices();
+        let nearest = nearest_points(everywhere.graph, &vertices);
+        let mut mass = vec![0.0; vertices.len()];
+        for (point, own) in nearest.iter().zip(&surface.lumped_mass) {
+            mass[*point as usize] += own;
+        }
+        let across = (0..surface.vertex_count() as u32).flat_map(|vertex| {
+            let point = |vertex: u32| nearest[vertex as usize];
+            everywhere.graph.of(vertex as usize).iter().map(move |&next| (point(vertex), point(next)))
+        });
+        let graph = Adjacency::new(vertices.len(), across);
+        let functions = &shell.basis.eigenfunctions;
+        let value = |i: usize, j: usize| functions[(vertices[i] as usize, j)];
+        let rooted = Mat::from_fn(vertices.len(), functions.ncols(), |i, j| mass[i].sqrt() * value(i, j));
+        let gram = gram_cholesky(product(rooted.transpose(), rooted.as_ref()).as_ref())?;
+        Ok(SpreadPoints { rows: shell.rows.at(&vertices), vertices, mass, graph, gram, nearest })
+    }
+
+    /// The points nearest to samples with the vertices that these are sent to: a start for all points.
+    ///
+    /// `partners` are indices of samples.
+    pub fn seeds(&self, samples: &Samples, partners: &[u32]) -> Vec<(u32, u32)> {
+        let point = |vertex: &u32| self.nearest[*vertex as usize];
+        let image = |partner: &u32| samples.vertices[*partner as usize];
+        samples.vertices.iter().map(point).zip(partners.iter().map(image)).collect()
+    }
+
+    /// The points as those whose images are sought.
+    pub fn sources(&self) -> Sources<'_> {
+        Sources { rows: &self.rows, mass: &self.mass, graph: &self.graph, gram: Some(self.gram.as_ref()) }
+    }
+}
+
+/// For each vertex the index of the one among `vertices` that is the fewest edges away.
+fn nearest_points(graph: &Adjacency, vertices: &[u32]) -> Vec<u32> {
+    let mut nearest = vec![NONE; graph.count()];
+    let mut queue = vertices.to_vec();
+    for (index, &vertex) in vertices.iter().enumerate() {
+        nearest[vertex as usize] = index as u32;
+    }
+    let mut head = 0;
+    while head < queue.len() {
+        let from = queue[head] as usize;
+        head += 1;
+        for &to in graph.of(from) {
+            if nearest[to as usize] == NONE {
+                nearest[to as usize] = nearest[from];
+                queue.push(to);
+            }
+        }
+    }
+    nearest
+}
