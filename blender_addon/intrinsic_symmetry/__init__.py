@@ -6,6 +6,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     preferences     defaults, from the library's own table of options
     mesh_data       meshes and attributes as numpy arrays, in any mode
     stored_map      the map that is kept on a mesh, and when it is refused
+    undo            puts the map's record back after undo in edit mode
     detection       one detection in a worker thread
     labels          what the network and the user say of each eigenfunction
     eigenfunctions  those that are shown in this session
@@ -31,11 +32,13 @@ from . import (
     overlay,
     panels,
     preferences,
+    undo,
 )
 
 _MODULES = (
     preferences,
     labels,
+    undo,
     overlay,
     ops_detect,
     ops_label,

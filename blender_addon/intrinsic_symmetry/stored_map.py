@@ -9,6 +9,7 @@
 | symmetry_face | INT | the face that holds the exact mirror image; -1 none |
 | symmetry_corner_0, _1, _2 | INT | three vertices of that face |
 | symmetry_bary | FLOAT_VECTOR | their weights |
+| symmetry_record | INT | the same for all vertices: which record belongs to the map (see `undo`) |
 
 Editing rots such numbers silently, so the record holds a hash of the connectivity and a checksum of the attributes,
 and a map that does not fit its mesh any more is refused.
@@ -20,14 +21,14 @@ from dataclasses import dataclass
 import intrinsym
 import numpy as np
 
-from . import mesh_data
+from . import mesh_data, undo
+from .undo import RECORD
 
-RECORD = "intrinsic_symmetry"
 PARTNER, CONFIDENCE, SIDE = "symmetry_partner", "symmetry_confidence", "symmetry_side"
 FACE, BARY = "symmetry_face", "symmetry_bary"
 CORNERS = ("symmetry_corner_0", "symmetry_corner_1", "symmetry_corner_2")
 KINDS = {PARTNER: "INT", CONFIDENCE: "FLOAT", SIDE: "INT", FACE: "INT", BARY: "FLOAT_VECTOR"}
-KINDS.update(dict.fromkeys(CORNERS, "INT"))
+KINDS.update(dict.fromkeys((*CORNERS, undo.NUMBER), "INT"))
 _NONE = 2**32 - 1
 
 
@@ -53,11 +54,6 @@ class FixedLine:
         return np.where(self.parameters < 0.5, self.edges[:, 0], self.edges[:, 1])
 
 
-def names():
-    """Names of all attributes of a stored map."""
-    return list(KINDS)
-
-
 def why_none(object):
     """Why there is no map to use, as far as can be seen without reading the mesh; or nothing."""
     record = object.data.get(RECORD)
@@ -79,10 +75,12 @@ def store(mesh, core_mesh, symmetry):
         BARY: points.barycentrics,
     }
     values.update(zip(CORNERS, points.corners.T.astype(np.int64)))
-    for name, kind in KINDS.items():
-        given = np.where(values[name] == _NONE, -1, values[name]) if kind == "INT" else values[name]
-        mesh_data.write_attribute(mesh, name, kind, given)
+    undo.remember(mesh)
+    for name, array in values.items():
+        given = np.where(array == _NONE, -1, array) if KINDS[name] == "INT" else array
+        mesh_data.write_attribute(mesh, name, KINDS[name], given)
     mesh[RECORD] = _record(mesh, core_mesh, symmetry)
+    _number(mesh)
 
 
 def _left(side, positions):
@@ -111,9 +109,16 @@ def _record(mesh, core_mesh, symmetry):
     return record
 
 
+def _number(mesh):
+    """Marks the attributes as those of the record that the mesh has."""
+    numbers = np.full(len(mesh.vertices), undo.number_of(mesh[RECORD]))
+    mesh_data.write_attribute(mesh, undo.NUMBER, "INT", numbers)
+    undo.remember(mesh)
+
+
 def _checksum(mesh):
     total = 0
-    for name in KINDS:
+    for name in (name for name in KINDS if name != undo.NUMBER):
         total = zlib.crc32(mesh_data.read_attribute(mesh.attributes[name]).tobytes(), total)
     return f"{total:08x}"
 
@@ -152,12 +157,15 @@ def fixed_lines(mesh):
 
 def exchange_sides(mesh):
     """Left becomes right."""
+    undo.remember(mesh)
     mesh_data.update_attribute(mesh.attributes[SIDE], -mesh_data.read_attribute(mesh.attributes[SIDE]))
     mesh[RECORD]["checksum"] = _checksum(mesh)
+    _number(mesh)
 
 
 def clear(mesh):
     """Removes the map and its record."""
+    undo.remember(mesh)
     for name in KINDS:
         if name in mesh.attributes:
             mesh.attributes.remove(mesh.attributes[name])

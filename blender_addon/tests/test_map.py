@@ -35,6 +35,71 @@ def test_undo_in_edit_mode(human):
     assert set(selected(bpy.context.object)) == set(left)
 
 
+def _state(object_name):
+    """What the tools would use: sides, confidences and the line; nothing without a map."""
+    object = bpy.data.objects[object_name]
+    mode = object.mode
+    usable = bpy.ops.intrinsic_symmetry.select_line.poll()
+    enter("OBJECT")
+    try:
+        if not usable:
+            return None
+        stored_map = module("stored_map")
+        symmetry, record = stored_map.load(object.data), object.data[stored_map.RECORD]
+        lines = stored_map.fixed_lines(object.data)
+        return symmetry.side.tolist(), symmetry.confidence.tolist(), record["mean_confidence"], str(lines)
+    finally:
+        enter(mode)
+
+
+def test_each_map_comes_back_by_undo_and_redo_in_edit_mode():
+    object = new_object(read_example("quadruped"), "undone")
+    for vertex in object.data.vertices:
+        vertex.co.z += 0.02 * vertex.co.x
+    enter("EDIT")
+    operators = bpy.ops.intrinsic_symmetry
+    steps = [
+        lambda: None,
+        lambda: operators.detect(),
+        lambda: operators.exchange_sides(),
+        lambda: (bpy.ops.mesh.select_all(action="SELECT"), bpy.ops.transform.resize(value=(1, 1, 1.4))),
+        lambda: operators.detect(),
+        lambda: operators.clear(),
+        lambda: operators.detect(),
+    ]
+    states = []
+    for step in steps:
+        step()
+        bpy.ops.ed.undo_push(message="step")
+        states.append(_state("undone"))
+    assert states[0] is None and states[5] is None
+    different = [str(states[index]) for index in (1, 2, 4)]
+    assert len(set(different)) == 3 and "None" not in different
+    for state in reversed(states[:-1]):
+        bpy.ops.ed.undo()
+        assert bpy.context.object.mode == "EDIT"
+        assert _state("undone") == state
+    for state in states[1:]:
+        bpy.ops.ed.redo()
+        assert _state("undone") == state
+
+
+def test_undo_from_object_mode_back_into_edit_mode():
+    new_object(read_example("quadruped"), "undone")
+    bpy.ops.ed.undo_push(message="before")
+    bpy.ops.object.mode_set("EXEC_DEFAULT", True, mode="EDIT")
+    for operator in (bpy.ops.intrinsic_symmetry.detect, bpy.ops.intrinsic_symmetry.exchange_sides):
+        operator("EXEC_DEFAULT", True)
+    before = _state("undone")
+    bpy.ops.object.mode_set("EXEC_DEFAULT", True, mode="OBJECT")
+    bpy.ops.intrinsic_symmetry.exchange_sides("EXEC_DEFAULT", True)
+    assert _state("undone") != before
+    for _ in range(2):
+        bpy.ops.ed.undo()
+    assert bpy.context.object.mode == "EDIT"
+    assert _state("undone") == before
+
+
 def _cut_one_edge(object):
     data = bmesh.new()
     data.from_mesh(object.data)

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Undo in edit mode: Blender brings back the attributes of a mesh, but not its custom properties.
+
+So the attribute `symmetry_record`, one number all over the mesh, says which record belongs to the map that is there,
+and after each undo and redo that record is put back. Records are kept for this session, the last ones.
+"""
+
+import bmesh
+import bpy
+
+RECORD = "intrinsic_symmetry"
+NUMBER = "symmetry_record"
+_MOST_RECORDS = 64
+
+#: Number of a record: the record.
+_records = {}
+
+
+def number_of(record):
+    """The value of NUMBER for a record; int32, never 0, which new vertices may get."""
+    return int(record["checksum"], 16) & 0x7FFFFFFF or 1
+
+
+def remember(mesh):
+    """Keeps the mesh's record, for the time when an undo brings its map back."""
+    record = mesh.get(RECORD)
+    if record is None:
+        return
+    number = number_of(record)
+    _records.pop(number, None)
+    _records[number] = record.to_dict()
+    while len(_records) > _MOST_RECORDS:
+        del _records[next(iter(_records))]
+
+
+def _number_in_edit_mode(mesh):
+    """The number that the first vertex has; 0 if it is a new one, nothing without a map."""
+    vertices = bmesh.from_edit_mesh(mesh).verts
+    layer, first = vertices.layers.int.get(NUMBER), next(iter(vertices), None)
+    return None if layer is None or first is None else first[layer]
+
+
+def _put_back(mesh):
+    number, record = _number_in_edit_mode(mesh), mesh.get(RECORD)
+    if number is None and record is not None:
+        remember(mesh)
+        del mesh[RECORD]
+    elif number in _records and (record is None or number_of(record) != number):
+        remember(mesh)
+        mesh[RECORD] = _records[number]
+
+
+@bpy.app.handlers.persistent
+def _after_undo(*_):
+    for mesh in bpy.data.meshes:
+        if mesh.is_editmode:
+            _put_back(mesh)
+
+
+def register():
+    bpy.app.handlers.undo_post.append(_after_undo)
+    bpy.app.handlers.redo_post.append(_after_undo)
+
+
+def unregister():
+    bpy.app.handlers.undo_post.remove(_after_undo)
+    bpy.app.handlers.redo_post.remove(_after_undo)
+    _records.clear()
