@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
-from . import mesh_data
+from . import mesh_data, stored_map
 from .mirroring import DIRECTIONS, MERGE, ConfidenceProperties, MirrorProperties
 from .operator_base import MapOperator, MeshOperator
 
@@ -20,12 +20,16 @@ class INTRINSIC_SYMMETRY_OT_symmetrize(MirrorProperties, MapOperator, bpy.types.
     bl_label = "Symmetrize Positions"
 
     def run_with(self, symmetry, _context, object, mode):
-        positions = mesh_data.shown_positions(object)
-        moved = symmetry.symmetrize_positions(positions, self.merge, **self.how())
-        inside = self.may_change(object, mode, symmetry)[:, None]
-        mesh_data.set_shown_positions(object, np.where(inside, moved, positions))
+        positions, how = mesh_data.shown_positions(object), self.how()
+        inside = self.may_change(object, mode, symmetry)
+        if not inside.all():  # what stays holds the border, so that no step appears there
+            symmetry = stored_map.load(object.data, only=inside)
+            how["minimum_confidence"] = max(how["minimum_confidence"], stored_map.LEAST)
+        moved = symmetry.symmetrize_positions(positions, self.merge, **how)
+        moved[~inside] = positions[~inside]
+        mesh_data.set_shown_positions(object, moved)
         size = np.linalg.norm(positions.max(axis=0) - positions.min(axis=0))
-        farthest = np.linalg.norm(np.where(inside, moved - positions, 0), axis=1).max()
+        farthest = np.linalg.norm(moved - positions, axis=1).max()
         return f"Vertices moved by up to {farthest / size:.2%} of the object's size"
 
 

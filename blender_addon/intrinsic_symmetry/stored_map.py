@@ -30,6 +30,8 @@ CORNERS = ("symmetry_corner_0", "symmetry_corner_1", "symmetry_corner_2")
 KINDS = {PARTNER: "INT", CONFIDENCE: "FLOAT", SIDE: "INT", FACE: "INT", BARY: "FLOAT_VECTOR"}
 KINDS.update(dict.fromkeys((*CORNERS, undo.NUMBER), "INT"))
 _NONE = 2**32 - 1
+#: The least confidence that is told from none.
+LEAST = 1e-6
 
 
 class StaleMap(mesh_data.MeshProblem):
@@ -123,8 +125,12 @@ def _checksum(mesh):
     return f"{total:08x}"
 
 
-def load(mesh):
-    """The stored map as an `intrinsym.Symmetry`. Raises StaleMap."""
+def load(mesh, only=None):
+    """The stored map as an `intrinsym.Symmetry`. Raises StaleMap.
+
+    `only`, (vertices,) bool: the other vertices get confidence 0, and these at least LEAST, so that a tool with this
+    minimum changes these alone.
+    """
     record = mesh.get(RECORD)
     if record is None or any(_attribute(mesh, name) is None for name in KINDS):
         raise StaleMap("This mesh has no stored symmetry: Detect first")
@@ -137,7 +143,10 @@ def load(mesh):
     corners = np.stack([read[name] for name in CORNERS], axis=1)
     points = intrinsym.SurfacePoints(read[FACE].astype(np.uint32), corners.astype(np.uint32), read[BARY])
     kind = intrinsym.SymmetryKind(record["kind"])
-    return core_mesh.restore(kind, read[PARTNER], read[CONFIDENCE], read[SIDE].astype(np.int8), points)
+    confidence = read[CONFIDENCE]
+    if only is not None:
+        confidence = np.where(only, np.maximum(confidence, LEAST), np.float32(0))
+    return core_mesh.restore(kind, read[PARTNER], confidence, read[SIDE].astype(np.int8), points)
 
 
 def _attribute(mesh, name):

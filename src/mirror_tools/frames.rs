@@ -18,6 +18,10 @@ use crate::symmetry_kind::SymmetryKind;
 pub type Matrix = [[f64; 3]; 3];
 
 /// Radius of the neighbourhood over which the covariances are averaged, in sqrt(area).
+///
+/// A wider one takes more of a wide dent for shape, and more of a bent joint too: on the posed human, with one
+/// side winning, 0.03 leaves 0.46 of dents 0.1 wide and moves the body without dents by 0.006 (root mean
+/// square, sqrt(area)), 0.06 leaves 0.35 and moves it by 0.008.
 const RADIUS: f64 = 0.03;
 /// Most rounds of averaging over neighbours; each widens the radius by about an edge in the root.
 const MOST_ROUNDS: f64 = 100.0;
