@@ -37,7 +37,7 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
         PreparedShell::new(IntrinsicSurface::with_mean_curvature(&mesh.shells()[0]), &options, &progress)?;
     let found = candidates(&shell, &signs(&shell, &options)?, 1, &options, &progress)?;
     let Some(candidate) = found.first() else { return Ok(String::new()) };
-    let target = MatchTarget::new(&shell.surface, &shell.basis);
+    let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
     let map = finish(&shell, &target, candidate, &progress)?;
     let evidence = Evidence::new(&target, &map);
     let vertex = |local: u32| mesh.vertex_of_point[points[local as usize] as usize];

@@ -5,13 +5,16 @@ use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::functional_map::{Projection, from_parity, mean_trace};
 use crate::laplacian::IntrinsicSurface;
+use crate::options::Options;
 use crate::parity_search::search;
 use crate::progress::Progress;
 use crate::refinement::SampleRefiner;
 use crate::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
 use crate::sign_network::SignPrediction;
+use crate::threads;
 use faer::Mat;
 use std::collections::HashSet;
+use std::sync::{Mutex, PoisonError};
 
 /// Samples on which candidates are refined and scored.
 const CANDIDATE_SAMPLES: usize = 500;
@@ -45,8 +48,6 @@ pub struct Candidate {
     pub score: Score,
     /// How much worse the next distinct candidate scores, 0..=2: 0 where two maps are equally good.
     pub margin: f64,
-    /// The signs (or mixed pairs) of the first eigenfunctions that started it.
-    pub start: Mat<f64>,
 }
 
 /// Refines all proposals and returns those that are no identity, best first.
@@ -60,7 +61,7 @@ pub fn find(
     basis: &Eigenbasis,
     samples: &Samples,
     signs: &[SignPrediction],
-    beam_width: usize,
+    options: &Options,
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
     let samples = samples.prefix(CANDIDATE_SAMPLES);
@@ -68,7 +69,8 @@ pub fn find(
     let expected = signs.iter().map(|sign| f64::from(sign.even - sign.odd)).collect();
     let scorer = Scorer::new(surface, basis, &refiner, expected);
     let mut candidates = Vec::new();
-    let mut seen = HashSet::new();
+    let seen = Mutex::default();
+    let (beam_width, token) = (options.beam_width, progress.token());
     for (round, (proposals, width)) in
         [(&PROPOSALS[..], beam_width), (&WIDE_PROPOSALS[..], WIDER * beam_width)].into_iter().enumerate()
     {
@@ -76,16 +78,22 @@ pub fn find(
         if round == 0 {
             starts.extend(propose_signs(signs));
         }
-        for (done, start) in starts.iter().enumerate() {
-            progress
-                .report("candidates", 0.45 + 0.15 * (round as f64 + done as f64 / starts.len() as f64))?;
-            candidates.extend(try_start(&refiner, &scorer, start, &mut seen)?);
+        progress.report("candidates", 0.45 + 0.1 * round as f64)?;
+        let tried = threads::map(options.threads, starts, |start| {
+            token.check()?;
+            try_start(&refiner, &scorer, &start, &seen)
+        });
+        for candidate in tried {
+            candidates.extend(candidate?);
         }
         if candidates.iter().any(|candidate: &Candidate| candidate.score.total() < CONVINCING) {
             break;
         }
     }
-    candidates.sort_by(|a, b| a.score.total().total_cmp(&b.score.total()));
+    // Which of two starts that meet goes on depends on the threads, so equal scores are told apart by the map.
+    candidates.sort_by(|a, b| {
+        a.score.total().total_cmp(&b.score.total()).then_with(|| a.partners.cmp(&b.partners))
+    });
     Ok(candidates)
 }
 
@@ -94,18 +102,12 @@ fn try_start(
     refiner: &SampleRefiner,
     scorer: &Scorer,
     start: &Mat<f64>,
-    seen: &mut HashSet<Passage>,
+    seen: &Mutex<HashSet<Passage>>,
 ) -> Result<Option<Candidate>> {
     let Some(map) = refine(refiner, start, seen)? else { return Ok(None) };
     let score = scorer.score(&map)?;
     let partners = refiner.partners(&map);
-    Ok((!score.is_identity()).then(|| Candidate {
-        map,
-        partners,
-        score,
-        margin: LARGEST_MARGIN,
-        start: start.clone(),
-    }))
+    Ok((!score.is_identity()).then(|| Candidate { map, partners, score, margin: LARGEST_MARGIN }))
 }
 
 fn propose(
@@ -158,18 +160,17 @@ type Passage = (usize, usize, Vec<u32>);
 fn refine(
     refiner: &SampleRefiner,
     start: &Mat<f64>,
-    seen: &mut HashSet<Passage>,
+    seen: &Mutex<HashSet<Passage>>,
 ) -> Result<Option<Mat<f64>>> {
     let length = start.nrows();
     let (rounds, step) = if length >= 8 { (5, 3) } else { (2, 2) };
     let mut map = refiner.refine(start.clone(), &vec![length; rounds], Projection::Orthogonal)?;
     for size in (length + step..=CANDIDATE_SIZE).step_by(step) {
-        let passage = (step, size, refiner.partners(&map));
-        if seen.contains(&passage) {
+        let partners = refiner.partners(&map);
+        if !seen.lock().unwrap_or_else(PoisonError::into_inner).insert((step, size, partners.clone())) {
             return Ok(None);
         }
-        map = refiner.estimate(&passage.2, size.min(refiner.samples.rows.ncols()), Projection::Involution)?;
-        seen.insert(passage);
+        map = refiner.estimate(&partners, size.min(refiner.samples.rows.ncols()), Projection::Involution)?;
     }
     Ok(Some(map))
 }

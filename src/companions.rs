@@ -202,11 +202,11 @@ fn refine_between(
     let surfaces = [IntrinsicSurface::new(source), IntrinsicSurface::new(target)];
     let largest = SIZES[SIZES.len() - 1];
     let bases = [
-        Eigenbasis::new(&surfaces[0], largest, progress)?,
-        Eigenbasis::new(&surfaces[1], largest, progress)?,
+        Eigenbasis::new(&surfaces[0], largest, 1, progress)?,
+        Eigenbasis::new(&surfaces[1], largest, 1, progress)?,
     ];
-    let from = MatchTarget::new(&surfaces[0], &bases[0]);
-    let onto = MatchTarget::new(&surfaces[1], &bases[1]);
+    let from = MatchTarget::new(&surfaces[0], &bases[0], 1);
+    let onto = MatchTarget::new(&surfaces[1], &bases[1], 1);
     let count = bases[0].count().min(bases[1].count());
     let mut images = start.clone();
     for size in SIZES.into_iter().filter(|size| *size <= count) {

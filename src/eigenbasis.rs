@@ -54,15 +54,20 @@ pub struct Eigenbasis {
 
 impl Eigenbasis {
     /// Computes the `count` lowest non-constant eigenpairs, or as many as there are vertices less one, to
-    /// [`Accuracy::Map`].
+    /// [`Accuracy::Map`], on at most `threads` threads.
     ///
     /// # Errors
     /// As [`Eigenbasis::with_accuracy`].
-    pub fn new(surface: &IntrinsicSurface, count: usize, progress: &Progress) -> Result<Eigenbasis> {
-        Eigenbasis::with_accuracy(surface, count, Accuracy::Map, progress)
+    pub fn new(
+        surface: &IntrinsicSurface,
+        count: usize,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<Eigenbasis> {
+        Eigenbasis::with_accuracy(surface, count, Accuracy::Map, threads, progress)
     }
 
-    /// The same to an accuracy of the caller's choice.
+    /// The same to an accuracy of the caller's choice. [`Accuracy::Full`] uses one thread.
     ///
     /// Cost: one sparse Cholesky factorisation (about O(n^1.5)) and O(n count^2).
     ///
@@ -72,6 +77,7 @@ impl Eigenbasis {
         surface: &IntrinsicSurface,
         count: usize,
         accuracy: Accuracy,
+        threads: usize,
         progress: &Progress,
     ) -> Result<Eigenbasis> {
         let size = surface.vertex_count();
@@ -79,7 +85,7 @@ impl Eigenbasis {
         let pairs = if size <= DENSE_LIMIT.max(count + 4 * lanczos::BLOCK) {
             dense_eigenpairs(surface, count + 1)?
         } else {
-            sparse_eigenpairs(surface, count + 1, accuracy, progress)?
+            sparse_eigenpairs(surface, count + 1, accuracy, threads, progress)?
         };
         let eigenfunctions = Mat::from_fn(size, count, |i, j| pairs.vectors[i * pairs.width + j + 1]);
         let eigenvalues = pairs.values[1..=count].iter().map(|value| value.max(0.0)).collect();
@@ -116,12 +122,13 @@ fn sparse_eigenpairs(
     surface: &IntrinsicSurface,
     count: usize,
     accuracy: Accuracy,
+    threads: usize,
     progress: &Progress,
 ) -> Result<RitzPairs> {
     let (stiffness, mass) = (&surface.stiffness, &surface.lumped_mass);
     match accuracy {
         Accuracy::Full => lanczos::eigenpairs(stiffness, mass, count, TOLERANCE, progress),
-        Accuracy::Map => nested_iteration::eigenpairs(stiffness, mass, count, progress),
+        Accuracy::Map => nested_iteration::eigenpairs(stiffness, mass, count, threads, progress),
     }
 }
 

@@ -13,6 +13,7 @@ use crate::functional_map::{Projection, project};
 use crate::laplacian::IntrinsicSurface;
 use crate::mesh_descent::MeshDescent;
 use crate::progress::Progress;
+use crate::threads;
 use crate::vertex_rows::{Guide, VertexRows};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
@@ -39,6 +40,7 @@ pub struct MatchTarget<'a> {
     graph: Adjacency,
     triangle_offsets: Vec<u32>,
     triangles_of_vertex: Vec<u32>,
+    threads: usize,
 }
 
 /// Points of a shell whose images are sought, each with what matching and estimation need of it.
@@ -89,8 +91,8 @@ impl VertexImages {
 }
 
 impl<'a> MatchTarget<'a> {
-    /// O(triangles + vertices x eigenfunctions).
-    pub fn new(surface: &'a IntrinsicSurface, basis: &'a Eigenbasis) -> Self {
+    /// O(triangles + vertices x eigenfunctions). Images will be sought on at most `threads` threads.
+    pub fn new(surface: &'a IntrinsicSurface, basis: &'a Eigenbasis, threads: usize) -> Self {
         let mut triangle_offsets = vec![0u32; surface.vertex_count() + 1];
         for vertex in surface.triangles.iter().flatten() {
             triangle_offsets[*vertex as usize + 1] += 1;
@@ -109,7 +111,7 @@ impl<'a> MatchTarget<'a> {
         let rows = VertexRows::new(surface, basis);
         let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
         let graph = Adjacency::new(surface.vertex_count(), surface.triangles.iter().flat_map(sides));
-        MatchTarget { surface, basis, rows, graph, triangle_offsets, triangles_of_vertex }
+        MatchTarget { surface, basis, rows, graph, triangle_offsets, triangles_of_vertex, threads }
     }
 
     /// All vertices.
@@ -134,12 +136,15 @@ impl<'a> MatchTarget<'a> {
     ) -> VertexImages {
         let queries = source.rows.mapped(map);
         let columns = self.rows.columns(map.ncols(), guide);
-        let descent = MeshDescent { graph: &self.graph, queries: &queries, targets: &self.rows, columns };
+        let (targets, threads) = (&self.rows, self.threads);
+        let descent =
+            MeshDescent { graph: &self.graph, queries: &queries, targets, columns: columns.clone(), threads };
         let partners = descent.run(source.graph, seeds, 2);
-        let mut search = PointSearch::new(self, &queries, descent.columns);
-        let points =
-            partners.iter().enumerate().map(|(point, &partner)| search.nearest(point, partner)).collect();
-        VertexImages { partners, points }
+        let points = threads::map(threads, threads::ranges(partners.len(), threads), |range| {
+            let mut search = PointSearch::new(self, &queries, columns.clone());
+            range.map(|point| search.nearest(point, partners[point])).collect::<Vec<_>>()
+        });
+        VertexImages { points: points.into_iter().flatten().collect(), partners }
     }
 
     /// What `rows` of the vertices give at `points`.

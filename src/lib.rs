@@ -5,7 +5,7 @@
 //!
 //! | stage | module |
 //! |---|---|
-//! | shared vocabulary | [`error`], [`options`], [`limits`], [`progress`], [`atomic_file`], [`symmetry_kind`] |
+//! | shared vocabulary | [`error`], [`options`], [`limits`], [`progress`], [`threads`], [`atomic_file`], [`symmetry_kind`] |
 //! | any mesh file -> validated triangle mesh | [`mesh`] |
 //! | one shell -> stiffness, lumped mass, mean curvature | [`laplacian`] |
 //! | operators -> eigenvalues, eigenfunctions | [`sparse_cholesky`], [`eigenbasis`], [`sampling`] |
@@ -61,6 +61,7 @@ pub mod signature;
 pub mod sparse_cholesky;
 pub mod spread_points;
 pub mod symmetry_kind;
+pub mod threads;
 pub mod vertex_rows;
 
 pub use error::{Error, Result};

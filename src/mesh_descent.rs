@@ -7,8 +7,17 @@
 
 use crate::adjacency::Adjacency;
 use crate::mesh::NONE;
+use crate::threads;
 use crate::vertex_rows::VertexRows;
 use std::ops::Range;
+
+/// Work for which a thread is started.
+const LEAST_PER_THREAD: usize = 500;
+
+/// A target vertex and its squared distance.
+type Answer = (u32, f32);
+
+const UNREACHED: Answer = (NONE, f32::MAX);
 
 /// Nearest target of every vertex by descent along the mesh.
 pub struct MeshDescent<'a> {
@@ -20,58 +29,66 @@ pub struct MeshDescent<'a> {
     pub targets: &'a VertexRows,
     /// Columns of the rows in which distances are measured.
     pub columns: Range<usize>,
+    /// Threads to use at most.
+    pub threads: usize,
 }
 
 impl MeshDescent<'_> {
     /// From `seeds` (vertex, guess) breadth first over the mesh, then `sweeps` rounds in which each
-    /// vertex also tries its neighbours' answers. About 25 distances a vertex.
+    /// vertex also tries its neighbours' answers of the round before. About 25 distances a vertex.
     ///
     /// Vertices not reached from a seed keep [`NONE`].
     pub fn run(&self, sources: &Adjacency, seeds: &[(u32, u32)], sweeps: usize) -> Vec<u32> {
-        let count = sources.count();
-        let mut partner = vec![NONE; count];
-        let mut reached = vec![f32::MAX; count];
-        let mut queue = Vec::with_capacity(count);
+        let mut answers = vec![UNREACHED; sources.count()];
+        let mut front = Vec::with_capacity(seeds.len());
+        let mut queued = vec![false; sources.count()];
         for &(vertex, guess) in seeds {
-            if partner[vertex as usize] == NONE {
-                (partner[vertex as usize], reached[vertex as usize]) = self.descend(vertex as usize, guess);
-                queue.push(vertex);
+            if !std::mem::replace(&mut queued[vertex as usize], true) {
+                front.push((vertex, guess));
             }
         }
-        let mut head = 0;
-        while head < queue.len() {
-            let from = queue[head] as usize;
-            head += 1;
-            for &to in sources.of(from) {
-                let to_index = to as usize;
-                if partner[to_index] == NONE {
-                    (partner[to_index], reached[to_index]) = self.descend(to_index, partner[from]);
-                    queue.push(to);
+        while !front.is_empty() {
+            let found = self.in_parallel(front.len(), |i| self.descend(front[i].0 as usize, front[i].1));
+            let mut next = Vec::new();
+            for (&(vertex, _), answer) in front.iter().zip(found) {
+                answers[vertex as usize] = answer;
+                for &to in sources.of(vertex as usize) {
+                    if !std::mem::replace(&mut queued[to as usize], true) {
+                        next.push((to, answer.0));
+                    }
                 }
             }
+            front = next;
         }
-        for sweep in 0..sweeps {
-            for step in 0..count {
-                let vertex = if sweep % 2 == 0 { step } else { count - 1 - step };
-                self.try_neighbours(sources, vertex, &mut partner, &mut reached);
-            }
+        for _ in 0..sweeps {
+            answers =
+                self.in_parallel(answers.len(), |vertex| self.best_of_neighbours(sources, vertex, &answers));
         }
-        partner
+        answers.into_iter().map(|(partner, _)| partner).collect()
     }
 
-    fn try_neighbours(&self, sources: &Adjacency, vertex: usize, partner: &mut [u32], reached: &mut [f32]) {
+    /// `work` of `0..count` in order.
+    fn in_parallel<R: Send>(&self, count: usize, work: impl Fn(usize) -> R + Sync) -> Vec<R> {
+        let threads = self.threads.min(count / LEAST_PER_THREAD).max(1);
+        let parts = threads::map(threads, threads::ranges(count, 4 * threads), |range| {
+            range.map(&work).collect::<Vec<R>>()
+        });
+        parts.into_iter().flatten().collect()
+    }
+
+    /// The vertex's answer, or where its neighbours' answers lead if that is nearer.
+    fn best_of_neighbours(&self, sources: &Adjacency, vertex: usize, answers: &[Answer]) -> Answer {
+        let mut best = answers[vertex];
         for &neighbour in sources.of(vertex) {
-            let guess = partner[neighbour as usize];
-            if guess == NONE || guess == partner[vertex] {
-                continue;
-            }
-            if self.distance(vertex, guess) < reached[vertex] {
-                (partner[vertex], reached[vertex]) = self.descend(vertex, guess);
+            let guess = answers[neighbour as usize].0;
+            if guess != NONE && guess != best.0 && self.distance(vertex, guess) < best.1 {
+                best = self.descend(vertex, guess);
             }
         }
+        best
     }
 
-    fn descend(&self, vertex: usize, guess: u32) -> (u32, f32) {
+    fn descend(&self, vertex: usize, guess: u32) -> Answer {
         let mut current = guess;
         let mut distance = self.distance(vertex, guess);
         loop {

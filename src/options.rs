@@ -20,6 +20,8 @@ pub struct Options {
     pub network: usize,
     /// Least plausibility, in percent, at which a map counts as a symmetry; 0 accepts every finished map.
     pub plausibility: usize,
+    /// Threads that a detection uses at most; the result does not depend on it.
+    pub threads: usize,
     /// A sign network of the caller's own instead of the embedded one: trusted input.
     pub model: Option<PathBuf>,
     /// Signs that a person knows, from the first eigenfunction on: 1 even, -1 odd, 0 unknown. They overrule
@@ -43,7 +45,7 @@ pub struct OptionSpec {
 }
 
 /// The table all hosts read.
-pub const OPTIONS: [OptionSpec; 6] = [
+pub const OPTIONS: [OptionSpec; 7] = [
     OptionSpec {
         name: "eigenfunctions",
         default: 150,
@@ -86,6 +88,13 @@ pub const OPTIONS: [OptionSpec; 6] = [
         maximum: 100,
         help: "Least plausibility in percent at which a map counts as a symmetry; 0 accepts the best map found.",
     },
+    OptionSpec {
+        name: "threads",
+        default: 2,
+        minimum: 1,
+        maximum: 64,
+        help: "Threads that one detection uses at most; the result does not depend on it.",
+    },
 ];
 
 impl Default for Options {
@@ -97,6 +106,7 @@ impl Default for Options {
             beam_width: OPTIONS[3].default,
             network: OPTIONS[4].default,
             plausibility: OPTIONS[5].default,
+            threads: OPTIONS[6].default,
             model: None,
             known_signs: Vec::new(),
         }
@@ -121,7 +131,15 @@ impl Options {
 
     /// The values in the order of [`OPTIONS`].
     pub fn values(&self) -> [usize; OPTIONS.len()] {
-        [self.eigenfunctions, self.samples, self.symmetries, self.beam_width, self.network, self.plausibility]
+        [
+            self.eigenfunctions,
+            self.samples,
+            self.symmetries,
+            self.beam_width,
+            self.network,
+            self.plausibility,
+            self.threads,
+        ]
     }
 
     /// Sets the option that is called `name` in [`OPTIONS`].
@@ -138,6 +156,7 @@ impl Options {
             &mut self.beam_width,
             &mut self.network,
             &mut self.plausibility,
+            &mut self.threads,
         ];
         *fields.into_iter().nth(index).expect("one field per option") = value;
         Ok(())

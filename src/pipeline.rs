@@ -84,7 +84,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     clock.lap("eigenfunctions");
     let signs = signs(&shell, options)?;
     clock.lap("sign network");
-    let assembler = Assembler::new(mesh, &shells, &shell)?;
+    let assembler = Assembler::new(mesh, &shells, &shell, options)?;
     let mirrored = assembler.by_connectivity(progress)?;
     clock.lap("connectivity");
     // Whoever states signs asks for the symmetry that has them.
@@ -190,9 +190,9 @@ struct Assembler<'a> {
 }
 
 impl<'a> Assembler<'a> {
-    fn new(mesh: &'a Mesh, shells: &'a [Shell], shell: &'a PreparedShell) -> Result<Self> {
+    fn new(mesh: &'a Mesh, shells: &'a [Shell], shell: &'a PreparedShell, options: &Options) -> Result<Self> {
         let attachments = if shells.len() > 1 { attach(mesh, shells, 0) } else { Vec::new() };
-        let target = MatchTarget::new(&shell.surface, &shell.basis);
+        let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
         let half_edges = HalfEdges::new(mesh.positions.len(), &mesh.polygon_offsets, &mesh.polygon_points)?;
         Ok(Assembler { mesh, shells, shell, target, attachments, half_edges })
     }
@@ -292,7 +292,7 @@ pub struct Eigen {
 pub fn eigen(mesh: &Mesh, count: usize, progress: &Progress) -> Result<Eigen> {
     let shells = mesh.shells();
     let surface = IntrinsicSurface::new(&shells[0]);
-    let basis = Eigenbasis::with_accuracy(&surface, count, Accuracy::Full, progress)?;
+    let basis = Eigenbasis::with_accuracy(&surface, count, Accuracy::Full, 1, progress)?;
     let mut local = vec![crate::mesh::NONE; mesh.positions.len()];
     for (index, &point) in shells[0].points.iter().enumerate() {
         local[point as usize] = index as u32;

@@ -19,6 +19,14 @@ impl CancelToken {
     pub fn is_cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
+
+    /// Answers whether to go on.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] if not.
+    pub fn check(&self) -> Result<()> {
+        if self.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
+    }
 }
 
 /// Called with a stage name and the fraction of the whole call, 0..=1, that is done.
@@ -48,7 +56,12 @@ impl<'a> Progress<'a> {
     /// # Errors
     /// [`Error::Cancelled`] if the token was cancelled.
     pub fn check(&self) -> Result<()> {
-        if self.token.is_cancelled() { Err(Error::Cancelled) } else { Ok(()) }
+        self.token.check()
+    }
+
+    /// The flag that [`Progress::check`] looks at, for other threads: they report nothing.
+    pub fn token(&self) -> &CancelToken {
+        &self.token
     }
 
     /// Says that `stage` has reached `fraction` of the whole call.

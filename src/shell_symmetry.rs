@@ -64,7 +64,7 @@ impl PreparedShell {
     /// # Errors
     /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
     pub fn new(surface: IntrinsicSurface, options: &Options, progress: &Progress) -> Result<PreparedShell> {
-        let basis = Eigenbasis::new(&surface, options.eigenfunctions, progress)?;
+        let basis = Eigenbasis::new(&surface, options.eigenfunctions, options.threads, progress)?;
         let samples = Samples::farthest(&basis, options.samples);
         Ok(PreparedShell { surface, basis, samples })
     }
@@ -113,8 +113,7 @@ pub fn candidates(
     options: &Options,
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
-    let found =
-        candidates::find(&shell.surface, &shell.basis, &shell.samples, signs, options.beam_width, progress)?;
+    let found = candidates::find(&shell.surface, &shell.basis, &shell.samples, signs, options, progress)?;
     let of_kind =
         |kind| found.iter().filter(move |candidate| candidate.score.kind() == Some(kind)).cloned().collect();
     let eigenvalues = &shell.basis.eigenvalues;

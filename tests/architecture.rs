@@ -6,11 +6,12 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 40] = [
+const ORDER: [&str; 41] = [
     "error",
     "options",
     "limits",
     "progress",
+    "threads",
     "atomic_file",
     "symmetry_kind",
     "mesh",

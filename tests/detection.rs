@@ -361,7 +361,7 @@ fn options_outside_their_range_are_refused() {
         let with = |value: usize| {
             let mut values = OPTIONS.map(|spec| spec.default);
             values[index] = value;
-            let [eigenfunctions, samples, symmetries, beam_width, network, plausibility] = values;
+            let [eigenfunctions, samples, symmetries, beam_width, network, plausibility, threads] = values;
             Options {
                 eigenfunctions,
                 samples,
@@ -369,6 +369,7 @@ fn options_outside_their_range_are_refused() {
                 beam_width,
                 network,
                 plausibility,
+                threads,
                 ..Options::default()
             }
         };
@@ -383,6 +384,16 @@ fn options_outside_their_range_are_refused() {
             assert!(error.to_string().contains(&range), "{error}");
         }
     }
+}
+
+#[test]
+fn the_answer_does_not_depend_on_the_threads() {
+    let mesh = validated(&example("quadruped"));
+    let with =
+        |threads| detected(&mesh, &Options { threads, plausibility: 0, ..Options::default() }).symmetries;
+    let (one, three) = (with(1), with(3));
+    assert!(!one.is_empty());
+    assert_eq!(format!("{one:?}"), format!("{three:?}"));
 }
 
 #[test]

@@ -14,7 +14,7 @@ use support::{creature, example, icosphere, rectangle, validated};
 
 fn solve(mesh: &PolygonMesh, count: usize) -> (IntrinsicSurface, Eigenbasis) {
     let surface = IntrinsicSurface::new(&validated(mesh).shells()[0]);
-    let basis = Eigenbasis::with_accuracy(&surface, count, Accuracy::Full, &Progress::default()).unwrap();
+    let basis = Eigenbasis::with_accuracy(&surface, count, Accuracy::Full, 1, &Progress::default()).unwrap();
     (surface, basis)
 }
 
@@ -105,7 +105,8 @@ fn the_dense_and_the_lanczos_solver_agree() {
 fn the_basis_for_maps_is_orthonormal_and_near_the_full_one() {
     for (mesh, count) in [(creature(5, 0.4), 50), (example("human"), 100), (creature(5, 0.4), 12)] {
         let (surface, full) = solve(&mesh, count);
-        let basis = Eigenbasis::with_accuracy(&surface, count, Accuracy::Map, &Progress::default()).unwrap();
+        let basis =
+            Eigenbasis::with_accuracy(&surface, count, Accuracy::Map, 2, &Progress::default()).unwrap();
         assert_eq!(basis.count(), count);
         let gram = mass_products(&surface, &basis.eigenfunctions, &basis.eigenfunctions);
         let overlaps = mass_products(&surface, &full.eigenfunctions, &basis.eigenfunctions);
@@ -132,7 +133,7 @@ fn a_vertex_with_thousands_of_neighbours_needs_no_coarse_start() {
     positions.extend((0..rim).map(|i| [angle(i).cos(), angle(i).sin(), 0.0]));
     let faces: Vec<[u32; 3]> = (0..rim).map(|i| [0, 1 + i as u32, 1 + ((i + 1) % rim) as u32]).collect();
     let (surface, full) = solve(&support::polygon_mesh(&positions, &faces), 50);
-    let basis = Eigenbasis::new(&surface, 50, &Progress::default()).unwrap();
+    let basis = Eigenbasis::new(&surface, 50, 1, &Progress::default()).unwrap();
     assert_near(&basis.eigenvalues, &full.eigenvalues, 1e-3);
 }
 

@@ -149,7 +149,7 @@ impl Shape {
         let shell = validated(mesh).shells().swap_remove(0);
         assert_eq!(shell.points.len(), truth.len());
         let surface = IntrinsicSurface::new(&shell);
-        let basis = Eigenbasis::new(&surface, 60, &Progress::default()).unwrap();
+        let basis = Eigenbasis::new(&surface, 60, 1, &Progress::default()).unwrap();
         Shape { shell, surface, basis, truth }
     }
 
@@ -208,10 +208,10 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
     let map = shape.true_map(50);
     let functions = &shape.basis.eigenfunctions;
     let mapped = product(functions.subcols(0, 50), map.as_ref());
-    let target = MatchTarget::new(&shape.surface, &shape.basis);
+    let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
     let (queries, graph) = (target.rows.mapped(&map), target.vertices().graph);
     let columns = target.rows.columns(50, Guide::Eigenfunctions);
-    let descent = MeshDescent { graph, queries: &queries, targets: &target.rows, columns };
+    let descent = MeshDescent { graph, queries: &queries, targets: &target.rows, columns, threads: 2 };
     let away = |i: usize, k: u32| -> f64 {
         (0..50).map(|j| (mapped[(i, j)] - functions[(k as usize, j)]).powi(2)).sum::<f64>().sqrt()
     };
@@ -235,10 +235,10 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
 #[test]
 fn descent_reaches_only_what_is_connected_to_a_seed() {
     let shape = Shape::creature(2, 0.0);
-    let target = MatchTarget::new(&shape.surface, &shape.basis);
+    let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
     let (rows, graph) = (&target.rows, target.vertices().graph);
-    let descent =
-        MeshDescent { graph, queries: rows, targets: rows, columns: rows.columns(30, Guide::Eigenfunctions) };
+    let columns = rows.columns(30, Guide::Eigenfunctions);
+    let descent = MeshDescent { graph, queries: rows, targets: rows, columns, threads: 1 };
     assert!(descent.run(graph, &[], 2).iter().all(|partner| *partner == NONE));
     assert_eq!(descent.run(graph, &[(5, 5)], 2), shape.all(), "the identity");
 }
@@ -261,7 +261,7 @@ fn refinement_leaves_the_true_map_in_place() {
         println!("samples: {error}");
         // The samples of these meshes lie about 0.04 apart.
         assert!(error < 0.035, "{error} sqrt(area) on samples");
-        let target = MatchTarget::new(&shape.surface, &shape.basis);
+        let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let seeds = shape.seeds(&samples.vertices);
         let (points, guide, progress) = (target.vertices(), Guide::Eigenfunctions, Progress::default());
         let (_, images) =
@@ -283,7 +283,7 @@ fn refinement_leaves_the_true_map_in_place() {
 #[test]
 fn a_map_refined_on_few_points_is_that_of_all_vertices() {
     let shape = Shape::quadruped();
-    let target = MatchTarget::new(&shape.surface, &shape.basis);
+    let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
     let points = SpreadPoints::new(&target, 1500).unwrap();
     let area: f64 = points.mass.iter().sum();
     assert!(points.vertices.len() > 1200 && points.vertices.is_sorted());
@@ -374,7 +374,7 @@ fn the_embedding_of_the_samples_is_their_rows_times_the_map() {
 fn the_fixed_curve_is_one_closed_loop_in_the_mirror_plane_and_sides_exchange() {
     for turn in [0.0, 0.4] {
         let shape = Shape::creature(4, turn);
-        let target = MatchTarget::new(&shape.surface, &shape.basis);
+        let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let seeds = shape.seeds(&shape.all());
         let (points, guide, progress) = (target.vertices(), Guide::Eigenfunctions, Progress::default());
         let map = shape.true_map(50);

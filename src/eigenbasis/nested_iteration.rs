@@ -16,6 +16,7 @@ use crate::error::Result;
 use crate::laplacian::SymmetricSparse;
 use crate::progress::Progress;
 use crate::sparse_cholesky::Analysis;
+use crate::threads;
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
@@ -46,12 +47,13 @@ pub fn eigenpairs(
     stiffness: &SymmetricSparse,
     mass: &[f64],
     count: usize,
+    threads: usize,
     progress: &Progress,
 ) -> Result<RitzPairs> {
     // A margin beyond the wanted pairs: what is farther off is damped by their ratio in each inverse iteration.
     let width = (count + count / 4).next_multiple_of(PANEL);
     if pays(mass.len(), width) {
-        corrected(stiffness, mass, width, FINEST_DEGREE, progress)
+        corrected(stiffness, mass, width, FINEST_DEGREE, threads, progress)
     } else {
         lanczos::eigenpairs(stiffness, mass, count, LONE_TOLERANCE, progress)
     }
@@ -68,11 +70,12 @@ fn corrected(
     mass: &[f64],
     width: usize,
     degree: usize,
+    threads: usize,
     progress: &Progress,
 ) -> Result<RitzPairs> {
     let coarse = Coarsening::new(stiffness, mass);
     let start = if pays(coarse.mass.len(), width) {
-        corrected(&coarse.stiffness, &coarse.mass, width, 0, progress)?
+        corrected(&coarse.stiffness, &coarse.mass, width, 0, threads, progress)?
     } else if coarse.mass.len() >= LEAST_PER_PAIR * width {
         lanczos::eigenpairs(&coarse.stiffness, &coarse.mass, width, COARSE_TOLERANCE, progress)?
     } else {
@@ -82,7 +85,7 @@ fn corrected(
     let operator = ShiftInvert::new(&analysis, stiffness, mass, SHIFT_PER_PAIR * width as f64)?;
     progress.report("eigenfunctions", 0.2)?;
     let block = prolonged(&coarse, &start, &operator);
-    let pairs = improve(&operator, block, width, degree, progress)?;
+    let pairs = improve(&operator, block, width, degree, threads, progress)?;
     progress.report("eigenfunctions", 0.4)?;
     Ok(operator.in_vertex_order(pairs))
 }
@@ -108,37 +111,44 @@ fn improve(
     mut block: Vec<f64>,
     width: usize,
     degree: usize,
+    threads: usize,
     progress: &Progress,
 ) -> Result<RitzPairs> {
-    let mut image = vec![0.0; block.len()];
     let mut bound = 0.0;
-    // From the last panel to the first: the last holds the bound of the filter's interval.
-    for first in (0..width).step_by(PANEL).rev() {
-        progress.check()?;
-        let panel = panel_of(&block, width, first);
-        if first + PANEL >= width && degree > 0 {
-            let mut image = panel.clone();
-            operator.apply(&mut image, PANEL);
-            bound = largest_rayleigh_quotient(&panel, &image);
+    if degree > 0 {
+        // The last panel holds the bound of the filter's interval.
+        let panel = panel_of(&block, width, width - PANEL);
+        let mut image = panel.clone();
+        operator.apply(&mut image, PANEL);
+        bound = largest_rayleigh_quotient(&panel, &image);
+    }
+    let mut image = vec![0.0; block.len()];
+    let token = progress.token();
+    // As many panels at once as there are threads: more would only wait with their results in memory.
+    for group in (0..width).step_by(PANEL).collect::<Vec<_>>().chunks(threads.max(1)) {
+        let panels = group.iter().map(|&first| (first, panel_of(&block, width, first))).collect();
+        let of_panel = |(first, panel)| -> Result<_> {
+            token.check()?;
+            Ok((first, filtered(operator, panel, degree, bound)))
+        };
+        for result in threads::map(threads, panels, of_panel) {
+            let (first, (filtered, inverse)) = result?;
+            put_panel(&mut block, width, first, &filtered);
+            put_panel(&mut image, width, first, &inverse);
         }
-        let (filtered, inverse) = filtered(operator, panel, degree, bound);
-        put_panel(&mut block, width, first, &filtered);
-        put_panel(&mut image, width, first, &inverse);
     }
     let (x, y) = (rows(&block, width), rows(&image, width));
     // For y = B x: y^T B^-1 y = y^T x.
-    let energy = symmetric_product(y, x);
-    let gram = symmetric_product(y, y);
+    let products = threads::map(threads, vec![x, y], |right| symmetric_product(y, right));
+    let [energy, gram] = <[_; 2]>::try_from(products).expect("two products");
     let (values, coefficients) = generalised_eigen(energy, gram)?;
     let mut vectors = block;
-    matmul(
-        MatMut::from_row_major_slice_mut(&mut vectors, operator.size(), width),
-        Accum::Replace,
-        y,
-        coefficients.as_ref(),
-        1.0,
-        Par::Seq,
-    );
+    let rows_at_once = operator.size().div_ceil(4 * threads.max(1)).max(1);
+    let parts = vectors.chunks_mut(rows_at_once * width).zip(image.chunks(rows_at_once * width)).collect();
+    threads::map(threads, parts, |(out, y): (&mut [f64], &[f64])| {
+        let out = MatMut::from_row_major_slice_mut(out, y.len() / width, width);
+        matmul(out, Accum::Replace, rows(y, width), coefficients.as_ref(), 1.0, Par::Seq);
+    });
     Ok(RitzPairs { values: values.iter().map(|value| value - operator.shift).collect(), vectors, width })
 }
 

@@ -1,5 +1,6 @@
 //! What may be typed. Numeric options come from the table that every host shares.
 
+use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command as ClapCommand, FromArgMatches, Parser, Subcommand};
 use intrinsym::limits::Limits;
 use intrinsym::options::{OPTIONS, Options};
@@ -60,7 +61,7 @@ pub struct Detect {
     #[arg(long, value_delimiter = ',', default_value = "map,ply,json", requires = "output_dir")]
     pub write: Vec<Kind>,
 
-    /// Meshes worked on at the same time; each is worked on by one thread
+    /// Meshes worked on at the same time; if more than one, each by one thread unless --threads is given
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub jobs: u16,
 
@@ -153,7 +154,9 @@ impl Detect {
     /// All options of the detection.
     pub fn options(&self) -> Options {
         let known_signs = self.signs.as_ref().map_or_else(Vec::new, |signs| signs.0.clone());
-        Options { model: self.model.clone(), known_signs, ..self.options.0.clone() }
+        let given = &self.options;
+        let threads = if self.jobs > 1 && !given.threads_given { 1 } else { given.options.threads };
+        Options { model: self.model.clone(), known_signs, threads, ..given.options.clone() }
     }
 }
 
@@ -186,7 +189,10 @@ impl Common {
 
 /// One flag for each entry of [`OPTIONS`]: name, default, range and help come from there.
 #[derive(Debug, Clone)]
-pub struct NumericOptions(pub Options);
+pub struct NumericOptions {
+    options: Options,
+    threads_given: bool,
+}
 
 impl Args for NumericOptions {
     fn augment_args(command: ClapCommand) -> ClapCommand {
@@ -207,7 +213,7 @@ impl Args for NumericOptions {
 
 impl FromArgMatches for NumericOptions {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let mut options = NumericOptions(Options::default());
+        let mut options = NumericOptions { options: Options::default(), threads_given: false };
         options.update_from_arg_matches(matches)?;
         Ok(options)
     }
@@ -215,10 +221,11 @@ impl FromArgMatches for NumericOptions {
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
         for spec in &OPTIONS {
             if let Some(&value) = matches.get_one::<u64>(spec.name) {
-                let set = self.0.set(spec.name, value as usize);
+                let set = self.options.set(spec.name, value as usize);
                 set.map_err(|error| clap::Error::raw(clap::error::ErrorKind::ValueValidation, error))?;
             }
         }
+        self.threads_given = matches.value_source("threads") == Some(ValueSource::CommandLine);
         Ok(())
     }
 }
@@ -278,9 +285,22 @@ mod tests {
             let Command::Detect(detect) = parse(spec.maximum).unwrap().command else { unreachable!() };
             let mut expected = Options::default();
             expected.set(spec.name, spec.maximum).unwrap();
-            assert_eq!(detect.options.0, expected);
+            assert_eq!(detect.options(), expected);
             assert!(parse(spec.maximum + 1).is_err() && parse(spec.minimum.wrapping_sub(1)).is_err());
         }
+    }
+
+    #[test]
+    fn meshes_side_by_side_have_one_thread_each_unless_told_otherwise() {
+        let threads = |flags: &[&str]| {
+            let line = ["intrinsym", "detect", "in.ply"].iter().chain(flags);
+            let Command::Detect(detect) = Arguments::parse_from(line).command else { unreachable!() };
+            detect.options().threads
+        };
+        assert_eq!(threads(&[]), Options::default().threads);
+        assert_eq!(threads(&["--jobs", "8"]), 1);
+        assert_eq!(threads(&["--jobs", "8", "--threads", "3"]), 3);
+        assert_eq!(threads(&["--jobs", "1", "--threads", "5"]), 5);
     }
 
     #[test]
