@@ -30,9 +30,9 @@ PLAUSIBLE = 0.33
 # The columns of `Evidence::features` in the source, in the order of WEIGHTS.
 FEATURES = (
     "ln(round trip + 0.002)",
-    "its square",
-    "margin",
-    "ln(mean signature mismatch + 0.002)",
+    "ln(way + 0.002)",
+    "ln(doubt + 0.01)",
+    "mean doubt",
 )
 BATCH = 20
 

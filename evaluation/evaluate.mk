@@ -32,10 +32,14 @@ evaluate-robustness: train-setup ## Measure maps, verdicts and confidence on eve
 	$(EVALUATE_PYTHON) evaluation.pages
 
 # The shapes that docs/method.md names; `make train-setup` brings the generator.
+GENERATE = $(EVALUATE_PYTHON) training.generate $(1) --max-vertices 12000 --out $(EVALUATE_DATA)/$(2)
 $(EVALUATE_DATA)/fit.ready: | $(TRAIN_OUT)/venv/.ready
-	$(EVALUATE_PYTHON) training.generate --kind all --count 160 --seed 45 --max-vertices 12000 --out $(EVALUATE_DATA)/symmetric
-	$(EVALUATE_PYTHON) training.generate --kind asymmetric-tree --kind unbalanced --count 110 --seed 103 --max-vertices 12000 --out $(EVALUATE_DATA)/asymmetric
-	$(EVALUATE_PYTHON) training.generate --kind lump --count 70 --seed 104 --max-vertices 12000 --out $(EVALUATE_DATA)/asymmetric
+	$(call GENERATE,--kind all --count 160 --seed 45,symmetric)
+	$(call GENERATE,--kind all --count 240 --seed 47,symmetric)
+	$(call GENERATE,--kind asymmetric-tree --kind unbalanced --count 110 --seed 103,asymmetric)
+	$(call GENERATE,--kind asymmetric-tree --kind unbalanced --count 110 --seed 203,asymmetric)
+	$(call GENERATE,--kind lump --count 70 --seed 104,asymmetric)
+	$(call GENERATE,--kind lump --count 70 --seed 204,asymmetric)
 	touch $@
 
 evaluate-fit: $(EVALUATE_DATA)/fit.ready ## Fit the models of src/acceptance.rs and src/confidence.rs again, beside the shipped weights

@@ -30,12 +30,14 @@ const WIDER: usize = 4;
 const NETWORK_PROPOSALS: [(usize, usize); 3] = [(12, 8), (8, 8), (6, 4)];
 /// Least certain signs that are flipped.
 const FLIPPED: usize = 5;
-/// Margins above this say no more.
-pub const LARGEST_MARGIN: f64 = 2.0;
 /// A candidate that scores below this ends the search.
 const CONVINCING: f64 = -4.2;
 /// Mean distance, in radii of the embedding, from which two maps count as different symmetries.
 const DISTINCT: f64 = 0.25;
+/// Distance, in radii of the embedding, from which two maps send a sample to different places.
+const ELSEWHERE: f64 = 0.2;
+/// A rival that scores worse by this has a weight of 1 / e.
+const RIVAL_SCALE: f64 = 0.5;
 
 /// A refined and scored map.
 #[derive(Debug, Clone)]
@@ -46,8 +48,9 @@ pub struct Candidate {
     pub partners: Vec<u32>,
     /// Its score.
     pub score: Score,
-    /// How much worse the next distinct candidate scores, 0..=2: 0 where two maps are equally good.
-    pub margin: f64,
+    /// How much speaks for another image of each of the first samples, 0..=1; empty until [`distinct`] has compared
+    /// the candidates.
+    pub doubts: Vec<f64>,
 }
 
 /// Refines all proposals and returns those that are no identity, best first.
@@ -107,7 +110,7 @@ fn try_start(
     let Some(map) = refine(refiner, start, seen)? else { return Ok(None) };
     let score = scorer.score(&map)?;
     let partners = refiner.partners(&map);
-    Ok((!score.is_identity()).then(|| Candidate { map, partners, score, margin: LARGEST_MARGIN }))
+    Ok((!score.is_identity()).then(|| Candidate { map, partners, score, doubts: Vec::new() }))
 }
 
 fn propose(
@@ -175,35 +178,74 @@ fn refine(
     Ok(Some(map))
 }
 
-/// Keeps the best of each group of near-equal maps, at most `most`, and sets their margins.
+/// Keeps the best of each group of near-equal maps, at most `most`, and says how much the others doubt them.
+///
+/// `candidates` are sorted, best first.
 pub fn distinct(
-    candidates: Vec<Candidate>,
+    candidates: &[Candidate],
     samples: &Samples,
     eigenvalues: &[f64],
     most: usize,
 ) -> Vec<Candidate> {
     let rows = spread_rows(&samples.prefix(CANDIDATE_SAMPLES), eigenvalues);
     let mut kept: Vec<Candidate> = Vec::new();
-    for candidate in candidates {
-        if kept.len() > most {
+    for (index, candidate) in candidates.iter().enumerate() {
+        if kept.len() == most {
             break;
         }
         if kept.iter().all(|other| mean_distance(&rows, &candidate.partners, &other.partners) > DISTINCT) {
-            kept.push(candidate);
+            kept.push(Candidate { doubts: doubts(&candidates[index..], &rows), ..candidate.clone() });
         }
     }
-    for index in 1..kept.len() {
-        let difference = kept[index].score.total() - kept[index - 1].score.total();
-        kept[index - 1].margin = difference.min(LARGEST_MARGIN);
-    }
-    kept.truncate(most);
     kept
 }
 
+/// For each sample the share of the `candidates` that send it elsewhere than the first, the best of them, does; those that
+/// score worse weigh less.
+fn doubts(candidates: &[Candidate], rows: &[[f64; SPREAD_COORDINATES]]) -> Vec<f64> {
+    let best = &candidates[0];
+    let weight = |other: &Candidate| ((best.score.total() - other.score.total()) / RIVAL_SCALE).exp();
+    let all: f64 = candidates.iter().map(weight).sum();
+    let mut doubts = vec![0.0; best.partners.len()];
+    for other in candidates {
+        let share = weight(other) / all;
+        for (doubt, (&own, &image)) in doubts.iter_mut().zip(best.partners.iter().zip(&other.partners)) {
+            if distance(rows, own, image) > ELSEWHERE {
+                *doubt += share;
+            }
+        }
+    }
+    doubts
+}
+
 fn mean_distance(rows: &[[f64; SPREAD_COORDINATES]], first: &[u32], second: &[u32]) -> f64 {
-    let distance = |a: u32, b: u32| {
-        let (p, q) = (&rows[a as usize], &rows[b as usize]);
-        p.iter().zip(q).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt()
-    };
-    first.iter().zip(second).map(|(&a, &b)| distance(a, b)).sum::<f64>() / first.len() as f64
+    first.iter().zip(second).map(|(&a, &b)| distance(rows, a, b)).sum::<f64>() / first.len() as f64
+}
+
+fn distance(rows: &[[f64; SPREAD_COORDINATES]], a: u32, b: u32) -> f64 {
+    let (p, q) = (&rows[a as usize], &rows[b as usize]);
+    p.iter().zip(q).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn candidate(partners: Vec<u32>, commutator: f64) -> Candidate {
+        let score = Score { commutator, orientation: -1.0, fixed: 0.0, disagreement: 0.0, trace: 0.0 };
+        Candidate { map: Mat::zeros(1, 1), partners, score, doubts: Vec::new() }
+    }
+
+    #[test]
+    fn rivals_are_doubts_where_they_differ_the_less_the_worse_they_score() {
+        // Two pairs of neighbours, which are nearer than what counts as elsewhere.
+        let place = |x: f64| std::array::from_fn(|j| if j == 0 { x } else { 0.0 });
+        let rows = [place(0.0), place(0.1), place(1.0), place(1.1)];
+        let best = candidate(vec![0, 1, 2, 3], 0.01);
+        let doubts_by = |rival| doubts(&[best.clone(), rival], &rows);
+        assert_eq!(doubts_by(candidate(vec![1, 0, 3, 2], 0.01)), [0.0; 4]);
+        assert_eq!(doubts_by(candidate(vec![0, 3, 2, 1], 0.01)), [0.0, 0.5, 0.0, 0.5]);
+        let worse = doubts_by(candidate(vec![0, 3, 2, 1], 0.1));
+        assert!(worse[0] == 0.0 && worse[1] > 0.0 && worse[1] < 0.05, "{worse:?}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::acceptance::Judgement;
 use crate::candidate_score::{Score, Scorer};
-use crate::candidates::{self, CANDIDATE_SIZE, Candidate, LARGEST_MARGIN};
+use crate::candidates::{self, CANDIDATE_SIZE, Candidate};
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::full_refinement::{self, MatchTarget, Sources, VertexImages};
@@ -42,8 +42,9 @@ pub struct ShellSymmetry {
     pub images: VertexImages,
     /// Score of the candidate it came from.
     pub score: Score,
-    /// Margin of the candidate it came from.
-    pub margin: f64,
+    /// Some vertices, spread over the shell, each with how much speaks for another image of it, 0..=1; empty if there
+    /// are no rivals.
+    pub doubts: Vec<(u32, f64)>,
     /// Whether the map is a symmetry at all.
     pub judged: Judgement,
 }
@@ -114,13 +115,20 @@ pub fn candidates(
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
     let found = candidates::find(&shell.surface, &shell.basis, &shell.samples, signs, options, progress)?;
-    let of_kind =
-        |kind| found.iter().filter(move |candidate| candidate.score.kind() == Some(kind)).cloned().collect();
+    let of_kind = |kind| -> Vec<Candidate> {
+        found.iter().filter(|candidate| candidate.score.kind() == Some(kind)).cloned().collect()
+    };
     let eigenvalues = &shell.basis.eigenvalues;
-    let mut kept = candidates::distinct(of_kind(SymmetryKind::Reflection), &shell.samples, eigenvalues, most);
+    let mut kept =
+        candidates::distinct(&of_kind(SymmetryKind::Reflection), &shell.samples, eigenvalues, most);
     if kept.len() < most && most > 1 {
         let left = most - kept.len();
-        kept.extend(candidates::distinct(of_kind(SymmetryKind::HalfTurn), &shell.samples, eigenvalues, left));
+        kept.extend(candidates::distinct(
+            &of_kind(SymmetryKind::HalfTurn),
+            &shell.samples,
+            eigenvalues,
+            left,
+        ));
     }
     Ok(kept)
 }
@@ -150,7 +158,8 @@ pub fn finish(
     let (map, images) = refine(&few, map, &images.seeds(), &sizes, Guide::MeanCurvature)?;
     let seeds: Vec<(u32, u32)> = points.vertices.iter().copied().zip(images.partners).collect();
     let (map, images) = refine(&all, map, &seeds, &[count], Guide::MeanCurvature)?;
-    Ok(ShellSymmetry { map, images, score: candidate.score, margin: candidate.margin, judged })
+    let doubts = shell.samples.vertices.iter().copied().zip(candidate.doubts.iter().copied()).collect();
+    Ok(ShellSymmetry { map, images, score: candidate.score, doubts, judged })
 }
 
 /// The symmetry that sends each vertex to `partners`, which the connectivity says; no rival.
@@ -170,7 +179,7 @@ pub fn of_partners(shell: &PreparedShell, target: &MatchTarget, partners: Vec<u3
     let score = Scorer::new(&shell.surface, &shell.basis, &refiner, Vec::new()).score(&leading)?;
     let vertices: Vec<u32> = (0..shell.surface.vertex_count() as u32).collect();
     let judged = judge(shell, &vertices, &shell.surface.lumped_mass, &images, &score);
-    Ok(ShellSymmetry { map, images, score, margin: LARGEST_MARGIN, judged })
+    Ok(ShellSymmetry { map, images, score, doubts: Vec::new(), judged })
 }
 
 /// `images` are those of `vertices`, of which each stands for an area.

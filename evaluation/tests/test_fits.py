@@ -76,9 +76,9 @@ def test_confidence_learns_which_evidence_counts(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(sys, "argv", ["confidence", str(tmp_path / "symmetric"), "--keep", str(tmp_path / "evidence")])
     confidence.main()
     printed = capsys.readouterr().out
-    weight = {line.split("|")[1].strip(): float(line.split("|")[2]) for line in printed.splitlines() if line.startswith(("| ln", "| margin"))}
+    weight = {line.split("|")[1].strip(): float(line.split("|")[2]) for line in printed.splitlines() if line.startswith(("| ln", "| mean"))}
     assert weight["ln(round trip + 0.002)"] == pytest.approx(-2, rel=0.3)
-    assert abs(weight["margin"]) < 0.3
+    assert abs(weight["mean doubt"]) < 0.3
     assert "four-fold cross-validation by shape: expected calibration error 0.0" in printed
 
 
