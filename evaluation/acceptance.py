@@ -4,7 +4,7 @@
 
 Both are folders of `training.generate`. Runs the program with `--plausibility 0`, which answers with the best map
 whatever it is, and tells right maps of symmetric shapes (mean error at most 0.1 sqrt(area)) from maps of asymmetric ones,
-both classes weighing the same. Wrong maps of symmetric shapes are left out: many are another near-symmetry of the shape.
+which weigh half as much again. Wrong maps of symmetric shapes are left out: many are another near-symmetry of the shape.
 Prints the weights beside those in the source. `--keep` keeps the answers, so that a second run need not detect again.
 """
 
@@ -23,9 +23,12 @@ from .program import detect, read_answer
 SOURCE = Path(__file__).parent.parent / "src" / "acceptance.rs"
 # Measures of `report.judged`, in the order of WEIGHTS in the source, and what the model takes of each.
 FEATURES = {
-    "ln(signature_mismatch + 0.002)": lambda judged: np.log(judged["signature_mismatch"] + 0.002),
     "isometry_score": lambda judged: judged["isometry_score"],
+    "ln(signature_mismatch + 0.002)": lambda judged: np.log(judged["signature_mismatch"] + 0.002),
+    "ln(displacement + 0.05)": lambda judged: np.log(judged["displacement"] + 0.05),
 }
+# Share of the shapes that have a symmetry, where a plausibility is a probability.
+SYMMETRIC_SHARE = 0.4
 LEVELS = (0.33, 0.5, 0.67)
 
 
@@ -45,6 +48,11 @@ def read_table(program: str, shapes: list[Shape], folder: Path):
             right.append(shape.symmetric and float(shape.errors(answer.partners).mean()) <= WRONG)
             names.append(shape.name)
     return np.array(features).reshape(len(names), -1), np.array(plausibility), np.array(right, bool), names
+
+
+def balanced(right: np.ndarray) -> np.ndarray:
+    """Weights of both classes as shares of the shapes."""
+    return logistic.balanced(right, SYMMETRIC_SHARE)
 
 
 def report(positive: np.ndarray, negative: np.ndarray, shapes: tuple[int, int]) -> str:
@@ -75,12 +83,12 @@ def main() -> None:
     print(f"{len(asymmetric)} asymmetric shapes: {len(others)} with a map\n")
     counts = len(symmetric), len(asymmetric)
     rows, label = np.r_[features[right], others], np.r_[np.ones(right.sum(), bool), np.zeros(len(others), bool)]
-    weights = logistic.fit(rows, label, logistic.balanced(label))
+    weights = logistic.fit(rows, label, balanced(label))
     print(logistic.weights_table(list(FEATURES), weights, logistic.rust_weights(SOURCE)))
     print("\nas the program judges now:\n" + report(now[right], others_now, counts))
     stated = logistic.probability(weights, rows)
     print("\nfitted now:\n" + report(stated[label], stated[~label], counts))
-    stated = logistic.cross_validated(rows, label, np.arange(len(label)), logistic.balanced)
+    stated = logistic.cross_validated(rows, label, np.arange(len(label)), balanced)
     print("\nfour-fold cross-validation:\n" + report(stated[label], stated[~label], counts))
 
 

@@ -35,9 +35,9 @@ def probability(weights: np.ndarray, features: np.ndarray) -> np.ndarray:
     return 1 / (1 + np.exp(-(weights[0] + features @ weights[1:])))
 
 
-def balanced(right: np.ndarray) -> np.ndarray:
-    """Weights that make both classes count the same."""
-    return np.where(right, 1 / right.sum(), 1 / (~right).sum())
+def balanced(right: np.ndarray, share: float = 0.5) -> np.ndarray:
+    """Weights that make `right` count `share` of the whole, however many there are."""
+    return np.where(right, share / right.sum(), (1 - share) / (~right).sum())
 
 
 def cross_validated(

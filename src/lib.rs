@@ -13,7 +13,7 @@
 //! | eigenfunctions -> parity vectors | [`parity_search`] |
 //! | parity -> functional map, refined and scored | [`functional_map`], [`refinement`], [`candidate_score`], [`candidates`] |
 //! | functional map -> map of all vertices | [`adjacency`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`], [`spread_points`] |
-//! | finished map -> is it a symmetry at all | [`signature`], [`acceptance`] |
+//! | finished map -> is it a symmetry at all | [`signature`], [`displacement`], [`acceptance`] |
 //! | all spectral stages of one shell | [`shell_symmetry`] |
 //! | other shells, confidence, sides | [`companions`], [`confidence`], [`fixed_curve`] |
 //! | connectivity that is itself mirrored -> the exact bijection | [`automorphism`] |
@@ -34,6 +34,7 @@ pub mod companions;
 pub mod confidence;
 pub mod correspondence;
 pub mod dense;
+pub mod displacement;
 pub mod eigenbasis;
 pub mod error;
 pub mod ffi;

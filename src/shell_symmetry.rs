@@ -3,6 +3,7 @@
 use crate::acceptance::Judgement;
 use crate::candidate_score::{Score, Scorer};
 use crate::candidates::{self, CANDIDATE_SIZE, Candidate};
+use crate::displacement::mean_displacement;
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::full_refinement::{self, MatchTarget, Sources, VertexImages};
@@ -21,9 +22,9 @@ use faer::Mat;
 
 /// Sizes of the functional map on samples after a candidate is chosen.
 const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
-/// Size of the map that is judged, made without curvature: finer and guided ones fit shapes without a symmetry,
-/// too.
-const JUDGED_SIZE: usize = 50;
+/// Size of the map whose signatures are compared, made without curvature: finer and guided ones fit shapes without
+/// a symmetry, too.
+const COARSE_SIZE: usize = 50;
 /// Points on which it is refined from there on.
 const REFINED_POINTS: usize = 4000;
 /// Step by which the functional map grows, up to all eigenfunctions.
@@ -152,12 +153,13 @@ pub fn finish(
     let refine = |points: &Sources, map, seeds: &[(u32, u32)], sizes: &[usize], guide| {
         full_refinement::refine(target, points, map, seeds, sizes, guide, progress)
     };
-    let (map, images) = refine(&few, map, &seeds, &[JUDGED_SIZE.min(count)], Guide::Eigenfunctions)?;
-    let judged = judge(shell, &points.vertices, &points.mass, &images, &candidate.score);
-    let sizes: Vec<usize> = (JUDGED_SIZE..count).step_by(FULL_STEP).chain([count]).collect();
+    let (map, images) = refine(&few, map, &seeds, &[COARSE_SIZE.min(count)], Guide::Eigenfunctions)?;
+    let mismatch = signature_mismatch(shell, &points.vertices, &points.mass, &images);
+    let sizes: Vec<usize> = (COARSE_SIZE..count).step_by(FULL_STEP).chain([count]).collect();
     let (map, images) = refine(&few, map, &images.seeds(), &sizes, Guide::MeanCurvature)?;
     let seeds: Vec<(u32, u32)> = points.vertices.iter().copied().zip(images.partners).collect();
     let (map, images) = refine(&all, map, &seeds, &[count], Guide::MeanCurvature)?;
+    let judged = judge(shell, &candidate.score, mismatch, &images);
     let doubts = shell.samples.vertices.iter().copied().zip(candidate.doubts.iter().copied()).collect();
     Ok(ShellSymmetry { map, images, score: candidate.score, doubts, judged })
 }
@@ -178,18 +180,19 @@ pub fn of_partners(shell: &PreparedShell, target: &MatchTarget, partners: Vec<u3
     let leading = map.submatrix(0, 0, scored, scored).to_owned();
     let score = Scorer::new(&shell.surface, &shell.basis, &refiner, Vec::new()).score(&leading)?;
     let vertices: Vec<u32> = (0..shell.surface.vertex_count() as u32).collect();
-    let judged = judge(shell, &vertices, &shell.surface.lumped_mass, &images, &score);
+    let mismatch = signature_mismatch(shell, &vertices, &shell.surface.lumped_mass, &images);
+    let judged = judge(shell, &score, mismatch, &images);
     Ok(ShellSymmetry { map, images, score, doubts: Vec::new(), judged })
 }
 
+/// `images` are those of all vertices.
+fn judge(shell: &PreparedShell, score: &Score, signature_mismatch: f64, images: &VertexImages) -> Judgement {
+    let displacement = mean_displacement(&shell.basis, &shell.surface.lumped_mass, &images.partners);
+    Judgement::new(score, signature_mismatch, displacement)
+}
+
 /// `images` are those of `vertices`, of which each stands for an area.
-fn judge(
-    shell: &PreparedShell,
-    vertices: &[u32],
-    areas: &[f64],
-    images: &VertexImages,
-    score: &Score,
-) -> Judgement {
+fn signature_mismatch(shell: &PreparedShell, vertices: &[u32], areas: &[f64], images: &VertexImages) -> f64 {
     let mismatch = signature::mismatch(&shell.surface, &shell.basis, vertices, images);
-    Judgement::new(score, signature::mean(areas, mismatch.into_iter()))
+    signature::mean(areas, mismatch.into_iter())
 }

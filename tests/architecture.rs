@@ -32,6 +32,7 @@ const ORDER: [&str; 41] = [
     "full_refinement",
     "spread_points",
     "signature",
+    "displacement",
     "acceptance",
     "shell_symmetry",
     "companions",

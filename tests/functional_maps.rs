@@ -346,17 +346,20 @@ fn signatures_of_true_partners_agree_and_those_of_others_do_not() {
 }
 
 #[test]
-fn a_map_is_the_less_plausible_the_worse_either_measure_is() {
+fn a_map_is_the_less_plausible_the_worse_any_measure_is() {
     let score =
         |commutator: f64| Score { commutator, orientation: -1.0, fixed: 0.05, disagreement: 0.0, trace: 0.0 };
-    let plausibility = |commutator, mismatch| Judgement::new(&score(commutator), mismatch).plausibility;
+    let judge = |score: &Score, mismatch| Judgement::new(score, mismatch, 1.0);
+    let plausibility = |commutator, mismatch| judge(&score(commutator), mismatch).plausibility;
     assert!(plausibility(0.001, 0.05) > 0.99 && plausibility(0.5, 1.0) < 0.01);
     assert!(plausibility(0.01, 0.3) > plausibility(0.05, 0.3));
     assert!(plausibility(0.01, 0.3) > plausibility(0.01, 0.5));
+    // A map near to the identity is isometric for free.
+    assert!(judge(&score(0.01), 0.3).plausibility > Judgement::new(&score(0.01), 0.3, 0.2).plausibility);
     // What the network believes is no evidence of a symmetry.
     let contradicted = Score { disagreement: 0.5, ..score(0.01) };
-    assert_eq!(Judgement::new(&contradicted, 0.3), Judgement::new(&score(0.01), 0.3));
-    let judged = Judgement::new(&score(0.01), 0.3);
+    assert_eq!(judge(&contradicted, 0.3), judge(&score(0.01), 0.3));
+    let judged = judge(&score(0.01), 0.3);
     assert!(judged.accepted(0) && judged.accepted((100.0 * judged.plausibility) as usize));
     assert!(!judged.accepted(100));
 }
