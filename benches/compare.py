@@ -4,12 +4,13 @@
     python benches/compare.py --out FOLDER 10 35 71
 
 Each number f is a generated mesh of 10 f^2 + 2 vertices (`benches/stages.rs`). For each, one process runs the whole
-pipeline a few times; then one process for each peer computes what pyFM and robust_laplacian users compute:
+pipeline a few times on one thread, one does so on two; then one process for each peer computes, on one thread, what pyFM
+and robust_laplacian users compute, as many eigenpairs as the pipeline takes (--eigenfunctions, by default 150):
 
-- `scipy eigsh`: cotangent stiffness and lumped mass, 50 eigenpairs by shift-invert at -0.01 (pyFM's call);
-- `robust_laplacian + eigsh`: its Laplacian, 50 eigenpairs by shift-invert at 1e-8 (its README's call).
+- `scipy eigsh`: cotangent stiffness and lumped mass, eigenpairs by shift-invert at -0.01 (pyFM's call);
+- `robust_laplacian + eigsh`: its Laplacian, eigenpairs by shift-invert at 1e-8 (its README's call).
 
-FOLDER/runs.json keeps all raw seconds; FOLDER/table.md and FOLDER/speed.png are made from it. One thread each.
+FOLDER/runs.json keeps all raw seconds; FOLDER/table.md and FOLDER/speed.png are made from it.
 """
 
 from __future__ import annotations
@@ -28,7 +29,6 @@ from pathlib import Path
 
 import numpy as np
 
-EIGENPAIRS = 50
 # Above so many vertices everything runs once.
 LARGE = 100_000
 
@@ -50,7 +50,7 @@ def cotangent_laplacian(vertices: np.ndarray, faces: np.ndarray):
     return stiffness, diags(mass).tocsc()
 
 
-def peer(name: str, prefix: str, repeats: int) -> None:
+def peer(name: str, prefix: str, count: int, repeats: int) -> None:
     """Runs one peer in this process and prints its seconds and peak memory."""
     from scipy.sparse.linalg import eigsh
 
@@ -68,7 +68,7 @@ def peer(name: str, prefix: str, repeats: int) -> None:
             stiffness, mass = robust_laplacian.mesh_laplacian(vertices, faces)
             shift = 1e-8
         middle = time.perf_counter()
-        values, _ = eigsh(stiffness, EIGENPAIRS, mass, sigma=shift)
+        values, _ = eigsh(stiffness, count, mass, sigma=shift)
         runs.append({"laplacian": middle - start, "eigenpairs": time.perf_counter() - middle})
     peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     print(json.dumps({"runs": runs, "peak_memory_bytes": peak, "first_eigenvalues": sorted(values)[1:4]}))
@@ -82,24 +82,26 @@ def output(command: list) -> dict:
     return json.loads(subprocess.run([str(part) for part in command], check=True, stdout=subprocess.PIPE).stdout)
 
 
-def measure(program: Path, frequency: int) -> dict:
+def measure(program: Path, frequency: int, count: int) -> dict:
     """All runs on one mesh."""
     repeats = 1 if 10 * frequency**2 > LARGE else 5
     with tempfile.TemporaryDirectory() as folder:
         prefix = f"{folder}/mesh"
-        own = output([program, frequency, "--repeats", repeats, "--write", prefix])
-        peers = {name: output([sys.executable, __file__, "--peer", name, prefix, repeats]) for name in PEERS}
-    return {"vertices": own["vertices"], "intrinsym": own, "peers": peers, "load": os.getloadavg()[0]}
+        run = [program, frequency, "--repeats", repeats, "--eigenfunctions", count]
+        own = output([*run, "--write", prefix])
+        two = output([*run, "--threads", 2])
+        peers = {name: output([sys.executable, __file__, "--peer", name, prefix, count, repeats]) for name in PEERS}
+    return {"vertices": own["vertices"], "intrinsym": own, "two threads": two, "peers": peers, "load": os.getloadavg()[0]}
 
 
 def stages(entry: dict) -> dict[str, float]:
-    """Median seconds of each stage of the pipeline."""
+    """Median seconds of each stage of the pipeline, on one thread."""
     runs = [dict(run["seconds"]) for run in entry["intrinsym"]["runs"]]
     return {stage: statistics.median(run.get(stage, 0.0) for run in runs) for stage in runs[0]}
 
 
-def total(entry: dict) -> float:
-    return statistics.median(sum(seconds for _, seconds in run["seconds"]) for run in entry["intrinsym"]["runs"])
+def total(entry: dict, threads: str = "intrinsym") -> float:
+    return statistics.median(sum(seconds for _, seconds in run["seconds"]) for run in entry[threads]["runs"])
 
 
 def peer_total(entry: dict, name: str) -> float:
@@ -125,6 +127,7 @@ def table(entries: list[dict]) -> str:
     for stage in stages(entries[0]):
         row(stage, [stages(entry)[stage] for entry in entries])
     row("**all**", [total(entry) for entry in entries])
+    row("**all, two threads**", [total(entry, "two threads") for entry in entries])
     for name in PEERS:
         row(name, [peer_total(entry, name) for entry in entries])
     ratios = [peer_total(entry, PEERS[0]) / (stages(entry)["laplacian"] + stages(entry)["eigenfunctions"]) for entry in entries]
@@ -170,9 +173,10 @@ def newest_program() -> Path:
 def main() -> None:
     """Command line entry."""
     if sys.argv[1:2] == ["--peer"]:
-        return peer(sys.argv[2], sys.argv[3], int(sys.argv[4]))
+        return peer(sys.argv[2], sys.argv[3], int(sys.argv[4]), int(sys.argv[5]))
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("frequencies", type=int, nargs="+")
+    parser.add_argument("--eigenfunctions", type=int, default=150)
     parser.add_argument("--program", type=Path, help="the bench executable; default: the one built last")
     parser.add_argument("--out", type=Path, required=True)
     arguments = parser.parse_args()
@@ -180,7 +184,7 @@ def main() -> None:
     arguments.out.mkdir(parents=True, exist_ok=True)
     entries = []
     for frequency in arguments.frequencies:
-        entries.append(measure(program, frequency))
+        entries.append(measure(program, frequency, arguments.eigenfunctions))
         print(f"{entries[-1]['vertices']:,} vertices: {total(entries[-1]):.3f} s", file=sys.stderr)
     machine = {"machine": platform.machine(), "processors": os.cpu_count(), "python": platform.python_version()}
     (arguments.out / "runs.json").write_text(json.dumps({"machine": machine, "entries": entries}, indent=1) + "\n")

@@ -1,6 +1,7 @@
 //! Times of the pipeline's stages and peak memory for one mesh, as JSON on standard output.
 //!
-//!     cargo bench --profile release --bench stages -- MESH [--repeats 5] [--eigenfunctions 50] [--write PREFIX]
+//!     cargo bench --profile release --bench stages -- MESH [--repeats 5] [--eigenfunctions 150] [--threads 1]
+//!         [--write PREFIX]
 //!
 //! MESH is a file, or a number f: the creature of the tests on a geodesic sphere of `10 f^2 + 2` vertices, its left
 //! and right triangulated differently. The first run is the process's first (cold). `--write` also leaves the mesh as
@@ -25,6 +26,7 @@ struct Arguments {
     mesh: String,
     repeats: usize,
     eigenfunctions: usize,
+    threads: usize,
     write: Option<String>,
 }
 
@@ -35,13 +37,15 @@ fn main() {
     if let Some(prefix) = &arguments.write {
         write_raw(&mesh, prefix);
     }
-    let options = Options { eigenfunctions: arguments.eigenfunctions, ..Options::default() };
+    let (eigenfunctions, threads) = (arguments.eigenfunctions, arguments.threads);
+    let options = Options { eigenfunctions, threads, ..Options::default() };
     let runs: Vec<Value> = (0..arguments.repeats).map(|_| run(&mesh, &options)).collect();
     let report = json!({
         "mesh": arguments.mesh,
         "vertices": mesh.positions.len(),
         "triangles": mesh.triangles.len(),
         "eigenfunctions": arguments.eigenfunctions,
+        "threads": arguments.threads,
         "peak_memory_bytes": peak_memory(),
         "runs": runs,
     });
@@ -50,7 +54,8 @@ fn main() {
 
 /// `None` if nothing is asked for: `cargo test --all-targets` calls a bench without arguments of ours.
 fn arguments() -> Option<Arguments> {
-    let mut found = Arguments { mesh: String::new(), repeats: 5, eigenfunctions: 50, write: None };
+    let eigenfunctions = Options::default().eigenfunctions;
+    let mut found = Arguments { mesh: String::new(), repeats: 5, eigenfunctions, threads: 1, write: None };
     let mut rest = std::env::args().skip(1);
     while let Some(argument) = rest.next() {
         let mut value = || rest.next().unwrap_or_else(|| panic!("{argument} needs a value"));
@@ -58,6 +63,7 @@ fn arguments() -> Option<Arguments> {
             "--bench" => {}
             "--repeats" => found.repeats = value().parse().expect("a number of repeats"),
             "--eigenfunctions" => found.eigenfunctions = value().parse().expect("a number of eigenfunctions"),
+            "--threads" => found.threads = value().parse().expect("a number of threads"),
             "--write" => found.write = Some(value()),
             other if other.starts_with("--") => return None,
             mesh => found.mesh = mesh.into(),
