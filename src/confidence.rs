@@ -1,9 +1,9 @@
 //! Confidence: the probability that a partner lies within 0.05 sqrt(area) of the true mirror image.
 //!
 //! A logistic model of what can be seen without the truth: how far the vertices around are from the images of
-//! their images and from their own images (a map that hardly moves a region is seldom right there), and how much other
-//! candidates for the map, which score little worse, send them elsewhere, there and on the whole. The weights are fitted on generated shapes with known truth
-//! (`docs/method.md`).
+//! their images and from their own images (a map that hardly moves a region is seldom right there), and how much
+//! other candidates for the map, which score little worse, send them elsewhere, there and on the whole. The weights
+//! are fitted on generated shapes with known truth (`docs/method.md`).
 
 use crate::full_refinement::MatchTarget;
 use crate::laplacian::IntrinsicSurface;
