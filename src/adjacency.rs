@@ -1,5 +1,7 @@
 //! Who is next to whom: neighbours of the points of a graph, one list.
 
+use crate::mesh::NONE;
+
 /// The neighbours of each point of a graph, without the point itself.
 #[derive(Debug, Clone, Default)]
 pub struct Adjacency {
@@ -49,6 +51,33 @@ impl Adjacency {
     pub fn of(&self, point: usize) -> &[u32] {
         &self.neighbours[self.offsets[point] as usize..self.offsets[point + 1] as usize]
     }
+}
+
+/// For each of `count` points the index of the seed that is the fewest steps away; [`NONE`] where none can be reached.
+///
+/// `neighbours` may name a point more than once. O(points + steps).
+pub fn nearest_seeds<N: IntoIterator<Item = u32>>(
+    count: usize,
+    seeds: &[u32],
+    neighbours: impl Fn(u32) -> N,
+) -> Vec<u32> {
+    let mut nearest = vec![NONE; count];
+    let mut queue = seeds.to_vec();
+    for (index, &seed) in seeds.iter().enumerate() {
+        nearest[seed as usize] = index as u32;
+    }
+    let mut head = 0;
+    while head < queue.len() {
+        let from = queue[head];
+        head += 1;
+        for to in neighbours(from) {
+            if nearest[to as usize] == NONE {
+                nearest[to as usize] = nearest[from as usize];
+                queue.push(to);
+            }
+        }
+    }
+    nearest
 }
 
 #[cfg(test)]

@@ -57,6 +57,13 @@ impl PointMap {
         }
     }
 
+    /// Enters the odd function of a shell's points.
+    pub fn insert_odd(&mut self, shell: &Shell, odd: &[f64]) {
+        for (&point, &value) in shell.points.iter().zip(odd) {
+            self.odd[point as usize] = value;
+        }
+    }
+
     /// Replaces partners by those that the connectivity gives; points it does not cover stay as they are,
     /// and so do shells whose edges it stretches as no symmetry does, and their partner shells, unless the
     /// bijection has no rival: then the shape was modelled from it.

@@ -58,13 +58,72 @@ pub struct Automorphism {
     pub unrivalled: Vec<bool>,
 }
 
-/// Finds the pairing by connectivity that agrees best with an estimate.
-///
-/// `estimate` holds the estimated partner of each point or [`NONE`], `confidence` a weight in 0..=1; both
-/// have one entry per point. A bijection of a whole shell is accepted if its mean distance from the
-/// estimate is a small number of edges; on a shell with most of the vertices also if the connectivity
-/// admits no other and a third of the estimate agrees, or there is none. A partial one must cover half of its
-/// shell and of the irregular vertices there. `None` if no shell has either.
+/// The connectivity of a mesh, prepared for searches.
+pub struct Connectivity<'a> {
+    half_edges: &'a HalfEdges,
+    shells: Shells,
+    colours: Colours,
+    classes: Classes,
+}
+
+impl<'a> Connectivity<'a> {
+    /// Colours the vertices. O(half-edges + vertices log vertices).
+    pub fn new(half_edges: &'a HalfEdges) -> Connectivity<'a> {
+        let colours = Colours::new(half_edges);
+        let classes = Classes::new(&colours.far);
+        Connectivity { half_edges, shells: Shells::new(half_edges), colours, classes }
+    }
+
+    /// Finds the only pairing of the main shell that its connectivity admits; no estimate is needed.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn find_unrivalled(&self, kind: SymmetryKind, progress: &Progress) -> Result<Option<Automorphism>> {
+        let points = self.half_edges.point_count;
+        self.find(&vec![NONE; points], &vec![0.0; points], kind, progress)
+    }
+
+    /// Finds the pairing by connectivity that agrees best with an estimate.
+    ///
+    /// `estimate` holds the estimated partner of each point or [`NONE`], `confidence` a weight in 0..=1; both
+    /// have one entry per point. A bijection of a whole shell is accepted if its mean distance from the
+    /// estimate is a small number of edges; on a shell with most of the vertices also if the connectivity
+    /// admits no other and a third of the estimate agrees, or there is none. A partial one must cover half of its
+    /// shell and of the irregular vertices there. `None` if no shell has either.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    ///
+    /// # Panics
+    /// If `estimate` or `confidence` is shorter than the number of points.
+    pub fn find(
+        &self,
+        estimate: &[u32],
+        confidence: &[f32],
+        kind: SymmetryKind,
+        progress: &Progress,
+    ) -> Result<Option<Automorphism>> {
+        let (half_edges, shells) = (self.half_edges, &self.shells);
+        let estimate = Estimate::new(half_edges, estimate, confidence);
+        let mut matching = Matching::new(half_edges, kind);
+        let matched = match_whole_shells(&mut matching, shells, &self.classes, &estimate, progress)?;
+        let exact: Vec<bool> = matching.vertex_image.iter().map(|&image| image != NONE).collect();
+        if estimate.is_any() {
+            let inexact = &matched.inexact;
+            partial::match_shells(&mut matching, shells, &self.colours, &estimate, inexact, progress)?;
+        }
+        let mut found = by_points(half_edges, &matching.vertex_image, &exact);
+        if let (Some(found), Some(shell)) = (&mut found, matched.unrivalled) {
+            for &vertex in shells.vertices(shell) {
+                let point = half_edges.point_of_vertex[vertex as usize] as usize;
+                found.unrivalled[point] = found.exact[point];
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// [`Connectivity::find`] on a connectivity that is searched once.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -78,24 +137,7 @@ pub fn find(
     kind: SymmetryKind,
     progress: &Progress,
 ) -> Result<Option<Automorphism>> {
-    let shells = Shells::new(half_edges);
-    let estimate = Estimate::new(half_edges, estimate, confidence);
-    let mut matching = Matching::new(half_edges, kind);
-    let colours = Colours::new(half_edges);
-    let matched =
-        match_whole_shells(&mut matching, &shells, &Classes::new(&colours.far), &estimate, progress)?;
-    let exact: Vec<bool> = matching.vertex_image.iter().map(|&image| image != NONE).collect();
-    if estimate.is_any() {
-        partial::match_shells(&mut matching, &shells, &colours, &estimate, &matched.inexact, progress)?;
-    }
-    let mut found = by_points(half_edges, &matching.vertex_image, &exact);
-    if let (Some(found), Some(shell)) = (&mut found, matched.unrivalled) {
-        for &vertex in shells.vertices(shell) {
-            let point = half_edges.point_of_vertex[vertex as usize] as usize;
-            found.unrivalled[point] = found.exact[point];
-        }
-    }
-    Ok(found)
+    Connectivity::new(half_edges).find(estimate, confidence, kind, progress)
 }
 
 /// What walking whole shells gave.
@@ -150,15 +192,19 @@ fn match_whole_shell(
     let vertices = shells.vertices(shell);
     let main = 2 * vertices.len() > matching.half_edges.vertex_count();
     let pivot = pivot(vertices, classes, estimate);
-    let (images, exhaustive) = images_of_pivot(matching, shells, classes, estimate, pivot);
-    let seeds: Vec<_> = images.iter().flat_map(|&image| matching.seeds(pivot, image)).collect();
+    let PivotImages { near, far, exhaustive } = images_of_pivot(matching, shells, classes, estimate, pivot);
+    let seeds = |images: &[u32]| -> Vec<_> {
+        images.iter().flat_map(|&image| matching.seeds(pivot, image)).collect()
+    };
+    let (near, far) = (seeds(&near), seeds(&far));
     let mark = matching.mark();
     let mut best: Option<(Distances, u32, u32)> = None;
     let mut found = 0;
-    for (start, target) in seeds {
+    for (tried, &(start, target)) in near.iter().chain(&far).enumerate() {
         progress.check()?;
-        // The main shell's rivals are worth knowing: one that is found at all.
-        if (!main || found > 1) && best.as_ref().is_some_and(|(distances, ..)| distances.mean <= CLOSE) {
+        // The main shell's rivals are worth knowing: one that is found at all. Then only what may be close is.
+        let close = best.as_ref().is_some_and(|(distances, ..)| distances.mean <= CLOSE);
+        if (!main || found > 1) && close || main && found > 1 && tried >= near.len() {
             break;
         }
         if matching.walk(start, target, classes, budget) {
@@ -188,31 +234,38 @@ fn pivot(vertices: &[u32], classes: &Classes, estimate: &Estimate) -> u32 {
     vertices.iter().copied().min_by(lower).expect("a shell has vertices")
 }
 
-/// Possible images of the pivot, nearest to its estimate first, and whether these are all.
+/// Possible images of a pivot.
+struct PivotImages {
+    /// Those around its estimate, nearest first.
+    near: Vec<u32>,
+    /// The others, unless they are too many.
+    far: Vec<u32>,
+    /// Whether these are all.
+    exhaustive: bool,
+}
+
 fn images_of_pivot(
     matching: &Matching,
     shells: &Shells,
     classes: &Classes,
     estimate: &Estimate,
     pivot: u32,
-) -> (Vec<u32>, bool) {
+) -> PivotImages {
     let size = shells.size_at(pivot);
     let free =
         |&vertex: &u32| matching.vertex_image[vertex as usize] == NONE && shells.size_at(vertex) == size;
     let members = classes.members(pivot);
     let near = estimate.near(matching.half_edges, pivot, size);
-    let mut images: Vec<u32> = near
+    let near: Vec<u32> = near
         .into_iter()
         .filter(|&vertex| classes.same(vertex, pivot))
         .filter(free)
         .take(PIVOT_IMAGES)
         .collect();
     let exhaustive = members.len() <= PIVOT_IMAGES;
-    if exhaustive {
-        let further: Vec<u32> = members.iter().copied().filter(|vertex| !images.contains(vertex)).collect();
-        images.extend(further.into_iter().filter(free));
-    }
-    (images, exhaustive)
+    let others = members.iter().copied().filter(|vertex| !near.contains(vertex)).filter(free);
+    let far = if exhaustive { others.collect() } else { Vec::new() };
+    PivotImages { near, far, exhaustive }
 }
 
 /// From vertices (fans) to points: a point is covered if all its mapped fans agree and its partner's do.

@@ -29,6 +29,14 @@ pub struct TrianglePoint {
     pub barycentric: [f32; 3],
 }
 
+impl TrianglePoint {
+    /// The corner with the largest weight, 0..=2; the first of equals.
+    pub fn heaviest(&self) -> usize {
+        let weights = self.barycentric;
+        (0..3).fold(0, |best, corner| if weights[corner] > weights[best] { corner } else { best })
+    }
+}
+
 /// A shell with what matching on all its vertices needs.
 pub struct MatchTarget<'a> {
     /// The surface.
@@ -159,8 +167,7 @@ impl<'a> MatchTarget<'a> {
 
     /// The corner of `point`'s triangle with the largest weight.
     pub fn heaviest_corner(&self, point: &TrianglePoint) -> u32 {
-        let weights = point.barycentric;
-        self.corners(point)[(0..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best })]
+        self.corners(point)[point.heaviest()]
     }
 }
 
@@ -227,7 +234,7 @@ impl<'a> PointSearch<'a> {
 
 /// Nearest point of a triangle in any dimension (C. Ericson, "Real-Time Collision Detection", 2005, 5.1.5) and
 /// its squared distance, from the squared distances to the corners and the squared lengths of the opposite edges.
-fn nearest_in_triangle([own, to_b, to_c]: [f32; 3], [bc, e22, e11]: [f32; 3]) -> ([f32; 3], f32) {
+pub fn nearest_in_triangle([own, to_b, to_c]: [f32; 3], [bc, e22, e11]: [f32; 3]) -> ([f32; 3], f32) {
     // Inner products of a -> query with a -> b and a -> c, and of these two.
     let (d1, d2) = (0.5 * (e11 + own - to_b), 0.5 * (e22 + own - to_c));
     let e12 = 0.5 * (e11 + e22 - bc);

@@ -17,6 +17,7 @@
 //! | all spectral stages of one shell | [`shell_symmetry`] |
 //! | other shells, confidence, sides | [`companions`], [`confidence`], [`fixed_curve`] |
 //! | connectivity that is itself mirrored -> the exact bijection | [`automorphism`] |
+//! | a fine shell <-> its simplified proxy | [`surface_walk`], [`proxy`] |
 //! | what the caller gets | [`correspondence`], [`assembly`], [`pipeline`], [`report`] |
 //! | a symmetry -> mirrored selections, attributes, displacements, positions | [`mirror_tools`] |
 //! | a symmetry -> colours that make pairs visible, a picture | [`pair_colour`], `picture` |
@@ -53,6 +54,7 @@ pub mod parity_search;
 pub mod picture;
 pub mod pipeline;
 pub mod progress;
+pub mod proxy;
 pub mod refinement;
 pub mod report;
 pub mod sampling;
@@ -61,6 +63,7 @@ pub mod sign_network;
 pub mod signature;
 pub mod sparse_cholesky;
 pub mod spread_points;
+pub mod surface_walk;
 pub mod symmetry_kind;
 pub mod threads;
 pub mod vertex_rows;

@@ -25,6 +25,7 @@ use vector::Vector;
 
 pub use attachment::{Attachment, attach};
 pub use connectivity_hash::connectivity_hash;
+pub use polygons::bucket;
 pub use shells::Shell;
 
 /// Marks "no such element" in index arrays.

@@ -20,6 +20,9 @@ pub struct Options {
     pub network: usize,
     /// Least plausibility, in percent, at which a map counts as a symmetry; 0 accepts every finished map.
     pub plausibility: usize,
+    /// Vertices of the largest shell up to which the map is sought on the shell itself; a finer one is simplified to
+    /// about so many, and the map is carried back.
+    pub proxy_vertices: usize,
     /// Threads that a detection uses at most; the result does not depend on it.
     pub threads: usize,
     /// A sign network of the caller's own instead of the embedded one: trusted input.
@@ -45,7 +48,7 @@ pub struct OptionSpec {
 }
 
 /// The table all hosts read.
-pub const OPTIONS: [OptionSpec; 7] = [
+pub const OPTIONS: [OptionSpec; 8] = [
     OptionSpec {
         name: "eigenfunctions",
         default: 150,
@@ -89,6 +92,13 @@ pub const OPTIONS: [OptionSpec; 7] = [
         help: "Least plausibility in percent at which a map counts as a symmetry; 0 accepts the best map found.",
     },
     OptionSpec {
+        name: "proxy_vertices",
+        default: 15_000,
+        minimum: 1_000,
+        maximum: 100_000_000,
+        help: "Vertices above which the map is found on a simplified mesh of about so many and carried back.",
+    },
+    OptionSpec {
         name: "threads",
         default: 2,
         minimum: 1,
@@ -106,7 +116,8 @@ impl Default for Options {
             beam_width: OPTIONS[3].default,
             network: OPTIONS[4].default,
             plausibility: OPTIONS[5].default,
-            threads: OPTIONS[6].default,
+            proxy_vertices: OPTIONS[6].default,
+            threads: OPTIONS[7].default,
             model: None,
             known_signs: Vec::new(),
         }
@@ -138,6 +149,7 @@ impl Options {
             self.beam_width,
             self.network,
             self.plausibility,
+            self.proxy_vertices,
             self.threads,
         ]
     }
@@ -156,6 +168,7 @@ impl Options {
             &mut self.beam_width,
             &mut self.network,
             &mut self.plausibility,
+            &mut self.proxy_vertices,
             &mut self.threads,
         ];
         *fields.into_iter().nth(index).expect("one field per option") = value;

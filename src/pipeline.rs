@@ -2,19 +2,20 @@
 
 use crate::acceptance::Judgement;
 use crate::assembly::{PointMap, Summary, symmetry};
-use crate::automorphism;
+use crate::automorphism::Connectivity;
 use crate::companions::{self, Companion, Primary};
 use crate::confidence::Evidence;
 use crate::correspondence::Symmetry;
 use crate::eigenbasis::{Accuracy, Eigenbasis};
 use crate::error::Result;
 use crate::fixed_curve::{odd_function, zero_set};
-use crate::full_refinement::MatchTarget;
+use crate::full_refinement::{MatchTarget, VertexImages};
 use crate::laplacian::IntrinsicSurface;
 use crate::mesh::half_edges::HalfEdges;
 use crate::mesh::{Attachment, Mesh, NONE, RepairReport, Shell, attach};
 use crate::options::Options;
 use crate::progress::Progress;
+use crate::proxy::Proxy;
 use crate::shell_symmetry::{self, PreparedShell, ShellSymmetry, candidates, finish, signs};
 use crate::sign_network::SignPrediction;
 use crate::symmetry_kind::SymmetryKind;
@@ -42,6 +43,8 @@ pub struct Report {
     pub faces: usize,
     /// Shells (connected components).
     pub shells: usize,
+    /// Vertices on which the map was sought: those of the largest shell, or of its proxy.
+    pub solved_vertices: usize,
     /// What was repaired.
     pub repairs: RepairReport,
     /// Eigenvalues of the largest shell, scaled to unit area, the constant function's zero left out.
@@ -78,13 +81,17 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let mut clock = Clock::start();
     progress.report("shells", 0.0)?;
     let shells = mesh.shells();
-    let surface = IntrinsicSurface::with_mean_curvature(&shells[0]);
+    let proxy = Proxy::new(&shells[0], options.proxy_vertices, options.threads);
+    clock.lap("proxy");
+    let solved = proxy.as_ref().map_or(&shells[0], |proxy| &proxy.shell);
+    let surface = IntrinsicSurface::with_mean_curvature(solved);
     clock.lap("laplacian");
     let shell = PreparedShell::new(surface, options, progress)?;
     clock.lap("eigenfunctions");
     let signs = signs(&shell, options)?;
     clock.lap("sign network");
-    let assembler = Assembler::new(mesh, &shells, &shell, options)?;
+    let half_edges = HalfEdges::new(mesh.positions.len(), &mesh.polygon_offsets, &mesh.polygon_points)?;
+    let assembler = Assembler::new(mesh, &shells, &shell, proxy.as_ref(), &half_edges, options)?;
     let mirrored = assembler.by_connectivity(progress)?;
     clock.lap("connectivity");
     // Whoever states signs asks for the symmetry that has them.
@@ -118,6 +125,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         vertices: mesh.point_of_vertex.len(),
         faces: mesh.face_count,
         shells: mesh.shell_count,
+        solved_vertices: shell.surface.vertex_count(),
         repairs: mesh.repairs.clone(),
         eigenvalues: shell.basis.eigenvalues.clone(),
         signs,
@@ -183,33 +191,46 @@ impl Clock {
 struct Assembler<'a> {
     mesh: &'a Mesh,
     shells: &'a [Shell],
+    /// The largest shell or its proxy.
     shell: &'a PreparedShell,
+    proxy: Option<&'a Proxy>,
     target: MatchTarget<'a>,
+    /// Anchors are vertices of `shell`.
     attachments: Vec<Attachment>,
-    half_edges: HalfEdges,
+    connectivity: Connectivity<'a>,
+    threads: usize,
 }
 
 impl<'a> Assembler<'a> {
-    fn new(mesh: &'a Mesh, shells: &'a [Shell], shell: &'a PreparedShell, options: &Options) -> Result<Self> {
-        let attachments = if shells.len() > 1 { attach(mesh, shells, 0) } else { Vec::new() };
+    fn new(
+        mesh: &'a Mesh,
+        shells: &'a [Shell],
+        shell: &'a PreparedShell,
+        proxy: Option<&'a Proxy>,
+        half_edges: &'a HalfEdges,
+        options: &Options,
+    ) -> Result<Self> {
+        let mut attachments = if shells.len() > 1 { attach(mesh, shells, 0) } else { Vec::new() };
+        if let Some(proxy) = proxy {
+            for anchor in attachments.iter_mut().flat_map(|attachment| &mut attachment.anchors) {
+                *anchor = proxy.nearest_vertex(*anchor);
+            }
+        }
         let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
-        let half_edges = HalfEdges::new(mesh.positions.len(), &mesh.polygon_offsets, &mesh.polygon_points)?;
-        Ok(Assembler { mesh, shells, shell, target, attachments, half_edges })
+        let (connectivity, threads) = (Connectivity::new(half_edges), options.threads);
+        Ok(Assembler { mesh, shells, shell, proxy, target, attachments, connectivity, threads })
     }
 
     fn assemble(&self, found: &ShellSymmetry, kind: SymmetryKind, progress: &Progress) -> Result<Symmetry> {
         let mut map = PointMap::empty(self.mesh);
         let trust = Evidence::new(&self.target, found).confidence();
-        map.insert(&self.shells[0], &self.shells[0], &found.images, &trust);
         let odd = self.odd(found);
-        for (local, &point) in self.shells[0].points.iter().enumerate() {
-            map.odd[point as usize] = odd[local];
-        }
+        self.insert_largest(&mut map, &found.images, &trust, &odd);
         if self.shells.len() > 1 {
             self.add_companions(&mut map, found, &trust, &odd, progress)?;
         }
         progress.report("connectivity", 0.97)?;
-        let exact = automorphism::find(&self.half_edges, &map.partner, &map.confidence, kind, progress)?;
+        let exact = self.connectivity.find(&map.partner, &map.confidence, kind, progress)?;
         if let Some(found) = exact {
             map.replace_by_connectivity(self.mesh, &found);
         }
@@ -220,24 +241,43 @@ impl<'a> Assembler<'a> {
         Ok(symmetry(self.mesh, &map, curve, Summary { kind, score: found.score.total() }))
     }
 
+    /// Enters the largest shell's images, confidence and odd function, carried back from the proxy if there is one.
+    fn insert_largest(&self, map: &mut PointMap, images: &VertexImages, trust: &[f32], odd: &[f64]) {
+        let shell = &self.shells[0];
+        match self.proxy {
+            Some(proxy) => {
+                let images = proxy.carry_images(shell, images, self.threads);
+                let carried = proxy.carry_values(trust);
+                let trust: Vec<f32> = carried.into_iter().map(|value| value as f32).collect();
+                map.insert(shell, shell, &images, &trust);
+                map.insert_odd(shell, &proxy.carry_values(odd));
+            }
+            None => {
+                map.insert(shell, shell, images, trust);
+                map.insert_odd(shell, odd);
+            }
+        }
+    }
+
     /// The largest shell's reflection if its connectivity admits exactly one, however the shape is posed.
     fn by_connectivity(&self, progress: &Progress) -> Result<Option<ShellSymmetry>> {
-        let points = self.mesh.positions.len();
-        let nothing = (vec![NONE; points], vec![0.0; points]);
-        let kind = SymmetryKind::Reflection;
-        let found = automorphism::find(&self.half_edges, &nothing.0, &nothing.1, kind, progress)?;
+        let found = self.connectivity.find_unrivalled(SymmetryKind::Reflection, progress)?;
         let shell = &self.shells[0];
         let Some(found) = found.filter(|found| shell.points.iter().all(|&p| found.unrivalled[p as usize]))
         else {
             return Ok(None);
         };
-        let mut local = vec![NONE; points];
+        let mut local = vec![NONE; self.mesh.positions.len()];
         for (index, &point) in shell.points.iter().enumerate() {
             local[point as usize] = index as u32;
         }
         let partner = |&point: &u32| local[found.partner[point as usize] as usize];
-        let partners = shell.points.iter().map(partner).collect();
-        shell_symmetry::of_partners(self.shell, &self.target, partners).map(Some)
+        let partners: Vec<u32> = shell.points.iter().map(partner).collect();
+        let images = match self.proxy {
+            Some(proxy) => proxy.restrict(&partners),
+            None => VertexImages::at_vertices(&shell.triangles, partners),
+        };
+        shell_symmetry::of_images(self.shell, &self.target, images).map(Some)
     }
 
     fn odd(&self, found: &ShellSymmetry) -> Vec<f64> {

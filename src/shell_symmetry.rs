@@ -164,12 +164,11 @@ pub fn finish(
     Ok(ShellSymmetry { map, images, score: candidate.score, doubts, judged })
 }
 
-/// The symmetry that sends each vertex to `partners`, which the connectivity says; no rival.
+/// The symmetry with the given `images`, which the connectivity says; no rival.
 ///
 /// # Errors
 /// [`crate::Error::Internal`] if the decomposition of the functional map fails.
-pub fn of_partners(shell: &PreparedShell, target: &MatchTarget, partners: Vec<u32>) -> Result<ShellSymmetry> {
-    let images = VertexImages::at_vertices(&shell.surface.triangles, partners);
+pub fn of_images(shell: &PreparedShell, target: &MatchTarget, images: VertexImages) -> Result<ShellSymmetry> {
     let size = shell.basis.count();
     let map = project(
         full_refinement::estimate(&target.vertices(), target, &images.points, size, size),

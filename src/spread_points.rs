@@ -5,11 +5,10 @@
 //! Dense Meshes", 2023, for the sampling of large meshes; S. Melzi et al., "ZoomOut", 2019, section 4.3). Targets
 //! remain all points of the surface.
 
-use crate::adjacency::Adjacency;
+use crate::adjacency::{Adjacency, nearest_seeds};
 use crate::dense::{gram_cholesky, product};
 use crate::error::Result;
 use crate::full_refinement::{MatchTarget, Sources};
-use crate::mesh::NONE;
 use crate::sampling::{Samples, area_weighted_vertices};
 use crate::vertex_rows::VertexRows;
 use faer::Mat;
@@ -40,7 +39,8 @@ impl SpreadPoints {
             .collect();
         vertices.dedup();
         let everywhere = shell.vertices();
-        let nearest = nearest_points(everywhere.graph, &vertices);
+        let around = |vertex: u32| everywhere.graph.of(vertex as usize).iter().copied();
+        let nearest = nearest_seeds(surface.vertex_count(), &vertices, around);
         let mut mass = vec![0.0; vertices.len()];
         for (point, own) in nearest.iter().zip(&surface.lumped_mass) {
             mass[*point as usize] += own;
@@ -70,25 +70,4 @@ impl SpreadPoints {
     pub fn sources(&self) -> Sources<'_> {
         Sources { rows: &self.rows, mass: &self.mass, graph: &self.graph, gram: Some(self.gram.as_ref()) }
     }
-}
-
-/// For each vertex the index of the one among `vertices` that is the fewest edges away.
-fn nearest_points(graph: &Adjacency, vertices: &[u32]) -> Vec<u32> {
-    let mut nearest = vec![NONE; graph.count()];
-    let mut queue = vertices.to_vec();
-    for (index, &vertex) in vertices.iter().enumerate() {
-        nearest[vertex as usize] = index as u32;
-    }
-    let mut head = 0;
-    while head < queue.len() {
-        let from = queue[head] as usize;
-        head += 1;
-        for &to in graph.of(from) {
-            if nearest[to as usize] == NONE {
-                nearest[to as usize] = nearest[from];
-                queue.push(to);
-            }
-        }
-    }
-    nearest
 }

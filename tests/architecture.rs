@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 42] = [
+const ORDER: [&str; 44] = [
     "error",
     "options",
     "limits",
@@ -40,6 +40,8 @@ const ORDER: [&str; 42] = [
     "fixed_curve",
     "correspondence",
     "automorphism",
+    "surface_walk",
+    "proxy",
     "assembly",
     "pipeline",
     "report",

@@ -28,17 +28,6 @@ fn detected(mesh: &Mesh, options: &Options) -> Detection {
     detection
 }
 
-/// Mean and share beyond 0.05 of the distances to the true partners, in sqrt(area).
-fn errors(mesh: &PolygonMesh, partner: &[i32], truth: &[u32]) -> (f64, f64) {
-    let roads = Roads::new(mesh);
-    let pairs = partner.iter().zip(truth).map(|(&partner, &truth)| (partner as u32, truth));
-    let distances: Vec<f64> = pairs.map(|(a, b)| roads.distance(a, b)).collect();
-    let mean = distances.iter().sum::<f64>() / distances.len() as f64;
-    let far = distances.iter().filter(|distance| **distance > 0.05).count() as f64 / distances.len() as f64;
-    println!("  mean error {mean:.4} sqrt(area), {far:.4} beyond 0.05");
-    (mean, far)
-}
-
 fn wrong_partners(partner: &[i32], truth: &[u32]) -> usize {
     partner.iter().zip(truth).filter(|(found, truth)| **found != **truth as i32).count()
 }
@@ -77,18 +66,8 @@ fn the_humans_fixed_curve_is_one_loop_through_its_fixed_vertices_and_parts_its_s
 
 #[test]
 fn the_human_without_mirrored_connectivity_is_near_the_truth() {
-    // One diagonal cut at random in every quad: the spectral map is all there is.
     let quads = example("human");
-    let mut state = 1u32;
-    let mut triangles: Vec<[u32; 3]> = Vec::new();
-    for face in quads.face_offsets.windows(2) {
-        let corners = &quads.face_vertices[face[0] as usize..face[1] as usize];
-        state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
-        let first = (state >> 31) as usize;
-        let corner = |k: usize| corners[(first + k) % corners.len()];
-        triangles.extend((1..corners.len() - 1).map(|k| [corner(0), corner(k), corner(k + 1)]));
-    }
-    let mesh = polygon_mesh(&quads.positions, &triangles);
+    let mesh = with_random_diagonals(&quads);
     let validated_mesh = validated(&mesh);
     let found = detected(&validated_mesh, &Options::default());
     let best = &found.symmetries[0];
@@ -361,7 +340,16 @@ fn options_outside_their_range_are_refused() {
         let with = |value: usize| {
             let mut values = OPTIONS.map(|spec| spec.default);
             values[index] = value;
-            let [eigenfunctions, samples, symmetries, beam_width, network, plausibility, threads] = values;
+            let [
+                eigenfunctions,
+                samples,
+                symmetries,
+                beam_width,
+                network,
+                plausibility,
+                proxy_vertices,
+                threads,
+            ] = values;
             Options {
                 eigenfunctions,
                 samples,
@@ -369,6 +357,7 @@ fn options_outside_their_range_are_refused() {
                 beam_width,
                 network,
                 plausibility,
+                proxy_vertices,
                 threads,
                 ..Options::default()
             }

@@ -430,6 +430,7 @@ fn restored(mesh: &MeshObject, symmetry: Symmetry) -> Detection {
         vertices: mesh.vertex_count(),
         faces: mesh.mesh.face_count,
         shells: mesh.mesh.shell_count,
+        solved_vertices: 0,
         repairs: mesh.mesh.repairs.clone(),
         eigenvalues: Vec::new(),
         signs: Vec::new(),

@@ -14,7 +14,7 @@ pub struct Shell {
     pub positions: Vec<Vector>,
     /// Triangles over local points.
     pub triangles: Vec<[u32; 3]>,
-    /// The mesh's triangle of each local triangle, rising.
+    /// The mesh's triangle of each local triangle, rising; none of a simplified shell.
     pub triangle_of_local: Vec<u32>,
     /// Whether the triangles are consistently oriented.
     pub orientable: bool,
@@ -27,6 +27,33 @@ impl Shell {
     /// The shell's share of the mesh's area, 0..=1.
     pub fn area(&self) -> f64 {
         if self.scale > 0.0 { (self.scale * self.scale).recip() } else { 0.0 }
+    }
+}
+
+impl Shell {
+    /// The shell of other `triangles` over some of this one's points, and the local point here of each point there.
+    pub fn with_triangles(&self, triangles: &[[u32; 3]]) -> (Shell, Vec<u32>) {
+        let mut kept: Vec<u32> = triangles.as_flattened().to_vec();
+        kept.sort_unstable();
+        kept.dedup();
+        let mut index = vec![NONE; self.points.len()];
+        for (new, &old) in kept.iter().enumerate() {
+            index[old as usize] = new as u32;
+        }
+        let triangles: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|old| index[old as usize])).collect();
+        let mut positions: Vec<Vector> = kept.iter().map(|&old| self.positions[old as usize]).collect();
+        centre(&mut positions);
+        let scale = self.scale * scale_to_unit_area(&mut positions, &triangles);
+        let points = kept.iter().map(|&old| self.points[old as usize]).collect();
+        let shell = Shell {
+            points,
+            positions,
+            triangles,
+            triangle_of_local: Vec::new(),
+            orientable: self.orientable,
+            scale,
+        };
+        (shell, kept)
     }
 }
 

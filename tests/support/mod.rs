@@ -202,6 +202,31 @@ pub fn example_truth(name: &str) -> Vec<u32> {
     table.lines().map(|line| line.parse().unwrap()).collect()
 }
 
+/// `mesh` with a diagonal cut at random in every quad: no connectivity is mirrored any more.
+pub fn with_random_diagonals(mesh: &PolygonMesh) -> PolygonMesh {
+    let mut state = 1u32;
+    let mut triangles: Vec<[u32; 3]> = Vec::new();
+    for face in mesh.face_offsets.windows(2) {
+        let corners = &mesh.face_vertices[face[0] as usize..face[1] as usize];
+        state = state.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        let first = (state >> 31) as usize;
+        let corner = |k: usize| corners[(first + k) % corners.len()];
+        triangles.extend((1..corners.len() - 1).map(|k| [corner(0), corner(k), corner(k + 1)]));
+    }
+    polygon_mesh(&mesh.positions, &triangles)
+}
+
+/// Mean and share beyond 0.05 of the distances to the true partners, in sqrt(area).
+pub fn errors(mesh: &PolygonMesh, partner: &[i32], truth: &[u32]) -> (f64, f64) {
+    let roads = Roads::new(mesh);
+    let pairs = partner.iter().zip(truth).map(|(&partner, &truth)| (partner as u32, truth));
+    let distances: Vec<f64> = pairs.map(|(a, b)| roads.distance(a, b)).collect();
+    let mean = distances.iter().sum::<f64>() / distances.len() as f64;
+    let far = distances.iter().filter(|distance| **distance > 0.05).count() as f64 / distances.len() as f64;
+    println!("  mean error {mean:.4} sqrt(area), {far:.4} beyond 0.05");
+    (mean, far)
+}
+
 /// Distances along edges, for points that lie near each other.
 pub struct Roads {
     neighbours: Vec<Vec<(u32, f64)>>,

@@ -1,0 +1,156 @@
+//! A simplified stand-in for a fine shell: the map is found on it and carried back to all vertices.
+//!
+//! A map of 150 eigenfunctions says nothing about detail finer than some percent of the shell, so a mesh of some
+//! ten thousand vertices carries it as well as one of a million. Edges are collapsed by quadric errors (M. Garland,
+//! P. S. Heckbert, "Surface Simplification Using Quadric Error Metrics", 1997; meshoptimizer, with its penalty on
+//! uneven triangles), onto vertices of the shell and with its topology. Each vertex of the shell then has its place
+//! inside a triangle of the proxy, whose corners' images say where the vertex's own image is.
+
+use crate::adjacency::nearest_seeds;
+use crate::full_refinement::{TrianglePoint, VertexImages};
+use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::{NONE, Shell};
+use crate::surface_walk::SurfaceWalk;
+use crate::threads;
+use meshopt::{SimplifyOptions, VertexDataAdapter, simplify};
+
+/// Images of a triangle's corners that lie farther apart than this many times the triangle's longest edge are torn
+/// apart: its points follow the nearest corner alone.
+const TORN: f64 = 4.0;
+
+/// A proxy that has more than this many times the vertices asked for is not worth having.
+const TOO_FINE: usize = 4;
+
+/// The simplified shell, and where the vertices of the fine one lie on it.
+#[derive(Debug)]
+pub struct Proxy {
+    /// The simplified shell, of unit area.
+    pub shell: Shell,
+    /// The fine shell's vertex at each of the proxy's vertices, rising.
+    vertices: Vec<u32>,
+    /// Place of each of the fine shell's vertices on the proxy.
+    places: Vec<TrianglePoint>,
+}
+
+impl Proxy {
+    /// A proxy of about `wanted` vertices; `None` where the shell has no more than that, or where its topology
+    /// allows none much coarser. O(vertices log vertices).
+    pub fn new(fine: &Shell, wanted: usize, threads: usize) -> Option<Proxy> {
+        if fine.points.len() <= wanted {
+            return None;
+        }
+        let triangles = simplified(fine, wanted)?;
+        let (shell, vertices) = fine.with_triangles(&triangles);
+        if vertices.len() > TOO_FINE * wanted || vertices.len() >= fine.points.len() || shell.scale <= 0.0 {
+            return None;
+        }
+        let places = places(fine, &shell.triangles, &vertices, threads)?;
+        Some(Proxy { shell, vertices, places })
+    }
+
+    /// The proxy's vertex that weighs most at the place of a fine vertex.
+    pub fn nearest_vertex(&self, fine_vertex: u32) -> u32 {
+        let place = &self.places[fine_vertex as usize];
+        self.shell.triangles[place.triangle as usize][place.heaviest()]
+    }
+
+    /// Values at the fine shell's vertices from those at the proxy's, linear inside its triangles.
+    pub fn carry_values(&self, values: &[impl Copy + Into<f64>]) -> Vec<f64> {
+        let at = |place: &TrianglePoint| {
+            let corners = self.shell.triangles[place.triangle as usize];
+            let terms = corners.iter().zip(place.barycentric);
+            terms.map(|(&corner, weight)| f64::from(weight) * values[corner as usize].into()).sum()
+        };
+        self.places.iter().map(at).collect()
+    }
+
+    /// Images of the fine shell's vertices from those of the proxy's.
+    ///
+    /// Images of a triangle's corners are joined by straight lines; the nearest point of the fine shell is taken.
+    pub fn carry_images(&self, fine: &Shell, images: &VertexImages, threads: usize) -> VertexImages {
+        let walk = SurfaceWalk::new(&fine.positions, &fine.triangles);
+        let image_points: Vec<Vector> =
+            images.points.iter().map(|point| self.position(fine, point)).collect();
+        let image_of = |place: &TrianglePoint| {
+            let corners = self.shell.triangles[place.triangle as usize];
+            let heaviest = corners[place.heaviest()] as usize;
+            let ends = corners.map(|corner| image_points[corner as usize]);
+            let sources = corners.map(|corner| fine.positions[self.vertices[corner as usize] as usize]);
+            let torn = longest(ends) > TORN * TORN * longest(sources);
+            let goal = if torn { image_points[heaviest] } else { weighted(ends, place.barycentric) };
+            walk.nearest(goal, self.vertices[images.partners[heaviest] as usize])
+        };
+        let found = in_parallel(&self.places, threads, image_of);
+        let (partners, points) = found.into_iter().unzip();
+        VertexImages { partners, points }
+    }
+
+    /// The images of the proxy's vertices under a map that is known for the fine shell's: `partners` are vertices.
+    pub fn restrict(&self, partners: &[u32]) -> VertexImages {
+        let partner = |&vertex: &u32| partners[vertex as usize];
+        VertexImages {
+            partners: self.vertices.iter().map(|vertex| self.nearest_vertex(partner(vertex))).collect(),
+            points: self.vertices.iter().map(|vertex| self.places[partner(vertex) as usize]).collect(),
+        }
+    }
+
+    /// In the fine shell's coordinates.
+    fn position(&self, fine: &Shell, point: &TrianglePoint) -> Vector {
+        let corner = |vertex: u32| fine.positions[self.vertices[vertex as usize] as usize];
+        weighted(self.shell.triangles[point.triangle as usize].map(corner), point.barycentric)
+    }
+}
+
+/// Triangles over the vertices of `fine`.
+fn simplified(fine: &Shell, wanted: usize) -> Option<Vec<[u32; 3]>> {
+    let coordinates = fine.positions.iter().flatten();
+    let bytes: Vec<u8> = coordinates.flat_map(|&value| (value as f32).to_ne_bytes()).collect();
+    let vertices = VertexDataAdapter::new(&bytes, 3 * size_of::<f32>(), 0).ok()?;
+    // A closed surface has about twice as many triangles as vertices.
+    let corners = 3 * 2 * wanted;
+    let left = simplify(
+        fine.triangles.as_flattened(),
+        &vertices,
+        corners,
+        f32::MAX,
+        SimplifyOptions::Regularize,
+        None,
+    );
+    let triangles: Vec<[u32; 3]> = left.as_chunks().0.to_vec();
+    (!triangles.is_empty()).then_some(triangles)
+}
+
+/// Where the fine shell's vertices lie on the proxy of `triangles` over its `vertices`; `None` if that is not connected
+/// to all of them.
+fn places(
+    fine: &Shell,
+    triangles: &[[u32; 3]],
+    vertices: &[u32],
+    threads: usize,
+) -> Option<Vec<TrianglePoint>> {
+    let on_fine = SurfaceWalk::new(&fine.positions, &fine.triangles);
+    let nearest = nearest_seeds(fine.positions.len(), vertices, |vertex| on_fine.around(vertex));
+    if nearest.contains(&NONE) {
+        return None;
+    }
+    let positions: Vec<Vector> = vertices.iter().map(|&vertex| fine.positions[vertex as usize]).collect();
+    let on_proxy = SurfaceWalk::new(&positions, triangles);
+    let all: Vec<(Vector, u32)> = fine.positions.iter().copied().zip(nearest).collect();
+    Some(in_parallel(&all, threads, |&(position, start)| on_proxy.nearest(position, start).1))
+}
+
+fn weighted(corners: [Vector; 3], weights: [f32; 3]) -> Vector {
+    std::array::from_fn(|axis| (0..3).map(|c| f64::from(weights[c]) * corners[c][axis]).sum())
+}
+
+/// Squared length of a triangle's longest edge.
+fn longest([a, b, c]: [Vector; 3]) -> f64 {
+    squared_norm(subtract(a, b)).max(squared_norm(subtract(b, c))).max(squared_norm(subtract(c, a)))
+}
+
+/// `work` of all items, in order.
+fn in_parallel<T: Sync, R: Send>(items: &[T], threads: usize, work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let ranges = threads::ranges(items.len(), 4 * threads);
+    let parts = threads::map(threads, ranges, |range| items[range].iter().map(&work).collect::<Vec<R>>());
+    parts.into_iter().flatten().collect()
+}
