@@ -1,7 +1,7 @@
 //! Times of the pipeline's stages and peak memory for one mesh, as JSON on standard output.
 //!
 //!     cargo bench --profile release --bench stages -- MESH [--repeats 5] [--eigenfunctions 150] [--threads 1]
-//!         [--write PREFIX]
+//!         [--proxy-vertices 15000] [--write PREFIX]
 //!
 //! MESH is a file, or a number f: the creature of the tests on a geodesic sphere of `10 f^2 + 2` vertices, its left
 //! and right triangulated differently. The first run is the process's first (cold). `--write` also leaves the mesh as
@@ -11,7 +11,7 @@
 #[path = "../tests/support/mod.rs"]
 mod support;
 
-use intrinsym::limits::Limits;
+use intrinsym::limits::{Limits, estimated_memory};
 use intrinsym::mesh::{Mesh, PolygonMesh, io};
 use intrinsym::options::Options;
 use intrinsym::pipeline::detect;
@@ -27,6 +27,7 @@ struct Arguments {
     repeats: usize,
     eigenfunctions: usize,
     threads: usize,
+    proxy_vertices: usize,
     write: Option<String>,
 }
 
@@ -37,9 +38,10 @@ fn main() {
     if let Some(prefix) = &arguments.write {
         write_raw(&mesh, prefix);
     }
-    let (eigenfunctions, threads) = (arguments.eigenfunctions, arguments.threads);
-    let options = Options { eigenfunctions, threads, ..Options::default() };
+    let Arguments { eigenfunctions, threads, proxy_vertices, .. } = arguments;
+    let options = Options { eigenfunctions, threads, proxy_vertices, ..Options::default() };
     let runs: Vec<Value> = (0..arguments.repeats).map(|_| run(&mesh, &options)).collect();
+    let solved = runs.first().and_then(|run| run["solved_vertices"].as_u64()).unwrap_or_default() as usize;
     let report = json!({
         "mesh": arguments.mesh,
         "vertices": mesh.positions.len(),
@@ -47,6 +49,7 @@ fn main() {
         "eigenfunctions": arguments.eigenfunctions,
         "threads": arguments.threads,
         "peak_memory_bytes": peak_memory(),
+        "estimated_memory_bytes": estimated_memory(mesh.positions.len(), solved, arguments.eigenfunctions),
         "runs": runs,
     });
     println!("{report}");
@@ -54,8 +57,15 @@ fn main() {
 
 /// `None` if nothing is asked for: `cargo test --all-targets` calls a bench without arguments of ours.
 fn arguments() -> Option<Arguments> {
-    let eigenfunctions = Options::default().eigenfunctions;
-    let mut found = Arguments { mesh: String::new(), repeats: 5, eigenfunctions, threads: 1, write: None };
+    let Options { eigenfunctions, proxy_vertices, .. } = Options::default();
+    let mut found = Arguments {
+        mesh: String::new(),
+        repeats: 5,
+        eigenfunctions,
+        threads: 1,
+        proxy_vertices,
+        write: None,
+    };
     let mut rest = std::env::args().skip(1);
     while let Some(argument) = rest.next() {
         let mut value = || rest.next().unwrap_or_else(|| panic!("{argument} needs a value"));
@@ -64,6 +74,7 @@ fn arguments() -> Option<Arguments> {
             "--repeats" => found.repeats = value().parse().expect("a number of repeats"),
             "--eigenfunctions" => found.eigenfunctions = value().parse().expect("a number of eigenfunctions"),
             "--threads" => found.threads = value().parse().expect("a number of threads"),
+            "--proxy-vertices" => found.proxy_vertices = value().parse().expect("a number of vertices"),
             "--write" => found.write = Some(value()),
             other if other.starts_with("--") => return None,
             mesh => found.mesh = mesh.into(),
@@ -84,6 +95,7 @@ fn run(mesh: &Mesh, options: &Options) -> Value {
     let found = detect(mesh, options, &Progress::default()).expect("a detection");
     json!({
         "seconds": found.report.seconds,
+        "solved_vertices": found.report.solved_vertices,
         "plausibility": found.report.judged.map(|judged| judged.plausibility),
         "symmetries": found.symmetries.len(),
     })

@@ -36,6 +36,26 @@ impl Limits {
     }
 }
 
+/// Bytes that a detection takes at its peak, its mesh included: an upper estimate from the peaks of `make bench`.
+///
+/// `solved` are the vertices on which the map is sought.
+pub fn estimated_memory(vertices: usize, solved: usize, eigenfunctions: usize) -> u64 {
+    const FIXED: usize = 60_000_000;
+    const A_VERTEX: usize = 500;
+    const A_SOLVED_VERTEX: usize = 600;
+    const AN_EIGENFUNCTION: usize = 36;
+    (FIXED + A_VERTEX * vertices + solved * (A_SOLVED_VERTEX + AN_EIGENFUNCTION * eigenfunctions)) as u64
+}
+
+/// Refuses what needs more than `limit` MB; 0 is no limit.
+///
+/// # Errors
+/// [`Error::Limit`].
+pub fn check_memory(needed: u64, limit: usize) -> Result<()> {
+    let limit = if limit == 0 { u64::MAX } else { limit as u64 };
+    check("the estimated memory in MB", needed.div_ceil(1_000_000), limit)
+}
+
 fn check(what: &'static str, found: u64, limit: u64) -> Result<()> {
     if found > limit { Err(Error::Limit { what, found, limit }) } else { Ok(()) }
 }

@@ -23,6 +23,8 @@ pub struct Options {
     /// Vertices of the largest shell up to which the map is sought on the shell itself; a finer one is simplified to
     /// about so many, and the map is carried back.
     pub proxy_vertices: usize,
+    /// Most memory of a detection in MB, estimated before it is taken; 0 for no limit.
+    pub memory: usize,
     /// Threads that a detection uses at most; the result does not depend on it.
     pub threads: usize,
     /// A sign network of the caller's own instead of the embedded one: trusted input.
@@ -48,7 +50,7 @@ pub struct OptionSpec {
 }
 
 /// The table all hosts read.
-pub const OPTIONS: [OptionSpec; 8] = [
+pub const OPTIONS: [OptionSpec; 9] = [
     OptionSpec {
         name: "eigenfunctions",
         default: 150,
@@ -99,6 +101,13 @@ pub const OPTIONS: [OptionSpec; 8] = [
         help: "Vertices above which the map is found on a simplified mesh of about so many and carried back.",
     },
     OptionSpec {
+        name: "memory",
+        default: 0,
+        minimum: 0,
+        maximum: 100_000_000,
+        help: "Most memory in MB, mesh included, estimated before it is taken: a mesh that needs more is refused; 0: no limit.",
+    },
+    OptionSpec {
         name: "threads",
         default: 2,
         minimum: 1,
@@ -117,7 +126,8 @@ impl Default for Options {
             network: OPTIONS[4].default,
             plausibility: OPTIONS[5].default,
             proxy_vertices: OPTIONS[6].default,
-            threads: OPTIONS[7].default,
+            memory: OPTIONS[7].default,
+            threads: OPTIONS[8].default,
             model: None,
             known_signs: Vec::new(),
         }
@@ -150,6 +160,7 @@ impl Options {
             self.network,
             self.plausibility,
             self.proxy_vertices,
+            self.memory,
             self.threads,
         ]
     }
@@ -169,6 +180,7 @@ impl Options {
             &mut self.network,
             &mut self.plausibility,
             &mut self.proxy_vertices,
+            &mut self.memory,
             &mut self.threads,
         ];
         *fields.into_iter().nth(index).expect("one field per option") = value;

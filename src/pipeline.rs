@@ -11,6 +11,7 @@ use crate::error::Result;
 use crate::fixed_curve::{odd_function, zero_set};
 use crate::full_refinement::{MatchTarget, VertexImages};
 use crate::laplacian::IntrinsicSurface;
+use crate::limits::{check_memory, estimated_memory};
 use crate::mesh::half_edges::HalfEdges;
 use crate::mesh::{Attachment, Mesh, NONE, RepairReport, Shell, attach};
 use crate::options::Options;
@@ -75,7 +76,7 @@ pub struct Detection {
 /// The symmetry is sought on the largest shell; every other shell is then given its partner.
 ///
 /// # Errors
-/// [`crate::Error::Option`], [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+/// [`crate::Error::Option`], [`crate::Error::Limit`], [`crate::Error::Cancelled`], [`crate::Error::Internal`].
 pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Detection> {
     options.validate()?;
     let mut clock = Clock::start();
@@ -84,6 +85,8 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let proxy = Proxy::new(&shells[0], options.proxy_vertices, options.threads);
     clock.lap("proxy");
     let solved = proxy.as_ref().map_or(&shells[0], |proxy| &proxy.shell);
+    let needed = estimated_memory(mesh.positions.len(), solved.points.len(), options.eigenfunctions);
+    check_memory(needed, options.memory)?;
     let surface = IntrinsicSurface::with_mean_curvature(solved);
     clock.lap("laplacian");
     let shell = PreparedShell::new(surface, options, progress)?;

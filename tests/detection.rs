@@ -3,6 +3,7 @@
 mod support;
 
 use intrinsym::error::Error;
+use intrinsym::limits::estimated_memory;
 use intrinsym::mesh::{Mesh, NONE, PolygonMesh};
 use intrinsym::options::{OPTIONS, Options};
 use intrinsym::pipeline::{Detection, Outcome, detect};
@@ -348,6 +349,7 @@ fn options_outside_their_range_are_refused() {
                 network,
                 plausibility,
                 proxy_vertices,
+                memory,
                 threads,
             ] = values;
             Options {
@@ -358,6 +360,7 @@ fn options_outside_their_range_are_refused() {
                 network,
                 plausibility,
                 proxy_vertices,
+                memory,
                 threads,
                 ..Options::default()
             }
@@ -373,6 +376,19 @@ fn options_outside_their_range_are_refused() {
             assert!(error.to_string().contains(&range), "{error}");
         }
     }
+}
+
+#[test]
+fn a_mesh_that_needs_more_memory_than_allowed_is_refused() {
+    let mesh = validated(&example("quadruped"));
+    let with = |memory| detect(&mesh, &Options { memory, ..Options::default() }, &Progress::default());
+    let points = mesh.positions.len();
+    let needed = estimated_memory(points, points, Options::default().eigenfunctions).div_ceil(1_000_000);
+    match with(needed as usize - 1).unwrap_err() {
+        Error::Limit { found, limit, .. } => assert_eq!((found, limit), (needed, needed - 1)),
+        other => panic!("{other}"),
+    }
+    assert_eq!(with(needed as usize).unwrap().outcome, Outcome::Found);
 }
 
 #[test]
