@@ -34,6 +34,7 @@ pub struct EdgeCrossing {
 pub fn odd_function(surface: &IntrinsicSurface, basis: &Eigenbasis, images: &VertexImages) -> Vec<f64> {
     let moved = movements(surface, basis, images);
     let neighbours = |vertex: usize| surface.stiffness.neighbours(vertex);
+    let around = |vertex: usize| neighbours(vertex).iter().copied();
     let sides = sides(neighbours, &images.partners, &moved);
     let signed: Vec<f64> = moved.iter().zip(&sides).map(|(moved, side)| moved * f64::from(*side)).collect();
     let image_value = |vertex: usize| at(surface, &images.points[vertex], &signed);
@@ -42,13 +43,19 @@ pub fn odd_function(surface: &IntrinsicSurface, basis: &Eigenbasis, images: &Ver
     for _ in 0..SMOOTHING_ROUNDS {
         odd = (0..odd.len()).map(|vertex| mean_with(neighbours(vertex), &odd, vertex)).collect();
     }
-    dissolve_specks(neighbours, &surface.lumped_mass, &mut odd);
+    dissolve_specks(around, &surface.lumped_mass, &mut odd);
     odd
 }
 
 /// Gives connected parts of one sign that have less than `SPECK` of the area the other sign, the one around them:
 /// on the curve the movement is all noise. The largest part of each sign stays. O(n).
-fn dissolve_specks<'a>(neighbours: impl Fn(usize) -> &'a [u32], mass: &[f64], odd: &mut [f64]) {
+///
+/// `neighbours` may name a vertex more than once; `mass` is the area that each vertex stands for.
+pub fn dissolve_specks<N: IntoIterator<Item = u32>>(
+    neighbours: impl Fn(usize) -> N,
+    mass: &[f64],
+    odd: &mut [f64],
+) {
     let positive: Vec<bool> = odd.iter().map(|value| *value >= 0.0).collect();
     let mut visited = vec![false; odd.len()];
     let mut parts = Vec::new();
@@ -59,7 +66,7 @@ fn dissolve_specks<'a>(neighbours: impl Fn(usize) -> &'a [u32], mass: &[f64], od
         let mut part = vec![start];
         let mut next = 0;
         while next < part.len() {
-            for &other in neighbours(part[next]) {
+            for other in neighbours(part[next]) {
                 let other = other as usize;
                 if positive[other] == positive[start] && !std::mem::replace(&mut visited[other], true) {
                     part.push(other);
@@ -271,7 +278,7 @@ mod tests {
         odd[100..102].fill(-0.5);
         odd[3000] = 0.0;
         odd[500..510].fill(-0.5);
-        dissolve_specks(|vertex| &neighbours[vertex], &mass, &mut odd);
+        dissolve_specks(|vertex: usize| neighbours[vertex].iter().copied(), &mass, &mut odd);
         let negative = |i: usize| i >= 2000 || (500..510).contains(&i);
         assert!((0..4000).all(|i| (odd[i] < 0.0) == negative(i)));
     }

@@ -196,7 +196,7 @@ struct Assembler<'a> {
     shells: &'a [Shell],
     /// The largest shell or its proxy.
     shell: &'a PreparedShell,
-    proxy: Option<&'a Proxy>,
+    proxy: Option<&'a Proxy<'a>>,
     target: MatchTarget<'a>,
     /// Anchors are vertices of `shell`.
     attachments: Vec<Attachment>,
@@ -209,7 +209,7 @@ impl<'a> Assembler<'a> {
         mesh: &'a Mesh,
         shells: &'a [Shell],
         shell: &'a PreparedShell,
-        proxy: Option<&'a Proxy>,
+        proxy: Option<&'a Proxy<'a>>,
         half_edges: &'a HalfEdges,
         options: &Options,
     ) -> Result<Self> {
@@ -249,11 +249,11 @@ impl<'a> Assembler<'a> {
         let shell = &self.shells[0];
         match self.proxy {
             Some(proxy) => {
-                let images = proxy.carry_images(shell, images, self.threads);
+                let images = proxy.carry_images(images, self.threads);
                 let carried = proxy.carry_values(trust);
                 let trust: Vec<f32> = carried.into_iter().map(|value| value as f32).collect();
                 map.insert(shell, shell, &images, &trust);
-                map.insert_odd(shell, &proxy.carry_values(odd));
+                map.insert_odd(shell, &proxy.carry_odd(odd));
             }
             None => {
                 map.insert(shell, shell, images, trust);

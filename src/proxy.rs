@@ -7,8 +7,9 @@
 //! inside a triangle of the proxy, whose corners' images say where the vertex's own image is.
 
 use crate::adjacency::nearest_seeds;
+use crate::fixed_curve::dissolve_specks;
 use crate::full_refinement::{TrianglePoint, VertexImages};
-use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::vector::{Vector, squared_norm, subtract, triangle_area};
 use crate::mesh::{NONE, Shell};
 use crate::surface_walk::SurfaceWalk;
 use crate::threads;
@@ -23,19 +24,21 @@ const TOO_FINE: usize = 4;
 
 /// The simplified shell, and where the vertices of the fine one lie on it.
 #[derive(Debug)]
-pub struct Proxy {
+pub struct Proxy<'a> {
     /// The simplified shell, of unit area.
     pub shell: Shell,
+    fine: &'a Shell,
+    walk: SurfaceWalk<'a>,
     /// The fine shell's vertex at each of the proxy's vertices, rising.
     vertices: Vec<u32>,
     /// Place of each of the fine shell's vertices on the proxy.
     places: Vec<TrianglePoint>,
 }
 
-impl Proxy {
+impl<'a> Proxy<'a> {
     /// A proxy of about `wanted` vertices; `None` where the shell has no more than that, or where its topology
     /// allows none much coarser. O(vertices log vertices).
-    pub fn new(fine: &Shell, wanted: usize, threads: usize) -> Option<Proxy> {
+    pub fn new(fine: &'a Shell, wanted: usize, threads: usize) -> Option<Proxy<'a>> {
         if fine.points.len() <= wanted {
             return None;
         }
@@ -44,8 +47,9 @@ impl Proxy {
         if vertices.len() > TOO_FINE * wanted || vertices.len() >= fine.points.len() || shell.scale <= 0.0 {
             return None;
         }
-        let places = places(fine, &shell.triangles, &vertices, threads)?;
-        Some(Proxy { shell, vertices, places })
+        let walk = SurfaceWalk::new(&fine.positions, &fine.triangles);
+        let places = places(fine, &walk, &shell.triangles, &vertices, threads)?;
+        Some(Proxy { shell, fine, walk, vertices, places })
     }
 
     /// The proxy's vertex that weighs most at the place of a fine vertex.
@@ -67,18 +71,16 @@ impl Proxy {
     /// Images of the fine shell's vertices from those of the proxy's.
     ///
     /// Images of a triangle's corners are joined by straight lines; the nearest point of the fine shell is taken.
-    pub fn carry_images(&self, fine: &Shell, images: &VertexImages, threads: usize) -> VertexImages {
-        let walk = SurfaceWalk::new(&fine.positions, &fine.triangles);
-        let image_points: Vec<Vector> =
-            images.points.iter().map(|point| self.position(fine, point)).collect();
+    pub fn carry_images(&self, images: &VertexImages, threads: usize) -> VertexImages {
+        let image_points: Vec<Vector> = images.points.iter().map(|point| self.position(point)).collect();
         let image_of = |place: &TrianglePoint| {
             let corners = self.shell.triangles[place.triangle as usize];
             let heaviest = corners[place.heaviest()] as usize;
             let ends = corners.map(|corner| image_points[corner as usize]);
-            let sources = corners.map(|corner| fine.positions[self.vertices[corner as usize] as usize]);
+            let sources = corners.map(|corner| self.corner(corner));
             let torn = longest(ends) > TORN * TORN * longest(sources);
             let goal = if torn { image_points[heaviest] } else { weighted(ends, place.barycentric) };
-            walk.nearest(goal, self.vertices[images.partners[heaviest] as usize])
+            self.walk.nearest(goal, self.vertices[images.partners[heaviest] as usize])
         };
         let found = in_parallel(&self.places, threads, image_of);
         let (partners, points) = found.into_iter().unzip();
@@ -94,10 +96,28 @@ impl Proxy {
         }
     }
 
+    /// The odd function of the fine shell's vertices from that of the proxy's. Where neighbours have places apart, as in a
+    /// crease, parts of the wrong sign may appear; small ones are dissolved.
+    pub fn carry_odd(&self, odd: &[f64]) -> Vec<f64> {
+        let mut carried = self.carry_values(odd);
+        let mut mass = vec![0.0; carried.len()];
+        for triangle in &self.fine.triangles {
+            let [a, b, c] = triangle.map(|vertex| self.fine.positions[vertex as usize]);
+            triangle.iter().for_each(|&vertex| mass[vertex as usize] += triangle_area(a, b, c) / 3.0);
+        }
+        dissolve_specks(|vertex| self.walk.around(vertex as u32), &mass, &mut carried);
+        carried
+    }
+
     /// In the fine shell's coordinates.
-    fn position(&self, fine: &Shell, point: &TrianglePoint) -> Vector {
-        let corner = |vertex: u32| fine.positions[self.vertices[vertex as usize] as usize];
-        weighted(self.shell.triangles[point.triangle as usize].map(corner), point.barycentric)
+    fn position(&self, point: &TrianglePoint) -> Vector {
+        let corners = self.shell.triangles[point.triangle as usize];
+        weighted(corners.map(|corner| self.corner(corner)), point.barycentric)
+    }
+
+    /// The same of a vertex of the proxy.
+    fn corner(&self, vertex: u32) -> Vector {
+        self.fine.positions[self.vertices[vertex as usize] as usize]
     }
 }
 
@@ -124,11 +144,11 @@ fn simplified(fine: &Shell, wanted: usize) -> Option<Vec<[u32; 3]>> {
 /// to all of them.
 fn places(
     fine: &Shell,
+    on_fine: &SurfaceWalk,
     triangles: &[[u32; 3]],
     vertices: &[u32],
     threads: usize,
 ) -> Option<Vec<TrianglePoint>> {
-    let on_fine = SurfaceWalk::new(&fine.positions, &fine.triangles);
     let nearest = nearest_seeds(fine.positions.len(), vertices, |vertex| on_fine.around(vertex));
     if nearest.contains(&NONE) {
         return None;

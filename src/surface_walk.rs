@@ -8,6 +8,7 @@ use crate::mesh::bucket;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
 
 /// A triangle surface to walk on.
+#[derive(Debug)]
 pub struct SurfaceWalk<'a> {
     positions: &'a [Vector],
     triangles: &'a [[u32; 3]],
@@ -36,7 +37,7 @@ impl<'a> SurfaceWalk<'a> {
         let mut distance = self.distance(query, start);
         loop {
             let from = vertex;
-            for next in self.around(from) {
+            for next in self.around(from).filter(|&next| next != from) {
                 let candidate = self.distance(query, next);
                 if candidate < distance {
                     (vertex, distance) = (next, candidate);
