@@ -29,7 +29,7 @@ from pathlib import Path
 
 import numpy as np
 
-# Above so many vertices everything runs once.
+# Above so many vertices everything runs once, and the peers, which take minutes there, not at all.
 LARGE = 100_000
 
 
@@ -90,7 +90,9 @@ def measure(program: Path, frequency: int, count: int) -> dict:
         run = [program, frequency, "--repeats", repeats, "--eigenfunctions", count]
         own = output([*run, "--write", prefix])
         two = output([*run, "--threads", 2])
-        peers = {name: output([sys.executable, __file__, "--peer", name, prefix, count, repeats]) for name in PEERS}
+        peers = {} if repeats == 1 else {
+            name: output([sys.executable, __file__, "--peer", name, prefix, count, repeats]) for name in PEERS
+        }
     return {"vertices": own["vertices"], "intrinsym": own, "two threads": two, "peers": peers, "load": os.getloadavg()[0]}
 
 
@@ -105,12 +107,20 @@ def total(entry: dict, threads: str = "intrinsym") -> float:
 
 
 def peer_total(entry: dict, name: str) -> float:
+    """Seconds of a peer; not a number where it did not run."""
+    if name not in entry["peers"]:
+        return float("nan")
     return statistics.median(sum(run.values()) for run in entry["peers"][name]["runs"])
 
 
 def exponent(sizes: list[int], seconds: list[float]) -> float:
-    """Slope of the least-squares line in log-log."""
-    return float(np.polyfit(np.log(sizes), np.log(seconds), 1)[0])
+    """Slope of the least-squares line in log-log, from the second size on."""
+    known = np.array([(size, value) for size, value in zip(sizes, seconds) if np.isfinite(value)][1:])
+    return float(np.polyfit(*np.log(known).T, 1)[0])
+
+
+def cell(text: str) -> str:
+    return "-" if "nan" in text else text
 
 
 def table(entries: list[dict]) -> str:
@@ -120,23 +130,29 @@ def table(entries: list[dict]) -> str:
     lines = [header, "|---" * (len(sizes) + 2) + "|"]
 
     def row(name: str, seconds: list[float]) -> None:
-        growth = f"N^{exponent(sizes[1:], seconds[1:]):.2f}" if len(sizes) > 2 else ""
-        cells = " | ".join(f"{1e3 * value:,.1f}" if value < 0.1 else f"{1e3 * value:,.0f}" for value in seconds)
+        growth = f"N^{exponent(sizes, seconds):.2f}" if len(sizes) > 2 and min(seconds) > 0 else ""
+        cells = " | ".join(cell(f"{1e3 * v:,.1f}" if v < 0.1 else f"{1e3 * v:,.0f}") for v in seconds)
         lines.append(f"| {name} | {cells} | {growth} |")
 
+    def plain(name: str, texts: list[str]) -> None:
+        lines.append(f"| {name} | " + " | ".join(cell(text) for text in texts) + " | |")
+
+    plain("solved on", [f"{entry['intrinsym']['runs'][0]['solved_vertices']:,}" for entry in entries])
     for stage in stages(entries[0]):
         row(stage, [stages(entry)[stage] for entry in entries])
     row("**all**", [total(entry) for entry in entries])
     row("**all, two threads**", [total(entry, "two threads") for entry in entries])
     for name in PEERS:
         row(name, [peer_total(entry, name) for entry in entries])
-    ratios = [peer_total(entry, PEERS[0]) / (stages(entry)["laplacian"] + stages(entry)["eigenfunctions"]) for entry in entries]
-    lines.append("| times slower than our Laplacian and eigenfunctions | " + " | ".join(f"{r:.1f}" for r in ratios) + " | |")
-    ratios = [peer_total(entry, PEERS[0]) / total(entry) for entry in entries]
-    lines.append("| times slower than our whole pipeline | " + " | ".join(f"{r:.1f}" for r in ratios) + " | |")
-    for name, memory in [("intrinsym", [e["intrinsym"] for e in entries]), *((n, [e["peers"][n] for e in entries]) for n in PEERS)]:
-        cells = " | ".join(f"{m['peak_memory_bytes'] / 1e6:,.0f}" for m in memory)
-        lines.append(f"| peak memory, MB: {name} | {cells} | |")
+    own = [stages(entry)["proxy"] + stages(entry)["laplacian"] + stages(entry)["eigenfunctions"] for entry in entries]
+    eigsh = [peer_total(entry, PEERS[0]) for entry in entries]
+    plain("times slower than our proxy, Laplacian and eigenfunctions", [f"{e / o:.1f}" for e, o in zip(eigsh, own)])
+    plain("times slower than our whole pipeline", [f"{e / total(entry):.1f}" for e, entry in zip(eigsh, entries)])
+    memory = lambda run, key: f"{run.get(key, float('nan')) / 1e6:,.0f}"
+    plain("peak memory, MB: intrinsym", [memory(entry["intrinsym"], "peak_memory_bytes") for entry in entries])
+    plain("the same, as estimated", [memory(entry["intrinsym"], "estimated_memory_bytes") for entry in entries])
+    for name in PEERS:
+        plain(f"peak memory, MB: {name}", [memory(entry["peers"].get(name, {}), "peak_memory_bytes") for entry in entries])
     return "\n".join(lines) + "\n"
 
 
@@ -149,14 +165,12 @@ def plot(entries: list[dict], path: Path) -> None:
 
     sizes = [entry["vertices"] for entry in entries]
     curves = {"intrinsym, whole pipeline": [total(entry) for entry in entries]}
-    curves["intrinsym, Laplacian and eigenfunctions"] = [
-        stages(entry)["laplacian"] + stages(entry)["eigenfunctions"] for entry in entries
-    ]
+    curves["intrinsym, two threads"] = [total(entry, "two threads") for entry in entries]
     curves |= {name + ", eigenfunctions alone": [peer_total(entry, name) for entry in entries] for name in PEERS}
     figure, axes = pyplot.subplots(figsize=(7, 4.5))
     for name, seconds in curves.items():
-        axes.loglog(sizes, seconds, marker="o", label=f"{name} (N^{exponent(sizes[1:], seconds[1:]):.2f})")
-    axes.set(xlabel="vertices", ylabel="seconds, one thread")
+        axes.loglog(sizes, seconds, marker="o", label=f"{name} (N^{exponent(sizes, seconds):.2f})")
+    axes.set(xlabel="vertices", ylabel="seconds (one thread, unless said)")
     axes.grid(alpha=0.3, which="both")
     axes.legend(fontsize=8)
     figure.tight_layout()
