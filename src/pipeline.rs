@@ -20,6 +20,7 @@ use crate::proxy::Proxy;
 use crate::shell_symmetry::{self, PreparedShell, ShellSymmetry, candidates, finish, signs};
 use crate::sign_network::SignPrediction;
 use crate::symmetry_kind::SymmetryKind;
+use crate::threads;
 use std::time::Instant;
 
 /// A reflection that the connectivity alone admits and that is as plausible as this, in percent, needs no search.
@@ -82,7 +83,12 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let mut clock = Clock::start();
     progress.report("shells", 0.0)?;
     let shells = mesh.shells();
-    let proxy = Proxy::new(&shells[0], options.proxy_vertices, options.threads);
+    let (proxy, half_edges) = threads::join(
+        options.threads,
+        || Proxy::new(&shells[0], options.proxy_vertices, (options.threads - 1).max(1)),
+        || HalfEdges::new(mesh.positions.len(), &mesh.polygon_offsets, &mesh.polygon_points),
+    );
+    let half_edges = half_edges?;
     clock.lap("proxy");
     let solved = proxy.as_ref().map_or(&shells[0], |proxy| &proxy.shell);
     let needed = estimated_memory(mesh.positions.len(), solved.points.len(), options.eigenfunctions);
@@ -93,7 +99,6 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     clock.lap("eigenfunctions");
     let signs = signs(&shell, options)?;
     clock.lap("sign network");
-    let half_edges = HalfEdges::new(mesh.positions.len(), &mesh.polygon_offsets, &mesh.polygon_points)?;
     let assembler = Assembler::new(mesh, &shells, &shell, proxy.as_ref(), &half_edges, options)?;
     let mirrored = assembler.by_connectivity(progress)?;
     clock.lap("connectivity");

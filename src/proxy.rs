@@ -22,6 +22,9 @@ const TORN: f64 = 4.0;
 /// A proxy that has more than this many times the vertices asked for is not worth having.
 const TOO_FINE: usize = 4;
 
+/// Vertices that one thread takes at a time.
+const CHUNK: usize = 4096;
+
 /// The simplified shell, and where the vertices of the fine one lie on it.
 #[derive(Debug)]
 pub struct Proxy<'a> {
@@ -73,16 +76,18 @@ impl<'a> Proxy<'a> {
     /// Images of a triangle's corners are joined by straight lines; the nearest point of the fine shell is taken.
     pub fn carry_images(&self, images: &VertexImages, threads: usize) -> VertexImages {
         let image_points: Vec<Vector> = images.points.iter().map(|point| self.position(point)).collect();
-        let image_of = |place: &TrianglePoint| {
+        let image_of = |place: &TrianglePoint, previous: Option<&(u32, TrianglePoint)>| {
             let corners = self.shell.triangles[place.triangle as usize];
             let heaviest = corners[place.heaviest()] as usize;
             let ends = corners.map(|corner| image_points[corner as usize]);
             let sources = corners.map(|corner| self.corner(corner));
             let torn = longest(ends) > TORN * TORN * longest(sources);
             let goal = if torn { image_points[heaviest] } else { weighted(ends, place.barycentric) };
-            self.walk.nearest(goal, self.vertices[images.partners[heaviest] as usize])
+            // Vertices that follow each other are often neighbours, and so are their images.
+            let start = self.vertices[images.partners[heaviest] as usize];
+            self.walk.nearest(goal, previous.map_or(start, |(near, _)| self.walk.nearer(goal, start, *near)))
         };
-        let found = in_parallel(&self.places, threads, image_of);
+        let found = in_chunks(&self.places, threads, image_of);
         let (partners, points) = found.into_iter().unzip();
         VertexImages { partners, points }
     }
@@ -156,7 +161,7 @@ fn places(
     let positions: Vec<Vector> = vertices.iter().map(|&vertex| fine.positions[vertex as usize]).collect();
     let on_proxy = SurfaceWalk::new(&positions, triangles);
     let all: Vec<(Vector, u32)> = fine.positions.iter().copied().zip(nearest).collect();
-    Some(in_parallel(&all, threads, |&(position, start)| on_proxy.nearest(position, start).1))
+    Some(in_chunks(&all, threads, |&(position, start), _| on_proxy.nearest(position, start).1))
 }
 
 fn weighted(corners: [Vector; 3], weights: [f32; 3]) -> Vector {
@@ -168,9 +173,19 @@ fn longest([a, b, c]: [Vector; 3]) -> f64 {
     squared_norm(subtract(a, b)).max(squared_norm(subtract(b, c))).max(squared_norm(subtract(c, a)))
 }
 
-/// `work` of all items, in order.
-fn in_parallel<T: Sync, R: Send>(items: &[T], threads: usize, work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let ranges = threads::ranges(items.len(), 4 * threads);
-    let parts = threads::map(threads, ranges, |range| items[range].iter().map(&work).collect::<Vec<R>>());
-    parts.into_iter().flatten().collect()
+/// `work` of all items, in order; it is told the result before, but at the start of a chunk.
+fn in_chunks<T: Sync, R: Send>(
+    items: &[T],
+    threads: usize,
+    work: impl Fn(&T, Option<&R>) -> R + Sync,
+) -> Vec<R> {
+    let done = threads::map(threads, items.chunks(CHUNK).collect(), |chunk| {
+        let mut results = Vec::with_capacity(chunk.len());
+        for item in chunk {
+            let result = work(item, results.last());
+            results.push(result);
+        }
+        results
+    });
+    done.into_iter().flatten().collect()
 }

@@ -30,6 +30,11 @@ impl<'a> SurfaceWalk<'a> {
         self.triangles_of(vertex).iter().flat_map(|&triangle| self.triangles[triangle as usize])
     }
 
+    /// The one of two vertices that is nearer to `query`, the first if they are equally near.
+    pub fn nearer(&self, query: Vector, first: u32, second: u32) -> u32 {
+        if self.distance(query, second) < self.distance(query, first) { second } else { first }
+    }
+
     /// Downhill from `start` along edges to a vertex that is nearer to `query` than its neighbours, then to the
     /// nearest point of the triangles around it. Both are returned.
     pub fn nearest(&self, query: Vector, start: u32) -> (u32, TrianglePoint) {

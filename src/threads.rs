@@ -32,6 +32,22 @@ pub fn map<T: Send, R: Send>(threads: usize, items: Vec<T>, work: impl Fn(T) -> 
     done.into_iter().map(|(_, result)| result).collect()
 }
 
+/// Both results; the second on a thread of its own if there may be two.
+pub fn join<A: Send, B: Send>(
+    threads: usize,
+    first: impl FnOnce() -> A,
+    second: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    if threads < 2 {
+        return (first(), second());
+    }
+    std::thread::scope(|scope| {
+        let other = scope.spawn(second);
+        let own = first();
+        (own, other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    })
+}
+
 /// `0..count` in at most `parts` ranges of nearly equal length.
 pub fn ranges(count: usize, parts: usize) -> Vec<std::ops::Range<usize>> {
     let parts = parts.clamp(1, count.max(1));
@@ -51,6 +67,14 @@ mod tests {
             assert_eq!(squares, (0..50).map(|i| i * i).collect::<Vec<u64>>());
         }
         assert!(map(3, Vec::<u8>::new(), |i| i).is_empty());
+    }
+
+    #[test]
+    fn two_things_are_done_at_once_if_allowed() {
+        for threads in [1, 2] {
+            let (own, other) = join(threads, || current().id(), || current().id());
+            assert_eq!((own, other != own), (current().id(), threads == 2));
+        }
     }
 
     #[test]
