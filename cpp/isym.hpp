@@ -197,6 +197,12 @@ public:
     check(isym_result_symmetry_count(get(), &count));
     return count;
   }
+  // Whether the symmetries found are arbitrary ones of infinitely many, as those of a sphere or a vase are.
+  bool continuous_family() const {
+    std::uint8_t continuous = 0;
+    check(isym_result_continuous_family(get(), &continuous));
+    return continuous != 0;
+  }
   std::size_t vertex_count() const noexcept { return vertex_count_; }
   isym_summary summary(std::size_t symmetry = 0) const {
     isym_summary summary{};

@@ -338,6 +338,11 @@ isym_status isym_mesh_free(isym_mesh *mesh);
 isym_status isym_result_symmetry_count(const isym_result *result,
                                        size_t *count);
 
+// Reads whether the mesh has a continuous family of symmetries, as a sphere, a torus or a vase has: 1 or 0. Those
+// found are then arbitrary ones of infinitely many. 0 for a restored result, where nobody has looked.
+isym_status isym_result_continuous_family(const isym_result *result,
+                                          uint8_t *continuous_family);
+
 // Reads the numbers of symmetry `symmetry`, counted from 0, the best first.
 isym_status isym_result_summary(const isym_result *result,
                                 size_t symmetry,

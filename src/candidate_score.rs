@@ -17,6 +17,9 @@ use faer::Mat;
 
 /// Eigenfunctions that the orientation and disagreement terms look at.
 pub const ORIENTATION_FUNCTIONS: usize = 12;
+/// A pair of functions whose operator hardly varies, as two that depend on the height alone on a surface of revolution, is
+/// weighed as if it varied by this share of the mean of all pairs.
+const LEAST_VARIANCE: f64 = 1e-4;
 /// Samples that move less than this share of the embedding's radius count as fixed.
 const FIXED_RADIUS: f64 = 0.15;
 /// Orientation correlations from minus this to this say neither reflection nor half turn.
@@ -181,10 +184,11 @@ impl OrientationOperator {
                 *sum += value * value;
             }
         }
+        let least = LEAST_VARIANCE * sums.iter().sum::<f64>() / sums.len().max(1) as f64 + 1e-12;
         let (mut cross, mut own, mut other) = (0.0, 0.0, 1e-20);
         for (row, partner) in pulled.iter().zip(partners) {
             for ((value, there), sum) in row.iter().zip(&self.values[*partner as usize]).zip(&sums) {
-                let weight = 1.0 / (sum / partners.len() as f64 + 1e-12);
+                let weight = partners.len() as f64 / (sum + least);
                 cross += weight * value * there;
                 own += weight * value * value;
                 other += weight * there * there;

@@ -13,6 +13,7 @@
 //! | eigenfunctions -> parity vectors | [`parity_search`] |
 //! | parity -> functional map, refined and scored | [`functional_map`], [`refinement`], [`candidate_score`], [`candidates`] |
 //! | functional map -> map of all vertices | [`adjacency`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`], [`spread_points`] |
+//! | eigenfunctions -> is there a continuous family of symmetries | [`continuous_family`] |
 //! | finished map -> is it a symmetry at all | [`signature`], [`displacement`], [`acceptance`] |
 //! | all spectral stages of one shell | [`shell_symmetry`] |
 //! | other shells, confidence, sides | [`companions`], [`confidence`], [`fixed_curve`] |
@@ -33,6 +34,7 @@ pub mod candidate_score;
 pub mod candidates;
 pub mod companions;
 pub mod confidence;
+pub mod continuous_family;
 pub mod correspondence;
 pub mod dense;
 pub mod displacement;

@@ -5,6 +5,7 @@ use crate::assembly::{PointMap, Summary, symmetry};
 use crate::automorphism::Connectivity;
 use crate::companions::{self, Companion, Primary};
 use crate::confidence::Evidence;
+use crate::continuous_family::orbits;
 use crate::correspondence::Symmetry;
 use crate::eigenbasis::{Accuracy, Eigenbasis};
 use crate::error::Result;
@@ -25,6 +26,9 @@ use std::time::Instant;
 
 /// A reflection that the connectivity alone admits and that is as plausible as this, in percent, needs no search.
 const CERTAIN: usize = 90;
+
+/// Said of a shell that has one.
+const FAMILY: &str = "; the shape has a continuous family of symmetries, as a sphere or a vase has";
 
 /// What was found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -55,6 +59,11 @@ pub struct Report {
     pub signs: Vec<SignPrediction>,
     /// How the best finished map was judged, accepted or not; `None` if no candidate reverses orientation.
     pub judged: Option<Judgement>,
+    /// Whether the largest shell has infinitely many symmetries, as a sphere, a torus or a vase has: the one given is
+    /// then an arbitrary one of them.
+    pub continuous_family: bool,
+    /// What that is judged by: 0 for such a shell, large for others (`docs/method.md`); `None` if it cannot be oriented.
+    pub least_signature_gradient: Option<f64>,
     /// One sentence that says why the outcome is what it is.
     pub evidence: String,
     /// Seconds of wall time by stage, in order.
@@ -96,6 +105,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let surface = IntrinsicSurface::with_mean_curvature(solved);
     clock.lap("laplacian");
     let shell = PreparedShell::new(surface, options, progress)?;
+    let orbits = orbits(&shell.surface, &shell.basis);
     clock.lap("eigenfunctions");
     let signs = signs(&shell, options)?;
     clock.lap("sign network");
@@ -122,6 +132,14 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
             maps.push((map, SymmetryKind::Reflection));
         }
     }
+    if orbits.continuous {
+        evidence += FAMILY;
+        evidence += match maps.len() {
+            0 => "",
+            1 => ": the one given is an arbitrary one of them",
+            _ => ": those given are arbitrary ones of them",
+        };
+    }
     let mut symmetries = Vec::new();
     for (map, kind) in &maps {
         symmetries.push(assembler.assemble(map, *kind, progress)?);
@@ -138,6 +156,8 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         eigenvalues: shell.basis.eigenvalues.clone(),
         signs,
         judged,
+        continuous_family: orbits.continuous,
+        least_signature_gradient: orbits.least_gradient,
         evidence,
         seconds: clock.laps,
     };

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 44] = [
+const ORDER: [&str; 45] = [
     "error",
     "options",
     "limits",
@@ -31,6 +31,7 @@ const ORDER: [&str; 44] = [
     "mesh_descent",
     "full_refinement",
     "spread_points",
+    "continuous_family",
     "signature",
     "displacement",
     "acceptance",

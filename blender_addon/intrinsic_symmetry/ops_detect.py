@@ -19,7 +19,8 @@ def keep(object, core_mesh, found, index=0):
         raise mesh_data.MeshProblem("The mesh was changed while its symmetry was being found: Detect again")
     stored_map.store(mesh, core_mesh, found[index])
     mesh.update()
-    return about(found[index])
+    family = ". One of a continuous family, as a sphere or a vase has" if found.continuous_family else ""
+    return about(found[index]) + family
 
 
 def about(symmetry):

@@ -89,6 +89,7 @@ Outputs outputs_of(const isym::Result &result, std::size_t index) {
   const int count = static_cast<int>(result.symmetry_count());
   outputs["found"] = count > 0;
   outputs["symmetries_found"] = count;
+  outputs["continuous_family"] = result.continuous_family();
   if (count > 0) {
     const isym_summary summary = result.summary(index);
     outputs["score"] = Scalarm(summary.score);

@@ -166,6 +166,9 @@ std::map<std::string, QVariant> FilterIntrinsicSymmetryPlugin::applyFilter(const
     Outputs outputs = apply(ID(action), parameters, document, callback);
     if (outputs.count("symmetries_found") != 0) {
       log("Symmetries found: %d, in %.2f s", outputs["symmetries_found"].toInt(), outputs["seconds"].toDouble());
+      if (outputs["continuous_family"].toBool()) {
+        log("The mesh has a continuous family of symmetries, as a sphere or a vase has: any one is as good");
+      }
     }
     if (outputs.count("recomputed") != 0 && outputs["recomputed"].toBool()) {
       log("The mesh had no symmetry that fits it; it was found anew");

@@ -50,6 +50,7 @@ pub struct ResultObject {
     /// The mesh it was found on.
     pub mesh: Arc<MeshObject>,
     symmetries: Vec<Symmetry>,
+    continuous_family: bool,
     report: CString,
 }
 
@@ -64,7 +65,8 @@ impl ResultObject {
         }
         // JSON holds no NUL: it escapes them.
         let report = CString::new(format!("{value:#}\n")).unwrap_or_default();
-        Ok(ResultObject { mesh, symmetries: detection.symmetries, report })
+        let continuous_family = detection.report.continuous_family;
+        Ok(ResultObject { mesh, symmetries: detection.symmetries, continuous_family, report })
     }
 
     /// Symmetry `index`.
@@ -85,6 +87,22 @@ pub unsafe extern "C" fn isym_result_symmetry_count(
         let result = RESULTS.get(result)?;
         // SAFETY: the caller's one promise.
         unsafe { Output::new(count, 1, "count") }?.write(&[result.symmetries.len()]);
+        Ok(())
+    })
+}
+
+/// Reads whether the mesh has a continuous family of symmetries, as a sphere, a torus or a vase has: 1 or 0. Those
+/// found are then arbitrary ones of infinitely many. 0 for a restored result, where nobody has looked.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn isym_result_continuous_family(
+    result: *const isym_result,
+    continuous_family: *mut u8,
+) -> isym_status {
+    boundary(|| {
+        let result = RESULTS.get(result)?;
+        // SAFETY: the caller's one promise.
+        let output = unsafe { Output::new(continuous_family, 1, "continuous_family") }?;
+        output.write(&[u8::from(result.continuous_family)]);
         Ok(())
     })
 }
@@ -435,6 +453,8 @@ fn restored(mesh: &MeshObject, symmetry: Symmetry) -> Detection {
         eigenvalues: Vec::new(),
         signs: Vec::new(),
         judged: None,
+        continuous_family: false,
+        least_signature_gradient: None,
         evidence: "restored from stored arrays".into(),
         seconds: Vec::new(),
     };

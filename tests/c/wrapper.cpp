@@ -71,6 +71,7 @@ void normal_use(const isym::Mesh &mesh) {
   });
   const isym::Result result = mesh.detect(options, progress);
   EXPECT(progress.fraction() == 1 && result.symmetry_count() == 1 && result.summary().kind == ISYM_KIND_REFLECTION);
+  EXPECT(!result.continuous_family());
   const std::size_t n = result.vertex_count();
   const auto partners = result.partners();
   const auto points = result.surface_points();

@@ -97,6 +97,7 @@ CHECKED: dict[str, list[Any]] = {
     "isym_mesh_eigen": [_HANDLE, _SIZE, _HANDLE, _OUT_HANDLE],
     "isym_mesh_free": [_HANDLE],
     "isym_result_symmetry_count": [_HANDLE, _OUT_SIZE],
+    "isym_result_continuous_family": [_HANDLE, ctypes.POINTER(ctypes.c_uint8)],
     "isym_result_summary": [_HANDLE, _SIZE, ctypes.POINTER(Summary)],
     "isym_result_partners": [_HANDLE, _SIZE, _I32, _SIZE],
     "isym_result_confidences": [_HANDLE, _SIZE, _F32, _SIZE],

@@ -304,6 +304,16 @@ class Detection(Sequence[Symmetry]):
     def __repr__(self) -> str:
         return f"<Detection {self._symmetries!r}>"
 
+    @property
+    def continuous_family(self) -> bool:
+        """Whether the mesh has infinitely many symmetries, as a sphere, a torus or a vase has.
+
+        Those found are then arbitrary ones of them. ``False`` where the map was restored, since nobody has looked.
+        """
+        continuous = ctypes.c_uint8()
+        LIBRARY.isym_result_continuous_family(self._result.pointer, ctypes.byref(continuous))
+        return continuous.value != 0
+
     @cached_property
     def report(self) -> dict:
         """What ``intrinsym detect --json`` writes: repairs, options, evidence, seconds of each stage."""

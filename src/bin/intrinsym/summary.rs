@@ -21,7 +21,12 @@ pub fn detection(input: &Path, mesh: &Mesh, detection: &Detection) -> String {
         let kind = kind_name(symmetry.kind);
         let number = if index == 0 { String::new() } else { format!(" {}", index + 1) };
         let partners = symmetry.partner.iter().filter(|&&partner| partner >= 0).count();
-        let _ = writeln!(text, "  found{number}: {kind}, {partners} of {} vertices paired", report.vertices);
+        let family = if report.continuous_family { ", one of a continuous family" } else { "" };
+        let _ = writeln!(
+            text,
+            "  found{number}: {kind}{family}, {partners} of {} vertices paired",
+            report.vertices
+        );
         let _ = writeln!(
             text,
             "    mean confidence {:.2}, exact for {:.0} % of the vertices",
@@ -108,8 +113,9 @@ pub fn one_line(input: &Path, detection: &Detection) -> String {
         (None, None) => "none".to_string(),
         (None, Some(judged)) => format!("none (best map: plausibility {:.0} %)", 100.0 * judged.plausibility),
         (Some(best), _) => format!(
-            "{}, mean confidence {:.2}, exact {:.0} %",
+            "{}{}, mean confidence {:.2}, exact {:.0} %",
             kind_name(best.kind),
+            if detection.report.continuous_family { " of a continuous family" } else { "" },
             best.mean_confidence,
             100.0 * best.exact_share
         ),
