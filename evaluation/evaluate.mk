@@ -1,5 +1,5 @@
 # Measuring: the published benchmark, generated shapes, damage, and the fits made from generated shapes. Included by Makefile.
-.PHONY: evaluate evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed
+.PHONY: evaluate evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed evaluate-family
 
 EVALUATE_PYTHON = $(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m
 EVALUATE_DATE ?= $(shell date +%Y-%m-%d)
@@ -47,3 +47,7 @@ evaluate-fit: $(EVALUATE_DATA)/fit.ready ## Fit the models of src/acceptance.rs 
 	rm -rf $(EVALUATE_DATA)/answers $(EVALUATE_DATA)/evidence
 	$(EVALUATE_PYTHON) evaluation.acceptance $(EVALUATE_DATA)/symmetric $(EVALUATE_DATA)/asymmetric --keep $(EVALUATE_DATA)/answers
 	$(EVALUATE_PYTHON) evaluation.confidence $(EVALUATE_DATA)/symmetric --answers $(EVALUATE_DATA)/answers --keep $(EVALUATE_DATA)/evidence
+
+evaluate-family: train-setup ## Measure the test for a continuous family (EVALUATE_MESHES: others, which have none)
+	cargo build --release --locked --example continuous_family
+	$(EVALUATE_PYTHON) evaluation.continuous_family $(EVALUATE_MESHES) --work $(EVALUATE_DATA)/family
