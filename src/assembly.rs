@@ -3,8 +3,9 @@
 use crate::automorphism::Automorphism;
 use crate::companions::Companion;
 use crate::correspondence::{EdgePoint, Polyline, SurfacePoint, Symmetry};
+use crate::embedded_triangles::TrianglePoint;
 use crate::fixed_curve::EdgeCrossing;
-use crate::full_refinement::{TrianglePoint, VertexImages};
+use crate::full_refinement::VertexImages;
 use crate::mesh::{Mesh, NONE, Shell};
 use crate::symmetry_kind::SymmetryKind;
 

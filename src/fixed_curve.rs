@@ -7,7 +7,8 @@
 //! curve. The side times the movement is a function with `f(image of x) = -f(x)`, whose zero set it is.
 
 use crate::eigenbasis::Eigenbasis;
-use crate::full_refinement::{TrianglePoint, VertexImages};
+use crate::embedded_triangles::TrianglePoint;
+use crate::full_refinement::VertexImages;
 use crate::laplacian::IntrinsicSurface;
 
 /// Rounds of averaging over neighbours, which take the jags of single edges off the curve.

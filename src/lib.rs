@@ -12,7 +12,7 @@
 //! | eigenfunctions -> parity of each, with its probability | [`sign_network`] |
 //! | eigenfunctions -> parity vectors | [`parity_search`] |
 //! | parity -> functional map, refined and scored | [`functional_map`], [`refinement`], [`candidate_score`], [`candidates`] |
-//! | functional map -> map of all vertices | [`adjacency`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`], [`spread_points`] |
+//! | functional map -> map of all vertices | [`adjacency`], [`embedded_triangles`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`], [`spread_points`] |
 //! | eigenfunctions -> is there a continuous family of symmetries | [`continuous_family`] |
 //! | finished map -> is it a symmetry at all | [`signature`], [`displacement`], [`acceptance`] |
 //! | all spectral stages of one shell | [`shell_symmetry`] |
@@ -39,6 +39,7 @@ pub mod correspondence;
 pub mod dense;
 pub mod displacement;
 pub mod eigenbasis;
+pub mod embedded_triangles;
 pub mod error;
 pub mod ffi;
 pub mod fixed_curve;

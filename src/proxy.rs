@@ -7,8 +7,9 @@
 //! inside a triangle of the proxy, whose corners' images say where the vertex's own image is.
 
 use crate::adjacency::nearest_seeds;
+use crate::embedded_triangles::TrianglePoint;
 use crate::fixed_curve::dissolve_specks;
-use crate::full_refinement::{TrianglePoint, VertexImages};
+use crate::full_refinement::VertexImages;
 use crate::mesh::vector::{Vector, squared_norm, subtract, triangle_area};
 use crate::mesh::{NONE, Shell};
 use crate::surface_walk::SurfaceWalk;

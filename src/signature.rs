@@ -7,7 +7,8 @@
 //! shows here.
 
 use crate::eigenbasis::Eigenbasis;
-use crate::full_refinement::{TrianglePoint, VertexImages};
+use crate::embedded_triangles::TrianglePoint;
+use crate::full_refinement::VertexImages;
 use crate::laplacian::IntrinsicSurface;
 
 /// Times at which heat is looked at.

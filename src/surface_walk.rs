@@ -3,9 +3,9 @@
 //! Where a tree would find the nearest point of the whole surface, a walk stays on the sheet it starts on: a
 //! hand that touches a hip is not taken for it.
 
-use crate::full_refinement::{TrianglePoint, nearest_in_triangle};
+use crate::embedded_triangles::{TrianglePoint, TriangleProducts, nearest_in_triangle};
 use crate::mesh::bucket;
-use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::vector::{Vector, dot, squared_norm, subtract};
 
 /// A triangle surface to walk on.
 #[derive(Debug)]
@@ -59,10 +59,13 @@ impl<'a> SurfaceWalk<'a> {
         for &triangle in self.triangles_of(vertex) {
             let corners = self.triangles[triangle as usize];
             let [a, b, c] = corners.map(|corner| self.positions[corner as usize]);
-            let between = |p: Vector, q: Vector| squared_norm(subtract(p, q)) as f32;
-            let to_corners = [a, b, c].map(|corner| between(query, corner));
-            let edges = [between(b, c), between(c, a), between(a, b)];
-            let (barycentric, squared) = nearest_in_triangle(to_corners, edges);
+            let [to_query, to_b, to_c] = [query, b, c].map(|place| subtract(place, a));
+            let product = |p: Vector, q: Vector| dot(p, q) as f32;
+            let (barycentric, squared) = nearest_in_triangle(TriangleProducts {
+                own: product(to_query, to_query),
+                along: [product(to_query, to_b), product(to_query, to_c)],
+                edges: [product(to_b, to_b), product(to_b, to_c), product(to_c, to_c)],
+            });
             if squared < best.1 {
                 best = (TrianglePoint { triangle, barycentric }, squared);
             }

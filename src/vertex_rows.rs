@@ -1,6 +1,7 @@
 //! What images are sought by: mean curvature and eigenfunctions of points in single precision, a row a point.
 
 use crate::eigenbasis::Eigenbasis;
+use crate::embedded_triangles::TriangleProducts;
 use crate::laplacian::IntrinsicSurface;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
@@ -64,17 +65,19 @@ impl VertexRows {
         VertexRows { values, ..*self }
     }
 
-    /// At each of `points` (three rows and their weights) the weighted sum of the rows.
-    pub fn combined(&self, points: impl ExactSizeIterator<Item = ([u32; 3], [f32; 3])>) -> VertexRows {
-        let mut values = vec![0.0; points.len() * self.width];
-        for (out, (corners, weights)) in values.chunks_exact_mut(self.width.max(1)).zip(points) {
-            for (corner, weight) in corners.into_iter().zip(weights) {
-                for (out, value) in out.iter_mut().zip(self.row(corner as usize)) {
-                    *out += weight * value;
-                }
-            }
-        }
-        VertexRows { values, ..*self }
+    /// At each of `points` (three rows and their weights) the weighted sum of the rows, of which only `columns`.
+    pub fn combined(
+        &self,
+        points: impl Iterator<Item = ([u32; 3], [f32; 3])>,
+        columns: Range<usize>,
+    ) -> VertexRows {
+        let points: Vec<_> = points.collect();
+        let curvature_columns = self.curvature_columns.clamp(columns.start, columns.end) - columns.start;
+        let mut combined =
+            VertexRows::zero(points.len(), curvature_columns, columns.len() - curvature_columns);
+        let out = &mut combined.values;
+        self.arch.dispatch(WeightedSums { rows: self, points: &points, columns, out });
+        combined
     }
 
     /// The same points with their eigenfunctions under `map` (size x size): `functions * map`.
@@ -92,16 +95,14 @@ impl VertexRows {
         mapped
     }
 
-    /// Multiplies each row by its factor.
-    pub fn scale_rows(&mut self, factors: &[f64]) {
-        for (row, factor) in self.values.chunks_exact_mut(self.width.max(1)).zip(factors) {
-            row.iter_mut().for_each(|value| *value *= *factor as f32);
-        }
-    }
-
     /// Number of points.
     pub fn count(&self) -> usize {
         self.values.len() / self.width.max(1)
+    }
+
+    /// Numbers in a row.
+    pub fn width(&self) -> usize {
+        self.width
     }
 
     /// The leading `size` eigenfunctions: points x size.
@@ -129,10 +130,35 @@ impl VertexRows {
     }
 }
 
+/// [`VertexRows::combined`], compiled for each instruction set.
+struct WeightedSums<'a> {
+    rows: &'a VertexRows,
+    points: &'a [([u32; 3], [f32; 3])],
+    columns: Range<usize>,
+    out: &'a mut [f32],
+}
+
+impl WithSimd for WeightedSums<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let width = self.columns.len().max(1);
+        for (out, (corners, [u, v, w])) in self.out.chunks_exact_mut(width).zip(self.points) {
+            let [a, b, c] = corners.map(|corner| &self.rows.row(corner as usize)[self.columns.clone()]);
+            for (((out, a), b), c) in out.iter_mut().zip(a).zip(b).zip(c) {
+                *out = u * a + v * b + w * c;
+            }
+        }
+    }
+}
+
 /// Sum of squared differences, compiled for each instruction set.
-struct SquaredDistance<'a> {
-    left: &'a [f32],
-    right: &'a [f32],
+pub struct SquaredDistance<'a> {
+    /// One row.
+    pub left: &'a [f32],
+    /// The other, as long.
+    pub right: &'a [f32],
 }
 
 impl WithSimd for SquaredDistance<'_> {
@@ -157,6 +183,39 @@ impl WithSimd for SquaredDistance<'_> {
         }
         let rest: f32 = left_rest.iter().zip(right_rest).map(|(a, b)| (a - b) * (a - b)).sum();
         simd.reduce_sum_f32s(simd.add_f32s(sums[0], sums[1])) + rest
+    }
+}
+
+/// What the nearest point of a triangle depends on, compiled for each instruction set.
+pub struct Products<'a> {
+    /// Row of the query.
+    pub query: &'a [f32],
+    /// Rows of the triangle's corners, as long.
+    pub corners: [&'a [f32]; 3],
+}
+
+impl WithSimd for Products<'_> {
+    type Output = TriangleProducts;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> TriangleProducts {
+        let mut sums = [simd.splat_f32s(0.0); 6];
+        let [a, b, c] = self.corners;
+        for first in (0..self.query.len()).step_by(S::F32_LANES) {
+            let last = self.query.len().min(first + S::F32_LANES);
+            let from = simd.partial_load_f32s(&a[first..last]);
+            let to_query = simd.sub_f32s(simd.partial_load_f32s(&self.query[first..last]), from);
+            let to_b = simd.sub_f32s(simd.partial_load_f32s(&b[first..last]), from);
+            let to_c = simd.sub_f32s(simd.partial_load_f32s(&c[first..last]), from);
+            sums[0] = simd.mul_add_e_f32s(to_query, to_query, sums[0]);
+            sums[1] = simd.mul_add_e_f32s(to_query, to_b, sums[1]);
+            sums[2] = simd.mul_add_e_f32s(to_query, to_c, sums[2]);
+            sums[3] = simd.mul_add_e_f32s(to_b, to_b, sums[3]);
+            sums[4] = simd.mul_add_e_f32s(to_b, to_c, sums[4]);
+            sums[5] = simd.mul_add_e_f32s(to_c, to_c, sums[5]);
+        }
+        let sum = |index: usize| simd.reduce_sum_f32s(sums[index]);
+        TriangleProducts { own: sum(0), along: [sum(1), sum(2)], edges: [sum(3), sum(4), sum(5)] }
     }
 }
 

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 45] = [
+const ORDER: [&str; 46] = [
     "error",
     "options",
     "limits",
@@ -27,6 +27,7 @@ const ORDER: [&str; 45] = [
     "candidate_score",
     "candidates",
     "adjacency",
+    "embedded_triangles",
     "vertex_rows",
     "mesh_descent",
     "full_refinement",

@@ -7,6 +7,7 @@ use intrinsym::acceptance::Judgement;
 use intrinsym::candidate_score::{Score, Scorer};
 use intrinsym::dense::product;
 use intrinsym::eigenbasis::Eigenbasis;
+use intrinsym::embedded_triangles::Fans;
 use intrinsym::fixed_curve::{odd_function, zero_set};
 use intrinsym::full_refinement::{self, MatchTarget, VertexImages};
 use intrinsym::functional_map::{
@@ -15,7 +16,7 @@ use intrinsym::functional_map::{
 };
 use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::mesh::{NONE, PolygonMesh, Shell};
-use intrinsym::mesh_descent::MeshDescent;
+use intrinsym::mesh_descent::{MeshDescent, Seeds};
 use intrinsym::progress::Progress;
 use intrinsym::refinement::{SampleRefiner, embed, nearest};
 use intrinsym::sampling::Samples;
@@ -185,6 +186,10 @@ impl Shape {
         (0..self.truth.len() as u32).collect()
     }
 
+    fn fans(&self) -> Fans {
+        Fans::new(self.surface.vertex_count(), &self.surface.triangles)
+    }
+
     fn seeds(&self, vertices: &[u32]) -> Vec<(u32, u32)> {
         vertices.iter().map(|&vertex| (vertex, self.truth[vertex as usize])).collect()
     }
@@ -209,9 +214,20 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
     let functions = &shape.basis.eigenfunctions;
     let mapped = product(functions.subcols(0, 50), map.as_ref());
     let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
-    let (queries, graph) = (target.rows.mapped(&map), target.vertices().graph);
-    let columns = target.rows.columns(50, Guide::Eigenfunctions);
-    let descent = MeshDescent { graph, queries: &queries, targets: &target.rows, columns, threads: 2 };
+    let graph = target.vertices().graph;
+    let (triangles, fans) = (&shape.surface.triangles, shape.fans());
+    let run = |map: &Mat<f64>, seeds| {
+        let descent = MeshDescent {
+            graph,
+            triangles,
+            fans: &fans,
+            queries: &target.rows.mapped(map),
+            targets: &target.rows,
+            columns: target.rows.columns(map.ncols(), Guide::Eigenfunctions),
+            threads: 2,
+        };
+        descent.run(graph, seeds)
+    };
     let away = |i: usize, k: u32| -> f64 {
         (0..50).map(|j| (mapped[(i, j)] - functions[(k as usize, j)]).powi(2)).sum::<f64>().sqrt()
     };
@@ -219,16 +235,23 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
         .map(|i| shape.all().into_iter().map(|k| away(i, k)).fold(f64::MAX, f64::min))
         .collect();
     let samples = Samples::farthest(&shape.basis, 1000).vertices;
-    for seeds in [shape.seeds(&samples), shape.seeds(&samples[..1])] {
-        let found = descent.run(graph, &seeds, 2);
-        assert!(found.iter().all(|partner| *partner != NONE));
-        let reached: Vec<f64> = found.iter().enumerate().map(|(i, k)| away(i, *k)).collect();
+    let (many, one) = (shape.seeds(&samples), shape.seeds(&samples[..1]));
+    let points: Vec<_> =
+        run(&shape.true_map(40), Seeds::Vertices(&many)).iter().map(|answer| answer.point).collect();
+    for (name, seeds) in [
+        ("1,000 vertices", Seeds::Vertices(&many)),
+        ("one vertex", Seeds::Vertices(&one)),
+        ("points of a coarser map", Seeds::Points(&points)),
+    ] {
+        let found = run(&map, seeds);
+        assert!(found.iter().all(|answer| answer.vertex != NONE));
+        let reached: Vec<f64> = found.iter().enumerate().map(|(i, answer)| away(i, answer.vertex)).collect();
         let missed = (0..least.len()).filter(|&i| reached[i] > least[i] * 1.0001 + 1e-4).count();
         let (mean, mean_least) = (reached.iter().sum::<f64>(), least.iter().sum::<f64>());
-        println!("{} seeds: {missed} of {} missed, {mean} for {mean_least}", seeds.len(), least.len());
-        // 3.9 % are missed, by so little that the mean grows by 0.2 %.
-        assert!(missed * 20 < least.len(), "{} seeds: {missed} missed", seeds.len());
-        assert!(mean < 1.005 * mean_least, "{} seeds: {mean} for {mean_least}", seeds.len());
+        println!("{name}: {missed} of {} missed, {mean} for {mean_least}", least.len());
+        // 3 to 4 % are missed, by so little that the mean grows by 0.3 %.
+        assert!(missed * 20 < least.len(), "{name}: {missed} missed");
+        assert!(mean < 1.005 * mean_least, "{name}: {mean} for {mean_least}");
     }
 }
 
@@ -238,9 +261,14 @@ fn descent_reaches_only_what_is_connected_to_a_seed() {
     let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
     let (rows, graph) = (&target.rows, target.vertices().graph);
     let columns = rows.columns(30, Guide::Eigenfunctions);
-    let descent = MeshDescent { graph, queries: rows, targets: rows, columns, threads: 1 };
-    assert!(descent.run(graph, &[], 2).iter().all(|partner| *partner == NONE));
-    assert_eq!(descent.run(graph, &[(5, 5)], 2), shape.all(), "the identity");
+    let (triangles, fans) = (&shape.surface.triangles, shape.fans());
+    let descent =
+        MeshDescent { graph, triangles, fans: &fans, queries: rows, targets: rows, columns, threads: 1 };
+    let partners = |seeds: &[(u32, u32)]| -> Vec<u32> {
+        descent.run(graph, Seeds::Vertices(seeds)).iter().map(|answer| answer.vertex).collect()
+    };
+    assert!(partners(&[]).iter().all(|partner| *partner == NONE));
+    assert_eq!(partners(&[(5, 5)]), shape.all(), "the identity");
 }
 
 #[test]

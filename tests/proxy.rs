@@ -2,7 +2,8 @@
 
 mod support;
 
-use intrinsym::full_refinement::{TrianglePoint, VertexImages};
+use intrinsym::embedded_triangles::TrianglePoint;
+use intrinsym::full_refinement::VertexImages;
 use intrinsym::mesh::Shell;
 use intrinsym::options::Options;
 use intrinsym::pipeline::{Detection, Outcome, detect};

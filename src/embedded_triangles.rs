@@ -1,0 +1,107 @@
+//! Triangles of a mesh: which are around a vertex or behind an edge, and which of their points is nearest.
+
+use crate::mesh::NONE;
+
+/// A point inside a triangle of a shell.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrianglePoint {
+    /// Index of the triangle.
+    pub triangle: u32,
+    /// Weights of its corners, each in 0..=1, summing to 1.
+    pub barycentric: [f32; 3],
+}
+
+impl TrianglePoint {
+    /// The corner with the largest weight, 0..3; the first of equals.
+    #[inline]
+    pub fn heaviest(&self) -> usize {
+        let weights = self.barycentric;
+        (0..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best })
+    }
+}
+
+/// The triangles around each vertex and behind each edge.
+pub struct Fans {
+    offsets: Vec<u32>,
+    triangles: Vec<u32>,
+    /// Of each triangle those behind the edges opposite its corners; [`NONE`] at a boundary.
+    pub behind: Vec<[u32; 3]>,
+}
+
+impl Fans {
+    /// O(triangles).
+    pub fn new(vertex_count: usize, triangles: &[[u32; 3]]) -> Fans {
+        let mut offsets = vec![0u32; vertex_count + 1];
+        for vertex in triangles.iter().flatten() {
+            offsets[*vertex as usize + 1] += 1;
+        }
+        for i in 0..vertex_count {
+            offsets[i + 1] += offsets[i];
+        }
+        let mut next = offsets.clone();
+        let mut around = vec![0; 3 * triangles.len()];
+        for (index, triangle) in triangles.iter().enumerate() {
+            for &vertex in triangle {
+                around[next[vertex as usize] as usize] = index as u32;
+                next[vertex as usize] += 1;
+            }
+        }
+        let mut fans = Fans { offsets, triangles: around, behind: Vec::with_capacity(triangles.len()) };
+        for (index, &[a, b, c]) in (0..).zip(triangles) {
+            let behind = |from: u32, to: u32| {
+                let shared = |other: &&u32| **other != index && triangles[**other as usize].contains(&to);
+                fans.of(from).iter().find(shared).copied().unwrap_or(NONE)
+            };
+            fans.behind.push([behind(b, c), behind(c, a), behind(a, b)]);
+        }
+        fans
+    }
+
+    /// Indices of the triangles around `vertex`, ascending.
+    #[inline]
+    pub fn of(&self, vertex: u32) -> &[u32] {
+        let vertex = vertex as usize;
+        &self.triangles[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+    }
+}
+
+/// Inner products of a query and a triangle's edges in the embedding, seen from the triangle's first corner.
+#[derive(Debug, Clone, Copy)]
+pub struct TriangleProducts {
+    /// Squared distance of the query.
+    pub own: f32,
+    /// Of the query with the edges to the second and to the third corner.
+    pub along: [f32; 2],
+    /// Of the edges: first with itself, first with second, second with itself.
+    pub edges: [f32; 3],
+}
+
+/// Nearest point of a triangle in any dimension (C. Ericson, "Real-Time Collision Detection", 2005, 5.1.5): weights
+/// of the corners and squared distance.
+#[inline(always)]
+pub fn nearest_in_triangle(products: TriangleProducts) -> ([f32; 3], f32) {
+    let TriangleProducts { own, along: [d1, d2], edges: [e11, e12, e22] } = products;
+    let squared =
+        |s: f32, t: f32| own - 2.0 * (s * d1 + t * d2) + s * s * e11 + 2.0 * s * t * e12 + t * t * e22;
+    let determinant = e11 * e22 - e12 * e12;
+    if determinant > 1e-12 * e11 * e22 {
+        let (s, t) = ((e22 * d1 - e12 * d2) / determinant, (e11 * d2 - e12 * d1) / determinant);
+        if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
+            return (weights(s, t), squared(s, t));
+        }
+    }
+    let ratio = |above: f32, below: f32| if below > 0.0 { (above / below).clamp(0.0, 1.0) } else { 0.0 };
+    let along_b = ratio(d1, e11);
+    let along_c = ratio(d2, e22);
+    let across = ratio(d2 - d1 + e11 - e12, e11 - 2.0 * e12 + e22);
+    let edges = [(along_b, 0.0), (0.0, along_c), (1.0 - across, across)];
+    let (s, t) =
+        edges.into_iter().min_by(|x, y| squared(x.0, x.1).total_cmp(&squared(y.0, y.1))).expect("three");
+    (weights(s, t), squared(s, t))
+}
+
+/// Barycentric weights of `a + s (b - a) + t (c - a)`; rounding makes none of them negative.
+#[inline(always)]
+fn weights(s: f32, t: f32) -> [f32; 3] {
+    [(1.0 - s - t).max(0.0), s, t]
+}
