@@ -6,6 +6,7 @@
 //! section 4), the share of points that hardly move, and the disagreement with predicted parities.
 //! The formula `ln(lap + 0.003) + orientation + 3 fixed + 4 disagreement` and its weights are ours.
 
+use crate::dense::product;
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::functional_map::{Projection, commutator, mean_trace};
@@ -13,7 +14,7 @@ use crate::laplacian::IntrinsicSurface;
 use crate::refinement::SampleRefiner;
 use crate::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
 use crate::symmetry_kind::SymmetryKind;
-use faer::Mat;
+use faer::{ColRef, Mat};
 
 /// Eigenfunctions that the orientation and disagreement terms look at.
 pub const ORIENTATION_FUNCTIONS: usize = 12;
@@ -106,14 +107,18 @@ impl<'a> Scorer<'a> {
 
     /// Judges `map` after re-estimating it, unprojected, from the points it gives.
     pub fn score(&self, map: &Mat<f64>) -> Result<Score> {
-        let partners = self.refiner.partners(map);
-        let free = self.refiner.estimate(&partners, map.nrows(), Projection::None)?;
+        self.score_of(map, &self.refiner.partners(map))
+    }
+
+    /// The same from the `partners` that `map` gives the samples.
+    pub fn score_of(&self, map: &Mat<f64>, partners: &[u32]) -> Result<Score> {
+        let free = self.refiner.estimate(partners, map.nrows(), Projection::None)?;
         let orientation =
-            self.orientation.as_ref().map_or(0.0, |operator| operator.correlation(&free, &partners));
+            self.orientation.as_ref().map_or(0.0, |operator| operator.correlation(&free, partners));
         Ok(Score {
             commutator: commutator(&free, self.eigenvalues),
             orientation,
-            fixed: self.fixed_share(&partners),
+            fixed: self.fixed_share(partners),
             disagreement: self.disagreement(&free),
             trace: mean_trace(map),
         })
@@ -144,8 +149,8 @@ impl<'a> Scorer<'a> {
 /// the areas cancel. It changes sign with the orientation of the triangles and of the map alike.
 struct OrientationOperator {
     functions: usize,
-    /// Per sample the strict upper triangle, row by row.
-    values: Vec<Vec<f64>>,
+    /// Samples x pairs, these in the order of the strict upper triangle, row by row.
+    values: Mat<f64>,
 }
 
 impl OrientationOperator {
@@ -156,39 +161,34 @@ impl OrientationOperator {
         for (sample, &vertex) in samples.vertices.iter().enumerate() {
             sample_of_vertex[vertex as usize] = sample as u32;
         }
-        let mut values = vec![vec![0.0; pairs]; samples.len()];
+        let mut sums = vec![vec![0.0; pairs]; samples.len()];
         let mut areas = vec![0.0; samples.len()];
         for (triangle, lengths) in surface.triangles.iter().zip(&surface.edge_lengths) {
             for &vertex in triangle {
                 let sample = sample_of_vertex[vertex as usize] as usize;
                 if sample < samples.len() {
                     areas[sample] += crate::laplacian::triangle_area(*lengths);
-                    add_wedges(&mut values[sample], basis, triangle, functions);
+                    add_wedges(&mut sums[sample], basis, triangle, functions);
                 }
             }
         }
-        for (row, area) in values.iter_mut().zip(&areas) {
-            row.iter_mut().for_each(|value| *value /= area.max(f64::MIN_POSITIVE));
-        }
-        OrientationOperator { functions, values }
+        let mean = |i: usize, pair: usize| sums[i][pair] / areas[i].max(f64::MIN_POSITIVE);
+        OrientationOperator { functions, values: Mat::from_fn(samples.len(), pairs, mean) }
     }
 
     /// Correlation of the pulled-back functions' operator at x with the operator at the image of x.
     fn correlation(&self, map: &Mat<f64>, partners: &[u32]) -> f64 {
-        let functions = self.functions.min(map.nrows());
-        let pulled: Vec<Vec<f64>> =
-            self.values.iter().map(|row| self.pull_back(row, map, functions)).collect();
-        let mut sums = vec![0.0; self.values.first().map_or(0, Vec::len)];
-        for partner in partners {
-            for (sum, value) in sums.iter_mut().zip(&self.values[*partner as usize]) {
-                *sum += value * value;
-            }
-        }
+        let pulled = product(self.values.as_ref(), self.pull_back(map).as_ref());
+        let squares = |values: ColRef<f64>| -> f64 {
+            partners.iter().map(|&partner| values[partner as usize].powi(2)).sum()
+        };
+        let sums: Vec<f64> = self.values.col_iter().map(squares).collect();
         let least = LEAST_VARIANCE * sums.iter().sum::<f64>() / sums.len().max(1) as f64 + 1e-12;
         let (mut cross, mut own, mut other) = (0.0, 0.0, 1e-20);
-        for (row, partner) in pulled.iter().zip(partners) {
-            for ((value, there), sum) in row.iter().zip(&self.values[*partner as usize]).zip(&sums) {
-                let weight = partners.len() as f64 / (sum + least);
+        for ((pulled, values), sum) in pulled.col_iter().zip(self.values.col_iter()).zip(&sums) {
+            let weight = partners.len() as f64 / (sum + least);
+            for (value, &partner) in pulled.iter().zip(partners) {
+                let there = values[partner as usize];
                 cross += weight * value * there;
                 own += weight * value * value;
                 other += weight * there * there;
@@ -197,20 +197,16 @@ impl OrientationOperator {
         cross / (own * other).sqrt().max(1e-20)
     }
 
-    /// The operator of the functions `phi C`: C^T J C, strict upper triangle.
-    fn pull_back(&self, row: &[f64], map: &Mat<f64>, functions: usize) -> Vec<f64> {
-        let full = Mat::from_fn(functions, functions, |a, b| match a.cmp(&b) {
-            std::cmp::Ordering::Less => row[pair_index(a, b, self.functions)],
-            std::cmp::Ordering::Equal => 0.0,
-            std::cmp::Ordering::Greater => -row[pair_index(b, a, self.functions)],
-        });
-        let block = map.as_ref().submatrix(0, 0, functions, functions);
-        let half = crate::dense::product(full.as_ref(), block);
-        let whole = crate::dense::product(block.transpose(), half.as_ref());
-        let mut out = vec![0.0; row.len()];
-        for a in 0..functions {
-            for b in a + 1..functions {
-                out[pair_index(a, b, self.functions)] = whole[(a, b)];
+    /// What the operators J of functions `phi` are to be multiplied by for those of `phi C`, which are `C^T J C`: the
+    /// second compound matrix of C, of its 2 x 2 minors. Pairs x pairs.
+    fn pull_back(&self, map: &Mat<f64>) -> Mat<f64> {
+        let functions = self.functions.min(map.nrows());
+        let pairs = || (0..functions).flat_map(move |a| (a + 1..functions).map(move |b| (a, b)));
+        let mut out = Mat::zeros(self.values.ncols(), self.values.ncols());
+        for (a, b) in pairs() {
+            for (c, d) in pairs() {
+                let minor = map[(a, c)] * map[(b, d)] - map[(b, c)] * map[(a, d)];
+                out[(pair_index(a, b, self.functions), pair_index(c, d, self.functions))] = minor;
             }
         }
         out

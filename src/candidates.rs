@@ -108,8 +108,8 @@ fn try_start(
     seen: &Mutex<HashSet<Passage>>,
 ) -> Result<Option<Candidate>> {
     let Some(map) = refine(refiner, start, seen)? else { return Ok(None) };
-    let score = scorer.score(&map)?;
     let partners = refiner.partners(&map);
+    let score = scorer.score_of(&map, &partners)?;
     Ok((!score.is_identity()).then(|| Candidate { map, partners, score, doubts: Vec::new() }))
 }
 

@@ -20,6 +20,7 @@ pub struct SampleRefiner<'a> {
     /// Its Cholesky factor; `None` if there are too few samples for all functions.
     lower: Option<Mat<f64>>,
     single: Mat<f32>,
+    packed: PackedRows,
 }
 
 impl<'a> SampleRefiner<'a> {
@@ -29,14 +30,16 @@ impl<'a> SampleRefiner<'a> {
         let gram = product(rows.transpose(), rows);
         let single = Mat::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] as f32);
         let lower = gram.llt(Side::Lower).ok().map(|factor| factor.L().to_owned());
-        SampleRefiner { samples, gram, lower, single }
+        let packed = PackedRows::new(single.as_ref());
+        SampleRefiner { samples, gram, lower, single, packed }
     }
 
     /// The sample nearest to each sample's image under `map`.
     pub fn partners(&self, map: &Mat<f64>) -> Vec<u32> {
         let size = map.nrows();
         let rows = self.single.subcols(0, size);
-        nearest(embed(rows, map).as_ref(), rows)
+        let (images, norms) = (embed(rows, map), half_squared_norms(rows));
+        Arch::new().dispatch(Nearest { queries: images.as_ref(), targets: &self.packed, norms: &norms })
     }
 
     /// Least-squares map of `size` that sends each sample to `partners`.
@@ -51,9 +54,13 @@ impl<'a> SampleRefiner<'a> {
     /// Alternates partners and estimation through `sizes`: equal sizes are ICP, growing ones ZoomOut.
     pub fn refine(&self, mut map: Mat<f64>, sizes: &[usize], projection: Projection) -> Result<Mat<f64>> {
         let largest = self.samples.rows.ncols();
+        let mut last = (0, Vec::new());
         for &size in sizes {
-            let partners = self.partners(&map);
-            map = self.estimate(&partners, size.min(largest), projection)?;
+            let next = (size.min(largest), self.partners(&map));
+            if next != last {
+                map = self.estimate(&next.1, next.0, projection)?;
+            }
+            last = next;
         }
         Ok(map)
     }
@@ -69,16 +76,51 @@ pub fn embed(rows: MatRef<f32>, map: &Mat<f64>) -> Mat<f32> {
 
 /// For each row of `queries` the nearest row of `targets`, the first of equals. O(queries x targets x columns).
 pub fn nearest(queries: MatRef<f32>, targets: MatRef<f32>) -> Vec<u32> {
-    Arch::new().dispatch(Nearest { queries, targets })
+    let norms = half_squared_norms(targets);
+    Arch::new().dispatch(Nearest { queries, targets: &PackedRows::new(targets), norms: &norms })
+}
+
+/// Rows that others are compared with, packed so that a vector register holds one column of some of them.
+struct PackedRows {
+    /// The negated rows by chunks of as many as a register holds, each column by column.
+    values: Vec<f32>,
+    columns: usize,
+}
+
+impl PackedRows {
+    fn new(rows: MatRef<f32>) -> PackedRows {
+        let (lanes, columns) = (Arch::new().dispatch(Lanes), rows.ncols());
+        let mut values = vec![0.0; rows.nrows().next_multiple_of(lanes) * columns];
+        for j in 0..columns {
+            for i in 0..rows.nrows() {
+                values[(i / lanes * columns + j) * lanes + i % lanes] = -rows[(i, j)];
+            }
+        }
+        PackedRows { values, columns }
+    }
+}
+
+/// How many numbers a vector register holds.
+struct Lanes;
+
+impl WithSimd for Lanes {
+    type Output = usize;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> usize {
+        S::F32_LANES
+    }
 }
 
 /// Queries that are compared at once with a vector register of targets.
 const GROUP: usize = 8;
 
-/// Smallest `|target|^2 / 2 - query . target` of each query, compiled for each instruction set.
+/// Smallest `|target|^2 / 2 - query . target` of each query in its columns, compiled for each instruction set.
 struct Nearest<'a> {
     queries: MatRef<'a, f32>,
-    targets: MatRef<'a, f32>,
+    targets: &'a PackedRows,
+    /// `|target|^2 / 2`.
+    norms: &'a [f32],
 }
 
 impl WithSimd for Nearest<'_> {
@@ -87,9 +129,9 @@ impl WithSimd for Nearest<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Vec<u32> {
         let columns = self.queries.ncols();
-        let packed = negated_chunks(self.targets, S::F32_LANES);
-        let norms = half_squared_norms(self.targets, S::F32_LANES);
-        let (packed, norms) = (S::as_simd_f32s(&packed).0, S::as_simd_f32s(&norms).0);
+        let mut norms = self.norms.to_vec();
+        norms.resize(norms.len().next_multiple_of(S::F32_LANES), f32::INFINITY);
+        let (packed, norms) = (S::as_simd_f32s(&self.targets.values).0, S::as_simd_f32s(&norms).0);
         let mut partners = Vec::with_capacity(self.queries.nrows() + GROUP);
         let mut group = vec![[0.0; GROUP]; columns];
         for start in (0..self.queries.nrows()).step_by(GROUP) {
@@ -102,7 +144,7 @@ impl WithSimd for Nearest<'_> {
             let mut chunk_of = [simd.splat_u32s(0); GROUP];
             for (chunk, norm) in norms.iter().enumerate() {
                 let mut distances = [*norm; GROUP];
-                for (values, target) in group.iter().zip(&packed[chunk * columns..][..columns]) {
+                for (values, target) in group.iter().zip(&packed[chunk * self.targets.columns..][..columns]) {
                     for q in 0..GROUP {
                         distances[q] = simd.mul_add_e_f32s(simd.splat_f32s(values[q]), *target, distances[q]);
                     }
@@ -128,25 +170,14 @@ impl WithSimd for Nearest<'_> {
     }
 }
 
-/// The negated rows by chunks of `lanes`, each column by column.
-fn negated_chunks(rows: MatRef<f32>, lanes: usize) -> Vec<f32> {
-    let columns = rows.ncols();
-    let mut packed = vec![0.0; rows.nrows().next_multiple_of(lanes) * columns];
-    for j in 0..columns {
-        for i in 0..rows.nrows() {
-            packed[(i / lanes * columns + j) * lanes + i % lanes] = -rows[(i, j)];
+fn half_squared_norms(rows: MatRef<f32>) -> Vec<f32> {
+    let mut norms = vec![0.0; rows.nrows()];
+    for column in rows.col_iter() {
+        for (norm, value) in norms.iter_mut().zip(column.iter()) {
+            *norm += value * value;
         }
     }
-    packed
-}
-
-/// Infinite where the last chunk has no row.
-fn half_squared_norms(rows: MatRef<f32>, lanes: usize) -> Vec<f32> {
-    let mut norms = vec![f32::INFINITY; rows.nrows().next_multiple_of(lanes)];
-    for (i, norm) in norms.iter_mut().enumerate().take(rows.nrows()) {
-        *norm = 0.5 * (0..rows.ncols()).map(|j| rows[(i, j)] * rows[(i, j)]).sum::<f32>();
-    }
-    norms
+    norms.iter().map(|norm| 0.5 * norm).collect()
 }
 
 /// The first row among the smallest of all lanes.
