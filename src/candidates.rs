@@ -33,7 +33,7 @@ const FLIPPED: usize = 5;
 /// A candidate that scores below this ends the search.
 const CONVINCING: f64 = -4.2;
 /// Mean distance, in radii of the embedding, from which two maps count as different symmetries.
-const DISTINCT: f64 = 0.25;
+pub const DISTINCT: f64 = 0.25;
 /// Distance, in radii of the embedding, from which two maps send a sample to different places.
 const ELSEWHERE: f64 = 0.2;
 /// A rival that scores worse by this has a weight of 1 / e.

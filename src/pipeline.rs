@@ -3,10 +3,12 @@
 use crate::acceptance::Judgement;
 use crate::assembly::{PointMap, Summary, symmetry};
 use crate::automorphism::Connectivity;
+use crate::candidates::DISTINCT;
 use crate::companions::{self, Companion, Primary};
 use crate::confidence::Evidence;
 use crate::continuous_family::orbits;
 use crate::correspondence::Symmetry;
+use crate::displacement::mean_displacement;
 use crate::eigenbasis::{Accuracy, Eigenbasis};
 use crate::error::Result;
 use crate::fixed_curve::{odd_function, zero_set};
@@ -26,6 +28,9 @@ use std::time::Instant;
 
 /// A reflection that the connectivity alone admits and that is as plausible as this, in percent, needs no search.
 const CERTAIN: usize = 90;
+
+/// A further symmetry whose score (without the network's say) is worse than the best one's by this is none.
+const GAP: f64 = 2.0;
 
 /// Said of a shell that has one.
 const FAMILY: &str = "; the shape has a continuous family of symmetries, as a sphere or a vase has";
@@ -125,6 +130,9 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         None => "no candidate map reverses orientation".into(),
     };
     maps.retain(|(map, _)| map.judged.accepted(options.plausibility));
+    let best = maps.iter().map(|(map, _)| map.judged.isometry_score).fold(f64::INFINITY, f64::min);
+    let mut first = true;
+    maps.retain(|(map, _)| std::mem::take(&mut first) || map.judged.isometry_score < best + GAP);
     if let Some(map) = mirrored {
         evidence += "; its connectivity admits one reflection";
         if maps.is_empty() {
@@ -178,10 +186,21 @@ fn search(
     let mut maps = Vec::new();
     for candidate in &found {
         let kind = candidate.score.kind().unwrap_or(SymmetryKind::Reflection);
-        maps.push((finish(shell, target, candidate, progress)?, kind));
+        let map = finish(shell, target, candidate, progress)?;
+        let met = |other: &ShellSymmetry| is_same(shell, &map, other);
+        if !maps.iter().any(|(other, of_kind)| *of_kind == kind && met(other)) {
+            maps.push((map, kind));
+        }
     }
     clock.lap("refinement");
     Ok(maps)
+}
+
+/// Whether refinement has led two candidates to one map.
+fn is_same(shell: &PreparedShell, map: &ShellSymmetry, other: &ShellSymmetry) -> bool {
+    let there = &map.images.partners;
+    let and_back: Vec<u32> = there.iter().map(|&partner| other.images.partners[partner as usize]).collect();
+    mean_displacement(&shell.basis, &shell.surface.lumped_mass, &and_back) < DISTINCT
 }
 
 fn sentence(map: &ShellSymmetry, least: usize) -> String {

@@ -8,6 +8,7 @@ use intrinsym::mesh::{Mesh, NONE, PolygonMesh};
 use intrinsym::options::{OPTIONS, Options};
 use intrinsym::pipeline::{Detection, Outcome, detect};
 use intrinsym::progress::{CancelToken, Progress};
+use intrinsym::symmetry_kind::SymmetryKind;
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 use support::*;
@@ -408,4 +409,15 @@ fn no_more_symmetries_are_returned_than_asked_for() {
         let found = detected(&mesh, &Options { symmetries, ..Options::default() });
         assert!((1..=symmetries).contains(&found.symmetries.len()), "{}", found.symmetries.len());
     }
+}
+
+#[test]
+fn a_square_has_four_reflections_and_a_half_turn_and_no_more_are_listed() {
+    let mesh = validated(&rectangle(24, 24, [1.0, 1.0]));
+    let options = Options { symmetries: 16, ..Options::default() };
+    let found = detect(&mesh, &options, &Progress::default()).unwrap();
+    let kinds: Vec<SymmetryKind> = found.symmetries.iter().map(|symmetry| symmetry.kind).collect();
+    let mut expected = vec![SymmetryKind::Reflection; 4];
+    expected.push(SymmetryKind::HalfTurn);
+    assert_eq!(kinds, expected);
 }
