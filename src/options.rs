@@ -95,7 +95,7 @@ pub const OPTIONS: [OptionSpec; 9] = [
     },
     OptionSpec {
         name: "proxy_vertices",
-        default: 6_000,
+        default: 15_000,
         minimum: 1_000,
         maximum: 100_000_000,
         help: "Vertices above which the map is found on a simplified mesh of about so many and carried back.",

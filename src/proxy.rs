@@ -146,8 +146,8 @@ fn simplified(fine: &Shell, wanted: usize) -> Option<Vec<[u32; 3]>> {
     (!triangles.is_empty()).then_some(triangles)
 }
 
-/// Where the fine shell's vertices lie on the proxy of `triangles` over its `vertices`; `None` if that is not connected
-/// to all of them.
+/// Where the fine shell's vertices lie on the proxy of `triangles` over its `vertices`; `None` if that is not one
+/// connected surface.
 fn places(
     fine: &Shell,
     on_fine: &SurfaceWalk,
@@ -161,6 +161,9 @@ fn places(
     }
     let positions: Vec<Vector> = vertices.iter().map(|&vertex| fine.positions[vertex as usize]).collect();
     let on_proxy = SurfaceWalk::new(&positions, triangles);
+    if nearest_seeds(positions.len(), &[0], |vertex| on_proxy.around(vertex)).contains(&NONE) {
+        return None;
+    }
     let all: Vec<(Vector, u32)> = fine.positions.iter().copied().zip(nearest).collect();
     Some(in_chunks(&all, threads, |&(position, start), _| on_proxy.nearest(position, start).1))
 }
