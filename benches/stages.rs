@@ -4,17 +4,20 @@
 //!         [--proxy-vertices 15000] [--write PREFIX]
 //!
 //! MESH is a file, or a number f: the creature of the tests on a geodesic sphere of `10 f^2 + 2` vertices, its left
-//! and right triangulated differently. The first run is the process's first (cold). `--write` also leaves the mesh as
+//! and right triangulated differently. The first run is the process's first (cold). Then as many times
+//! `detect_again` on a stretched mesh of the same connectivity. `--write` also leaves the mesh as
 //! raw little-endian arrays for `compare.py`: PREFIX.positions (f64) and PREFIX.triangles (u32).
 //! `make bench` runs all sizes, each in a process of its own, so that the peak is that size's.
 
 #[path = "../tests/support/mod.rs"]
 mod support;
 
+use intrinsym::correspondence::Symmetry;
+use intrinsym::detect_again::detect_again;
 use intrinsym::limits::{Limits, estimated_memory};
 use intrinsym::mesh::{Mesh, PolygonMesh, io};
 use intrinsym::options::Options;
-use intrinsym::pipeline::detect;
+use intrinsym::pipeline::{Detection, detect};
 use intrinsym::progress::Progress;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -40,7 +43,16 @@ fn main() {
     }
     let Arguments { eigenfunctions, threads, proxy_vertices, .. } = arguments;
     let options = Options { eigenfunctions, threads, proxy_vertices, ..Options::default() };
-    let runs: Vec<Value> = (0..arguments.repeats).map(|_| run(&mesh, &options)).collect();
+    let mut previous = Vec::new();
+    let mut runs = Vec::new();
+    for _ in 0..arguments.repeats {
+        let found = detect(&mesh, &options, &Progress::default()).expect("a detection");
+        runs.push(numbers(&found));
+        previous = found.symmetries;
+    }
+    let peak = peak_memory();
+    let moved = Mesh::new(&stretched(polygons), &Limits::default()).expect("a usable mesh");
+    let again: Vec<Value> = (0..arguments.repeats).map(|_| run_again(&moved, &previous, &options)).collect();
     let solved = runs.first().and_then(|run| run["solved_vertices"].as_u64()).unwrap_or_default() as usize;
     let report = json!({
         "mesh": arguments.mesh,
@@ -48,9 +60,10 @@ fn main() {
         "triangles": mesh.triangles.len(),
         "eigenfunctions": arguments.eigenfunctions,
         "threads": arguments.threads,
-        "peak_memory_bytes": peak_memory(),
+        "peak_memory_bytes": peak,
         "estimated_memory_bytes": estimated_memory(mesh.positions.len(), solved, arguments.eigenfunctions),
         "runs": runs,
+        "again": again,
     });
     println!("{report}");
 }
@@ -90,14 +103,24 @@ fn polygon_mesh(name: &str) -> PolygonMesh {
     }
 }
 
-/// One detection: wall seconds of each stage, and what was found.
-fn run(mesh: &Mesh, options: &Options) -> Value {
-    let found = detect(mesh, options, &Progress::default()).expect("a detection");
+/// A shape of the same connectivity, as after an edit.
+fn stretched(mut polygons: PolygonMesh) -> PolygonMesh {
+    polygons.positions.iter_mut().for_each(|position| position[1] *= 1.1);
+    polygons
+}
+
+fn run_again(mesh: &Mesh, previous: &[Symmetry], options: &Options) -> Value {
+    numbers(&detect_again(mesh, previous, options, &Progress::default()).expect("a detection"))
+}
+
+/// Wall seconds of each stage, and what was found.
+fn numbers(found: &Detection) -> Value {
     json!({
         "seconds": found.report.seconds,
         "solved_vertices": found.report.solved_vertices,
         "plausibility": found.report.judged.map(|judged| judged.plausibility),
         "symmetries": found.symmetries.len(),
+        "kept": found.report.kept,
     })
 }
 

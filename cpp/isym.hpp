@@ -380,6 +380,13 @@ public:
     progress.check_call(isym_mesh_detect(get(), options.get(), progress.get(), &result));
     return Result(result, size()[0]);
   }
+  // Starts from an earlier result on the same connectivity: see isym_mesh_detect_again.
+  Result detect_again(const Result &previous, const Options &options = Options(),
+                      const Progress &progress = Progress()) const {
+    isym_result *result = nullptr;
+    progress.check_call(isym_mesh_detect_again(get(), previous.get(), options.get(), progress.get(), &result));
+    return Result(result, size()[0]);
+  }
   Eigenpairs eigen(std::size_t count, const Progress &progress = Progress()) const {
     isym_eigen *handle = nullptr;
     progress.check_call(isym_mesh_eigen(get(), count, progress.get(), &handle));

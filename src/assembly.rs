@@ -237,7 +237,7 @@ pub fn symmetry(
         side: (0..vertices).map(side).collect(),
         fixed_curve: curve.into_iter().map(|(points, closed)| polyline(mesh, points, closed)).collect(),
         score: summary.score,
-        mean_confidence: mean_confidence(mesh, map),
+        mean_confidence: mean_over_surface(mesh, &map.confidence),
         exact_share: exact as f64 / vertices.max(1) as f64,
     }
 }
@@ -270,13 +270,13 @@ fn polyline(mesh: &Mesh, points: Vec<EdgeCrossing>, closed: bool) -> Polyline {
     Polyline { points: edge_points, closed }
 }
 
-/// Mean over the points, weighted by their area.
-fn mean_confidence(mesh: &Mesh, map: &PointMap) -> f64 {
+/// Mean of the points' `values`, weighted by their area.
+pub fn mean_over_surface(mesh: &Mesh, values: &[f32]) -> f64 {
     let (mut total, mut weight) = (0.0, 0.0);
     for triangle in &mesh.triangles {
         let [a, b, c] = triangle.map(|point| mesh.positions[point as usize]);
         let area = crate::mesh::vector::triangle_area(a, b, c);
-        let sum: f32 = triangle.iter().map(|&point| map.confidence[point as usize]).sum();
+        let sum: f32 = triangle.iter().map(|&point| values[point as usize]).sum();
         total += area * f64::from(sum) / 3.0;
         weight += area;
     }

@@ -19,7 +19,7 @@
 //! | other shells, confidence, sides | [`companions`], [`confidence`], [`fixed_curve`] |
 //! | connectivity that is itself mirrored -> the exact bijection | [`automorphism`] |
 //! | a fine shell <-> its simplified proxy | [`surface_walk`], [`proxy`] |
-//! | what the caller gets | [`correspondence`], [`assembly`], [`pipeline`], [`report`] |
+//! | what the caller gets | [`correspondence`], [`assembly`], [`pipeline`], [`detect_again`], [`report`] |
 //! | a symmetry -> mirrored selections, attributes, displacements, positions | [`mirror_tools`] |
 //! | a symmetry -> colours that make pairs visible, a picture | [`pair_colour`], `picture` |
 //! | all of it for C | [`ffi`] |
@@ -37,6 +37,7 @@ pub mod confidence;
 pub mod continuous_family;
 pub mod correspondence;
 pub mod dense;
+pub mod detect_again;
 pub mod displacement;
 pub mod eigenbasis;
 pub mod embedded_triangles;

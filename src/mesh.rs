@@ -42,6 +42,15 @@ pub struct PolygonMesh {
     pub face_vertices: Vec<u32>,
 }
 
+impl PolygonMesh {
+    /// Whether the same vertices are joined in the same faces, wherever they lie.
+    pub fn has_connectivity_of(&self, other: &PolygonMesh) -> bool {
+        self.positions.len() == other.positions.len()
+            && self.face_offsets == other.face_offsets
+            && self.face_vertices == other.face_vertices
+    }
+}
+
 /// What was repaired inside, without touching the caller's numbering. Counts of elements.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize)]
 pub struct RepairReport {

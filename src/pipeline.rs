@@ -6,7 +6,7 @@ use crate::automorphism::Connectivity;
 use crate::candidates::DISTINCT;
 use crate::companions::{self, Companion, Primary};
 use crate::confidence::Evidence;
-use crate::continuous_family::orbits;
+use crate::continuous_family::{Orbits, orbits};
 use crate::correspondence::Symmetry;
 use crate::displacement::mean_displacement;
 use crate::eigenbasis::{Accuracy, Eigenbasis};
@@ -69,10 +69,44 @@ pub struct Report {
     pub continuous_family: bool,
     /// What that is judged by: 0 for such a shell, large for others (`docs/method.md`); `None` if it cannot be oriented.
     pub least_signature_gradient: Option<f64>,
+    /// Whether the symmetries are those of an earlier shape, kept by [`crate::detect_again`].
+    pub kept: bool,
     /// One sentence that says why the outcome is what it is.
     pub evidence: String,
     /// Seconds of wall time by stage, in order.
     pub seconds: Vec<(String, f64)>,
+}
+
+impl Report {
+    /// Of a mesh on which nothing was sought yet.
+    pub fn of(mesh: &Mesh) -> Report {
+        Report {
+            vertices: mesh.point_of_vertex.len(),
+            faces: mesh.face_count,
+            shells: mesh.shell_count,
+            solved_vertices: 0,
+            repairs: mesh.repairs.clone(),
+            eigenvalues: Vec::new(),
+            signs: Vec::new(),
+            judged: None,
+            continuous_family: false,
+            least_signature_gradient: None,
+            kept: false,
+            evidence: String::new(),
+            seconds: Vec::new(),
+        }
+    }
+
+    /// Enters what was seen of the shell on which maps were sought.
+    pub(crate) fn with_shell(self, shell: &PreparedShell, orbits: &Orbits) -> Report {
+        Report {
+            solved_vertices: shell.surface.vertex_count(),
+            eigenvalues: shell.basis.eigenvalues.clone(),
+            continuous_family: orbits.continuous,
+            least_signature_gradient: orbits.least_gradient,
+            ..self
+        }
+    }
 }
 
 /// The outcome, the symmetries found (empty if none) and the evidence.
@@ -99,7 +133,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let shells = mesh.shells();
     let (proxy, half_edges) = threads::join(
         options.threads,
-        || Proxy::new(&shells[0], options.proxy_vertices, (options.threads - 1).max(1)),
+        || Proxy::new(&shells[0], options.proxy_vertices, options.threads),
         || HalfEdges::new(mesh.positions.len(), &mesh.polygon_offsets, &mesh.polygon_points),
     );
     let half_edges = half_edges?;
@@ -124,15 +158,8 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         Some(map) => vec![(map.clone(), SymmetryKind::Reflection)],
         None => search(&shell, &assembler.target, &signs, options, progress, &mut clock)?,
     };
-    let judged = maps.first().map(|(map, _)| map.judged);
-    let mut evidence = match maps.first() {
-        Some((map, _)) => sentence(map, options.plausibility),
-        None => "no candidate map reverses orientation".into(),
-    };
-    maps.retain(|(map, _)| map.judged.accepted(options.plausibility));
-    let best = maps.iter().map(|(map, _)| map.judged.isometry_score).fold(f64::INFINITY, f64::min);
-    let mut first = true;
-    maps.retain(|(map, _)| std::mem::take(&mut first) || map.judged.isometry_score < best + GAP);
+    let (judged, mut evidence) = verdict(maps.first().map(|(map, _)| map), options.plausibility);
+    retain_symmetries(&mut maps, options.plausibility);
     if let Some(map) = mirrored {
         evidence += "; its connectivity admits one reflection";
         if maps.is_empty() {
@@ -155,20 +182,8 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     clock.lap("correspondence");
     progress.report("done", 1.0)?;
     let outcome = if symmetries.is_empty() { Outcome::None } else { Outcome::Found };
-    let report = Report {
-        vertices: mesh.point_of_vertex.len(),
-        faces: mesh.face_count,
-        shells: mesh.shell_count,
-        solved_vertices: shell.surface.vertex_count(),
-        repairs: mesh.repairs.clone(),
-        eigenvalues: shell.basis.eigenvalues.clone(),
-        signs,
-        judged,
-        continuous_family: orbits.continuous,
-        least_signature_gradient: orbits.least_gradient,
-        evidence,
-        seconds: clock.laps,
-    };
+    let report = Report { signs, judged, evidence, seconds: clock.laps, ..Report::of(mesh) };
+    let report = report.with_shell(&shell, &orbits);
     Ok(Detection { outcome, symmetries, report })
 }
 
@@ -203,6 +218,23 @@ fn is_same(shell: &PreparedShell, map: &ShellSymmetry, other: &ShellSymmetry) ->
     mean_displacement(&shell.basis, &shell.surface.lumped_mass, &and_back) < DISTINCT
 }
 
+/// How the best map was judged, and that in words.
+pub(crate) fn verdict(best: Option<&ShellSymmetry>, least: usize) -> (Option<Judgement>, String) {
+    match best {
+        Some(map) => (Some(map.judged), sentence(map, least)),
+        None => (None, "no candidate map reverses orientation".into()),
+    }
+}
+
+/// Leaves the maps that count as symmetries from `least` percent on: none, or the first and those not much worse than
+/// the best.
+pub(crate) fn retain_symmetries<T>(maps: &mut Vec<(ShellSymmetry, T)>, least: usize) {
+    maps.retain(|(map, _)| map.judged.accepted(least));
+    let best = maps.iter().map(|(map, _)| map.judged.isometry_score).fold(f64::INFINITY, f64::min);
+    let mut first = true;
+    maps.retain(|(map, _)| std::mem::take(&mut first) || map.judged.isometry_score < best + GAP);
+}
+
 fn sentence(map: &ShellSymmetry, least: usize) -> String {
     format!(
         "the best map is a symmetry with a plausibility of {:.0} % (accepted from {least} %): heat kernel \
@@ -217,17 +249,17 @@ fn sentence(map: &ShellSymmetry, least: usize) -> String {
 }
 
 /// Wall time by stage.
-struct Clock {
+pub(crate) struct Clock {
     last: Instant,
-    laps: Vec<(String, f64)>,
+    pub(crate) laps: Vec<(String, f64)>,
 }
 
 impl Clock {
-    fn start() -> Clock {
+    pub(crate) fn start() -> Clock {
         Clock { last: Instant::now(), laps: Vec::new() }
     }
 
-    fn lap(&mut self, stage: &str) {
+    pub(crate) fn lap(&mut self, stage: &str) {
         let now = Instant::now();
         self.laps.push((stage.into(), (now - self.last).as_secs_f64()));
         self.last = now;
@@ -245,7 +277,6 @@ struct Assembler<'a> {
     /// Anchors are vertices of `shell`.
     attachments: Vec<Attachment>,
     connectivity: Connectivity<'a>,
-    threads: usize,
 }
 
 impl<'a> Assembler<'a> {
@@ -264,8 +295,8 @@ impl<'a> Assembler<'a> {
             }
         }
         let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
-        let (connectivity, threads) = (Connectivity::new(half_edges), options.threads);
-        Ok(Assembler { mesh, shells, shell, proxy, target, attachments, connectivity, threads })
+        let connectivity = Connectivity::new(half_edges);
+        Ok(Assembler { mesh, shells, shell, proxy, target, attachments, connectivity })
     }
 
     fn assemble(&self, found: &ShellSymmetry, kind: SymmetryKind, progress: &Progress) -> Result<Symmetry> {
@@ -293,7 +324,7 @@ impl<'a> Assembler<'a> {
         let shell = &self.shells[0];
         match self.proxy {
             Some(proxy) => {
-                let images = proxy.carry_images(images, self.threads);
+                let images = proxy.carry_images(images);
                 let carried = proxy.carry_values(trust);
                 let trust: Vec<f32> = carried.into_iter().map(|value| value as f32).collect();
                 map.insert(shell, shell, &images, &trust);

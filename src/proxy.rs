@@ -15,6 +15,7 @@ use crate::mesh::{NONE, Shell};
 use crate::surface_walk::SurfaceWalk;
 use crate::threads;
 use meshopt::{SimplifyOptions, VertexDataAdapter, simplify};
+use std::sync::OnceLock;
 
 /// Images of a triangle's corners that lie farther apart than this many times the triangle's longest edge are torn
 /// apart: its points follow the nearest corner alone.
@@ -35,13 +36,16 @@ pub struct Proxy<'a> {
     walk: SurfaceWalk<'a>,
     /// The fine shell's vertex at each of the proxy's vertices, rising.
     vertices: Vec<u32>,
-    /// Place of each of the fine shell's vertices on the proxy.
-    places: Vec<TrianglePoint>,
+    /// The proxy's vertex that is the fewest edges away from each of the fine shell's.
+    nearest: Vec<u32>,
+    /// Place of each of the fine shell's vertices on the proxy, once asked for.
+    places: OnceLock<Vec<TrianglePoint>>,
+    threads: usize,
 }
 
 impl<'a> Proxy<'a> {
     /// A proxy of about `wanted` vertices; `None` where the shell has no more than that, or where its topology
-    /// allows none much coarser. O(vertices log vertices).
+    /// allows none much coarser. It will use at most `threads` threads. O(vertices log vertices).
     pub fn new(fine: &'a Shell, wanted: usize, threads: usize) -> Option<Proxy<'a>> {
         if fine.points.len() <= wanted {
             return None;
@@ -52,14 +56,38 @@ impl<'a> Proxy<'a> {
             return None;
         }
         let walk = SurfaceWalk::new(&fine.positions, &fine.triangles);
-        let places = places(fine, &walk, &shell.triangles, &vertices, threads)?;
-        Some(Proxy { shell, fine, walk, vertices, places })
+        let nearest = nearest_seeds(fine.positions.len(), &vertices, |vertex| walk.around(vertex));
+        let on_shell = SurfaceWalk::new(&shell.positions, &shell.triangles);
+        let linked = nearest_seeds(vertices.len(), &[0], |vertex| on_shell.around(vertex));
+        if nearest.contains(&NONE) || linked.contains(&NONE) {
+            return None;
+        }
+        Some(Proxy { shell, fine, walk, vertices, nearest, places: OnceLock::new(), threads })
     }
 
     /// The proxy's vertex that weighs most at the place of a fine vertex.
     pub fn nearest_vertex(&self, fine_vertex: u32) -> u32 {
-        let place = &self.places[fine_vertex as usize];
+        self.heaviest_corner(&self.places()[fine_vertex as usize])
+    }
+
+    fn heaviest_corner(&self, place: &TrianglePoint) -> u32 {
         self.shell.triangles[place.triangle as usize][place.heaviest()]
+    }
+
+    fn places(&self) -> &[TrianglePoint] {
+        let all = || (0..self.fine.positions.len() as u32).collect::<Vec<_>>();
+        self.places.get_or_init(|| self.placed(&all()))
+    }
+
+    /// Where vertices of the fine shell lie on the proxy.
+    fn placed(&self, fine_vertices: &[u32]) -> Vec<TrianglePoint> {
+        let corner = |&vertex: &u32| self.fine.positions[vertex as usize];
+        let corners: Vec<Vector> = self.vertices.iter().map(corner).collect();
+        let walk = SurfaceWalk::new(&corners, &self.shell.triangles);
+        let place = |vertex: &u32, _: Option<&TrianglePoint>| {
+            walk.nearest(self.fine.positions[*vertex as usize], self.nearest[*vertex as usize]).1
+        };
+        in_chunks(fine_vertices, self.threads, place)
     }
 
     /// Values at the fine shell's vertices from those at the proxy's, linear inside its triangles.
@@ -69,17 +97,17 @@ impl<'a> Proxy<'a> {
             let terms = corners.iter().zip(place.barycentric);
             terms.map(|(&corner, weight)| f64::from(weight) * values[corner as usize].into()).sum()
         };
-        self.places.iter().map(at).collect()
+        self.places().iter().map(at).collect()
     }
 
     /// Images of the fine shell's vertices from those of the proxy's.
     ///
     /// Images of a triangle's corners are joined by straight lines; the nearest point of the fine shell is taken.
-    pub fn carry_images(&self, images: &VertexImages, threads: usize) -> VertexImages {
+    pub fn carry_images(&self, images: &VertexImages) -> VertexImages {
         let image_points: Vec<Vector> = images.points.iter().map(|point| self.position(point)).collect();
         let image_of = |place: &TrianglePoint, previous: Option<&(u32, TrianglePoint)>| {
             let corners = self.shell.triangles[place.triangle as usize];
-            let heaviest = corners[place.heaviest()] as usize;
+            let heaviest = self.heaviest_corner(place) as usize;
             let ends = corners.map(|corner| image_points[corner as usize]);
             let sources = corners.map(|corner| self.corner(corner));
             let torn = longest(ends) > TORN * TORN * longest(sources);
@@ -88,18 +116,17 @@ impl<'a> Proxy<'a> {
             let start = self.vertices[images.partners[heaviest] as usize];
             self.walk.nearest(goal, previous.map_or(start, |(near, _)| self.walk.nearer(goal, start, *near)))
         };
-        let found = in_chunks(&self.places, threads, image_of);
+        let found = in_chunks(self.places(), self.threads, image_of);
         let (partners, points) = found.into_iter().unzip();
         VertexImages { partners, points }
     }
 
     /// The images of the proxy's vertices under a map that is known for the fine shell's: `partners` are vertices.
     pub fn restrict(&self, partners: &[u32]) -> VertexImages {
-        let partner = |&vertex: &u32| partners[vertex as usize];
-        VertexImages {
-            partners: self.vertices.iter().map(|vertex| self.nearest_vertex(partner(vertex))).collect(),
-            points: self.vertices.iter().map(|vertex| self.places[partner(vertex) as usize]).collect(),
-        }
+        let images: Vec<u32> = self.vertices.iter().map(|&vertex| partners[vertex as usize]).collect();
+        let points = self.placed(&images);
+        let heaviest = |point: &TrianglePoint| self.heaviest_corner(point);
+        VertexImages { partners: points.iter().map(heaviest).collect(), points }
     }
 
     /// The odd function of the fine shell's vertices from that of the proxy's. Where neighbours have places apart, as in a
@@ -144,28 +171,6 @@ fn simplified(fine: &Shell, wanted: usize) -> Option<Vec<[u32; 3]>> {
     );
     let triangles: Vec<[u32; 3]> = left.as_chunks().0.to_vec();
     (!triangles.is_empty()).then_some(triangles)
-}
-
-/// Where the fine shell's vertices lie on the proxy of `triangles` over its `vertices`; `None` if that is not one
-/// connected surface.
-fn places(
-    fine: &Shell,
-    on_fine: &SurfaceWalk,
-    triangles: &[[u32; 3]],
-    vertices: &[u32],
-    threads: usize,
-) -> Option<Vec<TrianglePoint>> {
-    let nearest = nearest_seeds(fine.positions.len(), vertices, |vertex| on_fine.around(vertex));
-    if nearest.contains(&NONE) {
-        return None;
-    }
-    let positions: Vec<Vector> = vertices.iter().map(|&vertex| fine.positions[vertex as usize]).collect();
-    let on_proxy = SurfaceWalk::new(&positions, triangles);
-    if nearest_seeds(positions.len(), &[0], |vertex| on_proxy.around(vertex)).contains(&NONE) {
-        return None;
-    }
-    let all: Vec<(Vector, u32)> = fine.positions.iter().copied().zip(nearest).collect();
-    Some(in_chunks(&all, threads, |&(position, start), _| on_proxy.nearest(position, start).1))
 }
 
 fn weighted(corners: [Vector; 3], weights: [f32; 3]) -> Vector {

@@ -52,21 +52,33 @@ fn signatures(basis: &Eigenbasis, vertices: usize) -> Vec<Signature> {
     let mut signatures = vec![[1.0; TIMES]; vertices];
     let [first, last] = TIME_RANGE;
     let time = |t: usize| first * (last / first).powf(t as f64 / (TIMES - 1) as f64);
-    for (j, eigenvalue) in basis.eigenvalues.iter().enumerate() {
-        let decay: [f64; TIMES] = std::array::from_fn(|t| (-eigenvalue * time(t)).exp());
-        for (signature, value) in signatures.iter_mut().zip(basis.eigenfunctions.col_as_slice(j)) {
-            for (sum, factor) in signature.iter_mut().zip(decay) {
-                *sum += factor * value * value;
+    let decay = |eigenvalue: &f64| -> Signature { std::array::from_fn(|t| (-eigenvalue * time(t)).exp()) };
+    let decays: Vec<Signature> = basis.eigenvalues.iter().map(decay).collect();
+    // By blocks of vertices, which stay in the cache while the columns are read one after the other.
+    const BLOCK: usize = 64;
+    for (block, of_block) in signatures.chunks_mut(BLOCK).enumerate() {
+        for (j, decay) in decays.iter().enumerate() {
+            let column = &basis.eigenfunctions.col_as_slice(j)[block * BLOCK..];
+            for (signature, value) in of_block.iter_mut().zip(column) {
+                let square = value * value;
+                signature.iter_mut().zip(decay).for_each(|(sum, factor)| *sum += factor * square);
             }
         }
+        of_block.iter_mut().flatten().for_each(|value| *value = value.ln());
     }
-    signatures.iter_mut().flatten().for_each(|value| *value = value.ln());
     signatures
 }
 
+/// About the mean, of each time.
 fn mean_deviation(areas: &[f64], signatures: &[Signature]) -> [f64; TIMES] {
-    std::array::from_fn(|t| {
-        let centre = mean(areas, signatures.iter().map(|signature| signature[t]));
-        mean(areas, signatures.iter().map(|signature| (signature[t] - centre).abs()))
-    })
+    let area: f64 = areas.iter().sum();
+    let mean = |of: &dyn Fn(&Signature) -> Signature| {
+        let mut sums = [0.0; TIMES];
+        for (signature, weight) in signatures.iter().zip(areas) {
+            sums.iter_mut().zip(of(signature)).for_each(|(sum, value)| *sum += value * weight);
+        }
+        sums.map(|sum| sum / area)
+    };
+    let centre = mean(&|signature| *signature);
+    mean(&|signature| std::array::from_fn(|t| (signature[t] - centre[t]).abs()))
 }

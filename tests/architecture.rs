@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 46] = [
+const ORDER: [&str; 47] = [
     "error",
     "options",
     "limits",
@@ -46,6 +46,7 @@ const ORDER: [&str; 46] = [
     "proxy",
     "assembly",
     "pipeline",
+    "detect_again",
     "report",
     "mirror_tools",
     "pair_colour",

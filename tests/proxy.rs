@@ -57,7 +57,7 @@ fn the_identity_on_the_proxy_is_carried_to_the_identity() {
     let fine = human_shell();
     let proxy = Proxy::new(&fine, 3000, 2).unwrap();
     let itself = (0..proxy.shell.positions.len() as u32).collect();
-    let carried = proxy.carry_images(&VertexImages::at_vertices(&proxy.shell.triangles, itself), 2);
+    let carried = proxy.carry_images(&VertexImages::at_vertices(&proxy.shell.triangles, itself));
     let moved = |vertex: usize| distance(at(&fine, &carried.points[vertex]), fine.positions[vertex]);
     let worst = (0..fine.positions.len()).map(moved).fold(0.0, f64::max);
     assert!(worst < 0.02, "{worst} sqrt(area)");

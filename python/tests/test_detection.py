@@ -112,3 +112,25 @@ def test_a_stored_map_can_be_used_again(quadruped, symmetry):
     assert np.array_equal(again.partner, symmetry.partner)
     with pytest.raises(intrinsym.ArgumentError, match="3398"):
         quadruped.restore(symmetry.kind, np.full(3398, 3398), *stored[2:])
+
+
+def test_a_deformed_shape_keeps_its_map_and_another_shape_does_not(quadruped, detection, symmetry):
+    vertices, polygons = quadruped.vertices, quadruped.polygons
+    moved = vertices * [1.0, 1.1, 0.9]
+    found = intrinsym.detect(moved, polygons, previous=detection)
+    assert found.report["report"]["kept"]
+    assert np.array_equal(found[0].partner, symmetry.partner)
+    assert np.array_equal(found[0].confidence, symmetry.confidence)
+    assert len(found[0].fixed_curve) == len(symmetry.fixed_curve)
+    # The same numbers of vertices and faces, but shuffled: another shape of another connectivity.
+    shuffled = np.random.default_rng(0).permutation(len(vertices))
+    with pytest.raises(intrinsym.ArgumentError, match="another connectivity"):
+        intrinsym.Mesh(vertices, intrinsym.Polygons(polygons.offsets, shuffled[polygons.corners])).detect(
+            previous=detection
+        )
+    # Partners that are no symmetry, from a stored map.
+    stored = (symmetry.kind, np.roll(symmetry.partner, 1000), symmetry.confidence, symmetry.side)
+    wrong = quadruped.restore(*stored, symmetry.surface_points)
+    anew = quadruped.detect(previous=wrong)
+    assert not anew.report["report"]["kept"]
+    assert np.array_equal(anew[0].partner, symmetry.partner)

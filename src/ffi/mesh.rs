@@ -7,6 +7,7 @@ use super::options::{isym_options, options_of};
 use super::progress::{PROGRESSES, isym_progress};
 use super::result::{RESULTS, ResultObject, isym_result};
 use super::status::{Fault, ISYM_ERROR_VALUE, Result, boundary, isym_status};
+use crate::detect_again::detect_again;
 use crate::limits::Limits;
 use crate::mesh::io::{self, Format};
 use crate::mesh::{Mesh, PolygonMesh};
@@ -268,7 +269,8 @@ pub unsafe extern "C" fn isym_mesh_connectivity_hash(mesh: *const isym_mesh, has
 /// Finds the intrinsic symmetries of the mesh. Free the result with `isym_result_free`.
 ///
 /// That none was found is a result without symmetries, and no error. The result keeps what it needs of the
-/// mesh, which may be freed before it. One call uses one thread; calls in several threads run side by side.
+/// mesh, which may be freed before it. One call uses at most as many threads as its options say; calls in several
+/// threads run side by side.
 /// Errors: `ISYM_ERROR_CANCELLED`, `ISYM_ERROR_CALLBACK`, `ISYM_ERROR_INTERNAL`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_detect(
@@ -282,6 +284,37 @@ pub unsafe extern "C" fn isym_mesh_detect(
         // SAFETY: the caller's one promise.
         let output = unsafe { Output::new(result, 1, "result") }?;
         let detection = progress.run(|progress| detect(&mesh.mesh, &options, progress))?;
+        output.write(&[RESULTS.insert(ResultObject::new(mesh, detection, &options)?)]);
+        Ok(())
+    })
+}
+
+/// As `isym_mesh_detect`, starting from an earlier result on a mesh with the same connectivity and other positions:
+/// some ten to twenty times as fast while the shape is deformed. Free the result with `isym_result_free`.
+///
+/// If the first symmetry of `previous` is still one, it is kept with all others that still are: partners, surface
+/// points, confidences, sides and fixed curves as they were, scores and the report new (its `kept` is true).
+/// Otherwise, or if `previous` has none, this is a detection, and the report says why. What is kept knows nothing of
+/// vertices that were slid along the surface, on one side alone: detect anew after that. `previous` may be restored,
+/// and may be freed after the call. `ISYM_ERROR_VALUE`: it is of another connectivity (`isym_mesh_connectivity_hash`).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn isym_mesh_detect_again(
+    mesh: *const isym_mesh,
+    previous: *const isym_result,
+    options: *const isym_options,
+    progress: *mut isym_progress,
+    result: *mut *mut isym_result,
+) -> isym_status {
+    boundary(|| {
+        let (mesh, previous) = (MESHES.get(mesh)?, RESULTS.get(previous)?);
+        let (options, progress) = (options_of(options)?, PROGRESSES.get(progress)?);
+        // SAFETY: the caller's one promise.
+        let output = unsafe { Output::new(result, 1, "result") }?;
+        if !previous.mesh.polygons.has_connectivity_of(&mesh.polygons) {
+            return Err(Fault::new(ISYM_ERROR_VALUE, "the previous result is of another connectivity"));
+        }
+        let detection =
+            progress.run(|progress| detect_again(&mesh.mesh, previous.symmetries(), &options, progress))?;
         output.write(&[RESULTS.insert(ResultObject::new(mesh, detection, &options)?)]);
         Ok(())
     })

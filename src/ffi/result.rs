@@ -69,6 +69,11 @@ impl ResultObject {
         Ok(ResultObject { mesh, symmetries: detection.symmetries, continuous_family, report })
     }
 
+    /// All symmetries.
+    pub fn symmetries(&self) -> &[Symmetry] {
+        &self.symmetries
+    }
+
     /// Symmetry `index`.
     pub fn symmetry(&self, index: usize) -> Result<&Symmetry> {
         let count = self.symmetries.len();
@@ -444,20 +449,7 @@ fn kind_of(kind: isym_kind) -> Result<SymmetryKind> {
 }
 
 fn restored(mesh: &MeshObject, symmetry: Symmetry) -> Detection {
-    let report = Report {
-        vertices: mesh.vertex_count(),
-        faces: mesh.mesh.face_count,
-        shells: mesh.mesh.shell_count,
-        solved_vertices: 0,
-        repairs: mesh.mesh.repairs.clone(),
-        eigenvalues: Vec::new(),
-        signs: Vec::new(),
-        judged: None,
-        continuous_family: false,
-        least_signature_gradient: None,
-        evidence: "restored from stored arrays".into(),
-        seconds: Vec::new(),
-    };
+    let report = Report { evidence: "restored from stored arrays".into(), ..Report::of(&mesh.mesh) };
     Detection { outcome: Outcome::Found, symmetries: vec![symmetry], report }
 }
 

@@ -37,6 +37,8 @@ static void null_is_an_error(const isym_mesh *mesh, const isym_result *result, i
     FAILS(ISYM_ERROR_NULL, isym_mesh_detect(mesh, NULL, progress, &found));
     FAILS(ISYM_ERROR_NULL, isym_mesh_detect(mesh, options, NULL, &found));
     FAILS(ISYM_ERROR_NULL, isym_mesh_detect(mesh, options, progress, NULL));
+    FAILS(ISYM_ERROR_NULL, isym_mesh_detect_again(mesh, NULL, options, progress, &found));
+    FAILS(ISYM_ERROR_NULL, isym_mesh_detect_again(mesh, result, options, progress, NULL));
     FAILS(ISYM_ERROR_NULL, isym_mesh_eigen(mesh, 4, NULL, &pairs));
     FAILS(ISYM_ERROR_NULL, isym_mesh_free(NULL));
     FAILS(ISYM_ERROR_NULL, isym_result_partners(result, 0, NULL, 9));

@@ -117,6 +117,48 @@ static void human(const char *path) {
     free(edges), free(closed), free(parameters), free(json), free(positions), free(first), free(second);
 }
 
+// Deformed, the human keeps its map; a result of another connectivity is refused.
+static void human_again(const char *path) {
+    isym_mesh *mesh = read_mesh(path), *moved;
+    isym_result *first = detect(mesh, 1), *second;
+    size_t n, faces, corners, size;
+    OK(isym_mesh_size(mesh, &n, &faces, &corners));
+    double *positions = malloc(3 * n * sizeof *positions);
+    uint32_t *offsets = malloc((faces + 1) * sizeof *offsets), *around = malloc(corners * sizeof *around);
+    OK(isym_mesh_positions(mesh, positions, 3 * n));
+    OK(isym_mesh_polygons(mesh, offsets, faces + 1, around, corners));
+    for (size_t v = 0; v < n; ++v)
+        positions[3 * v] += 0.2 * positions[3 * v + 1];
+    OK(isym_mesh_from_polygons(positions, n, offsets, faces, around, corners, &moved));
+
+    isym_options *options;
+    isym_progress *progress;
+    OK(isym_options_new(&options));
+    OK(isym_progress_new(&progress));
+    OK(isym_mesh_detect_again(moved, first, options, progress, &second));
+    int32_t *before = malloc(n * sizeof *before), *after = malloc(n * sizeof *after);
+    OK(isym_result_partners(first, 0, before, n));
+    OK(isym_result_partners(second, 0, after, n));
+    EXPECT(memcmp(before, after, n * sizeof *before) == 0);
+    OK(isym_result_report_size(second, &size));
+    char *json = malloc(size);
+    OK(isym_result_report(second, json, size));
+    EXPECT(strstr(json, "\"kept\": true"));
+    OK(isym_result_free(second));
+
+    // One corner fewer is another connectivity.
+    isym_mesh *cut;
+    OK(isym_mesh_from_polygons(positions, n, offsets, faces - 1, around, offsets[faces - 1], &cut));
+    FAILS(ISYM_ERROR_VALUE, isym_mesh_detect_again(cut, first, options, progress, &second));
+    OK(isym_mesh_free(cut));
+    OK(isym_mesh_free(moved));
+    OK(isym_mesh_free(mesh));
+    OK(isym_result_free(first));
+    OK(isym_options_free(options));
+    OK(isym_progress_free(progress));
+    free(positions), free(offsets), free(around), free(before), free(after), free(json);
+}
+
 static void no_symmetry(const char *path) {
     isym_mesh *mesh = read_mesh(path);
     isym_result *result = detect(mesh, 1);
@@ -206,6 +248,7 @@ int main(int count, char **arguments) {
     tools();
     arrays();
     human(arguments[1]);
+    human_again(arguments[1]);
     no_symmetry(arguments[2]);
     EXPECT(isym_handle_count() == 0);
     return 0;

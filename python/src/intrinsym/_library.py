@@ -94,6 +94,7 @@ CHECKED: dict[str, list[Any]] = {
     "isym_mesh_polygons": [_HANDLE, _U32, _SIZE, _U32, _SIZE],
     "isym_mesh_connectivity_hash": [_HANDLE, ctypes.POINTER(ctypes.c_uint64)],
     "isym_mesh_detect": [_HANDLE, _HANDLE, _HANDLE, _OUT_HANDLE],
+    "isym_mesh_detect_again": [_HANDLE, _HANDLE, _HANDLE, _HANDLE, _OUT_HANDLE],
     "isym_mesh_eigen": [_HANDLE, _SIZE, _HANDLE, _OUT_HANDLE],
     "isym_mesh_free": [_HANDLE],
     "isym_result_symmetry_count": [_HANDLE, _OUT_SIZE],

@@ -110,6 +110,7 @@ class Mesh:
         progress: ProgressLike = None,
         model: str | os.PathLike[str] | None = None,
         known_signs: ArrayLike | None = None,
+        previous: Detection | Symmetry | None = None,
         **options: float,
     ) -> Detection:
         """Finds the intrinsic symmetries, the best first; none found is an empty Detection and no error.
@@ -117,13 +118,20 @@ class Mesh:
         ``options``: those of :func:`intrinsym.option_specs`, such as ``eigenfunctions=50`` or ``symmetries=4``.
         ``model``: file of a sign network of your own (ONNX); it is trusted input. ``known_signs``: what a person
         knows of the first functions of :meth:`eigen`, 1 even, -1 odd, 0 unknown; they overrule the network.
+        ``previous``: what was found on a mesh with the same connectivity and other positions, or a restored Symmetry.
+        While its best map is a symmetry of the new shape, too, it is kept, with all others that are, some ten to
+        twenty times as fast as a search (``report["report"]["kept"]``): partners, confidence, sides and curves as
+        they were, scores and the report new. Otherwise this is a search. What is kept knows nothing of vertices that
+        were slid along the surface, on one side alone: search anew after that.
         ``progress``: a Progress, or a callback ``(stage, fraction)`` that may answer False to cancel.
-        Raises OptionError, ModelError, CancelledError.
+        Raises OptionError, ModelError, CancelledError; ArgumentError for a ``previous`` of another connectivity.
         """
         chosen = options_handle(options, model, known_signs)
+        function = LIBRARY.isym_mesh_detect if previous is None else LIBRARY.isym_mesh_detect_again
+        earlier = [] if previous is None else [previous._result.pointer]
         result = progress_of(progress).run(
             lambda pointer: new_handle(
-                "result", LIBRARY.isym_mesh_detect, self._handle.pointer, chosen.pointer, pointer
+                "result", function, self._handle.pointer, *earlier, chosen.pointer, pointer
             )
         )
         return Detection(result, self.vertex_count)
