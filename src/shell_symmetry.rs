@@ -25,10 +25,12 @@ const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
 /// Size of the map whose signatures are compared, made without curvature: finer and guided ones fit shapes without
 /// a symmetry, too.
 const COARSE_SIZE: usize = 50;
-/// Points on which it is refined from there on.
+/// Points on which it and the guided map are refined.
 const REFINED_POINTS: usize = 4000;
-/// Step by which the functional map grows, up to all eigenfunctions.
-const FULL_STEP: usize = 10;
+/// Size to which that map is cut back before curvature guides it: what it says of finer functions is partly chance.
+const GUIDED_SIZE: usize = 20;
+/// Step by which the guided map grows, up to all eigenfunctions.
+const GUIDED_STEP: usize = 10;
 
 /// Eigenfunctions whose sign is predicted, and vertices the network looks at.
 const PREDICTED_SIGNS: usize = 12;
@@ -155,7 +157,9 @@ pub fn finish(
     };
     let (map, images) = refine(&few, map, &seeds, &[COARSE_SIZE.min(count)], Guide::Eigenfunctions)?;
     let mismatch = signature_mismatch(shell, &points.vertices, &points.mass, &images);
-    let sizes: Vec<usize> = (COARSE_SIZE..count).step_by(FULL_STEP).chain([count]).collect();
+    let leading = GUIDED_SIZE.min(count);
+    let map = map.submatrix(0, 0, leading, leading).to_owned();
+    let sizes: Vec<usize> = (leading..count).step_by(GUIDED_STEP).chain([count]).collect();
     let (map, images) = refine(&few, map, &images.seeds(), &sizes, Guide::MeanCurvature)?;
     let seeds: Vec<(u32, u32)> = points.vertices.iter().copied().zip(images.partners).collect();
     let (map, images) = refine(&all, map, &seeds, &[count], Guide::MeanCurvature)?;
