@@ -46,6 +46,9 @@ fn main() {
     let mut previous = Vec::new();
     let mut runs = Vec::new();
     for _ in 0..arguments.repeats {
+        // Not part of the peak.
+        previous.clear();
+        previous.shrink_to_fit();
         let found = detect(&mesh, &options, &Progress::default()).expect("a detection");
         runs.push(numbers(&found));
         previous = found.symmetries;

@@ -59,19 +59,20 @@ pub struct Automorphism {
 }
 
 /// The connectivity of a mesh, prepared for searches.
-pub struct Connectivity<'a> {
-    half_edges: &'a HalfEdges,
+pub struct Connectivity {
+    half_edges: HalfEdges,
     shells: Shells,
     colours: Colours,
     classes: Classes,
 }
 
-impl<'a> Connectivity<'a> {
+impl Connectivity {
     /// Colours the vertices. O(half-edges + vertices log vertices).
-    pub fn new(half_edges: &'a HalfEdges) -> Connectivity<'a> {
-        let colours = Colours::new(half_edges);
+    pub fn new(half_edges: HalfEdges) -> Connectivity {
+        let colours = Colours::new(&half_edges);
         let classes = Classes::new(&colours.far);
-        Connectivity { half_edges, shells: Shells::new(half_edges), colours, classes }
+        let shells = Shells::new(&half_edges);
+        Connectivity { half_edges, shells, colours, classes }
     }
 
     /// Finds the only pairing of the main shell that its connectivity admits; no estimate is needed.
@@ -103,7 +104,7 @@ impl<'a> Connectivity<'a> {
         kind: SymmetryKind,
         progress: &Progress,
     ) -> Result<Option<Automorphism>> {
-        let (half_edges, shells) = (self.half_edges, &self.shells);
+        let (half_edges, shells) = (&self.half_edges, &self.shells);
         let estimate = Estimate::new(half_edges, estimate, confidence);
         let mut matching = Matching::new(half_edges, kind);
         let matched = match_whole_shells(&mut matching, shells, &self.classes, &estimate, progress)?;
@@ -137,7 +138,7 @@ pub fn find(
     kind: SymmetryKind,
     progress: &Progress,
 ) -> Result<Option<Automorphism>> {
-    Connectivity::new(half_edges).find(estimate, confidence, kind, progress)
+    Connectivity::new(half_edges.clone()).find(estimate, confidence, kind, progress)
 }
 
 /// What walking whole shells gave.

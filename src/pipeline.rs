@@ -2,7 +2,7 @@
 
 use crate::acceptance::Judgement;
 use crate::assembly::{PointMap, Summary, symmetry};
-use crate::automorphism::Connectivity;
+use crate::automorphism::{Automorphism, Connectivity};
 use crate::candidates::DISTINCT;
 use crate::companions::{self, Companion, Primary};
 use crate::confidence::Evidence;
@@ -18,9 +18,9 @@ use crate::limits::{check_memory, estimated_memory};
 use crate::mesh::half_edges::HalfEdges;
 use crate::mesh::{Attachment, Mesh, NONE, RepairReport, Shell, attach};
 use crate::options::Options;
-use crate::progress::Progress;
+use crate::progress::{CancelToken, Progress};
 use crate::proxy::Proxy;
-use crate::shell_symmetry::{self, PreparedShell, ShellSymmetry, candidates, finish, signs};
+use crate::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, of_images, signs};
 use crate::sign_network::SignPrediction;
 use crate::symmetry_kind::SymmetryKind;
 use crate::threads;
@@ -131,12 +131,13 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let mut clock = Clock::start();
     progress.report("shells", 0.0)?;
     let shells = mesh.shells();
-    let (proxy, half_edges) = threads::join(
+    let token = progress.token().clone();
+    let (proxy, connectivity) = threads::join(
         options.threads,
         || Proxy::new(&shells[0], options.proxy_vertices, options.threads),
-        || HalfEdges::new(mesh.positions.len(), &mesh.polygon_offsets, &mesh.polygon_points),
+        || connectivity(mesh, token),
     );
-    let half_edges = half_edges?;
+    let (connectivity, unrivalled) = connectivity?;
     clock.lap("proxy");
     let solved = proxy.as_ref().map_or(&shells[0], |proxy| &proxy.shell);
     let needed = estimated_memory(mesh.positions.len(), solved.points.len(), options.eigenfunctions);
@@ -148,8 +149,9 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     clock.lap("eigenfunctions");
     let signs = signs(&shell, options)?;
     clock.lap("sign network");
-    let assembler = Assembler::new(mesh, &shells, &shell, proxy.as_ref(), &half_edges, options)?;
-    let mirrored = assembler.by_connectivity(progress)?;
+    let assembler = Assembler::new(mesh, &shells, &shell, proxy.as_ref(), connectivity, options);
+    let mirrored = unrivalled.and_then(|found| assembler.images_of_all(&found));
+    let mirrored = mirrored.map(|images| of_images(&shell, &assembler.target, images)).transpose()?;
     clock.lap("connectivity");
     // Whoever states signs asks for the symmetry that has them.
     let any_will_do = options.symmetries == 1 && options.known_signs.iter().all(|&sign| sign == 0);
@@ -185,6 +187,14 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let report = Report { signs, judged, evidence, seconds: clock.laps, ..Report::of(mesh) };
     let report = report.with_shell(&shell, &orbits);
     Ok(Detection { outcome, symmetries, report })
+}
+
+/// The connectivity, and the only reflection that it admits if there is just one: all that needs no positions.
+fn connectivity(mesh: &Mesh, token: CancelToken) -> Result<(Connectivity, Option<Automorphism>)> {
+    let half_edges = HalfEdges::new(mesh.positions.len(), &mesh.polygon_offsets, &mesh.polygon_points)?;
+    let connectivity = Connectivity::new(half_edges);
+    let unrivalled = connectivity.find_unrivalled(SymmetryKind::Reflection, &Progress::new(None, token))?;
+    Ok((connectivity, unrivalled))
 }
 
 /// The best maps of the spectral search, finished: reflections, then half turns.
@@ -276,7 +286,7 @@ struct Assembler<'a> {
     target: MatchTarget<'a>,
     /// Anchors are vertices of `shell`.
     attachments: Vec<Attachment>,
-    connectivity: Connectivity<'a>,
+    connectivity: Connectivity,
 }
 
 impl<'a> Assembler<'a> {
@@ -285,9 +295,9 @@ impl<'a> Assembler<'a> {
         shells: &'a [Shell],
         shell: &'a PreparedShell,
         proxy: Option<&'a Proxy<'a>>,
-        half_edges: &'a HalfEdges,
+        connectivity: Connectivity,
         options: &Options,
-    ) -> Result<Self> {
+    ) -> Self {
         let mut attachments = if shells.len() > 1 { attach(mesh, shells, 0) } else { Vec::new() };
         if let Some(proxy) = proxy {
             for anchor in attachments.iter_mut().flat_map(|attachment| &mut attachment.anchors) {
@@ -295,8 +305,7 @@ impl<'a> Assembler<'a> {
             }
         }
         let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
-        let connectivity = Connectivity::new(half_edges);
-        Ok(Assembler { mesh, shells, shell, proxy, target, attachments, connectivity })
+        Assembler { mesh, shells, shell, proxy, target, attachments, connectivity }
     }
 
     fn assemble(&self, found: &ShellSymmetry, kind: SymmetryKind, progress: &Progress) -> Result<Symmetry> {
@@ -337,25 +346,22 @@ impl<'a> Assembler<'a> {
         }
     }
 
-    /// The largest shell's reflection if its connectivity admits exactly one, however the shape is posed.
-    fn by_connectivity(&self, progress: &Progress) -> Result<Option<ShellSymmetry>> {
-        let found = self.connectivity.find_unrivalled(SymmetryKind::Reflection, progress)?;
+    /// Images under the only bijection of the largest shell that the connectivity admits, if it is of all its points.
+    fn images_of_all(&self, found: &Automorphism) -> Option<VertexImages> {
         let shell = &self.shells[0];
-        let Some(found) = found.filter(|found| shell.points.iter().all(|&p| found.unrivalled[p as usize]))
-        else {
-            return Ok(None);
-        };
+        if !shell.points.iter().all(|&point| found.unrivalled[point as usize]) {
+            return None;
+        }
         let mut local = vec![NONE; self.mesh.positions.len()];
         for (index, &point) in shell.points.iter().enumerate() {
             local[point as usize] = index as u32;
         }
         let partner = |&point: &u32| local[found.partner[point as usize] as usize];
         let partners: Vec<u32> = shell.points.iter().map(partner).collect();
-        let images = match self.proxy {
+        Some(match self.proxy {
             Some(proxy) => proxy.restrict(&partners),
             None => VertexImages::at_vertices(&shell.triangles, partners),
-        };
-        shell_symmetry::of_images(self.shell, &self.target, images).map(Some)
+        })
     }
 
     fn odd(&self, found: &ShellSymmetry) -> Vec<f64> {

@@ -23,6 +23,8 @@ const SEEDS: usize = 64;
 const SEED_IMAGES: usize = 8;
 /// Faces of the trial around a seed.
 const TRIAL_FACES: usize = 200;
+/// A patch as large as this is compared with the estimate before it grows on.
+const EARLY_FACES: usize = 50_000;
 /// Failed full growths per shell before giving up.
 const FAILURES: usize = 8;
 /// Least number of irregular vertices paired by a patch.
@@ -82,7 +84,11 @@ fn match_shell(matching: &mut Matching, context: &Context, shell: usize, progres
             continue;
         }
         let mark = matching.mark();
-        let faces = matching.grow(start, target, context.valences, usize::MAX);
+        let mut faces = matching.grow(start, target, context.valences, EARLY_FACES);
+        if faces == EARLY_FACES && is_patch_near(matching, context, mark, vertices.len()) {
+            matching.rollback(mark);
+            faces = matching.grow(start, target, context.valences, usize::MAX);
+        }
         if !is_patch_sound(matching, context, mark, faces, regular, vertices.len()) {
             matching.rollback(mark);
             failures += 1;
@@ -168,6 +174,12 @@ fn contradicted_faces(matching: &Matching, mark: Mark) -> usize {
     faces.len()
 }
 
+/// Whether the patch lies near the estimate.
+fn is_patch_near(matching: &Matching, context: &Context, mark: Mark, shell_size: usize) -> bool {
+    let paired = matching.paired_since(mark);
+    context.estimate.distances(matching, &paired, shell_size).mean <= estimate::tolerance(shell_size)
+}
+
 fn is_patch_sound(
     matching: &Matching,
     context: &Context,
@@ -181,7 +193,7 @@ fn is_patch_sound(
     let contradictions = contradicted_faces(matching, mark) as f64;
     irregular >= IRREGULAR
         && contradictions <= CONTRADICTIONS * faces as f64
-        && context.estimate.distances(matching, &paired, shell_size).mean <= estimate::tolerance(shell_size)
+        && is_patch_near(matching, context, mark, shell_size)
 }
 
 /// Unpairs the corners of faces where growing stopped, and their partners.
