@@ -8,7 +8,10 @@ pipeline a few times on one thread, one does so on two; then one process for eac
 and robust_laplacian users compute, as many eigenpairs as the pipeline takes (--eigenfunctions, by default 150):
 
 - `scipy eigsh`: cotangent stiffness and lumped mass, eigenpairs by shift-invert at -0.01 (pyFM's call);
-- `robust_laplacian + eigsh`: its Laplacian, eigenpairs by shift-invert at 1e-8 (its README's call).
+- `robust_laplacian + eigsh`: its Laplacian, eigenpairs by shift-invert at 1e-8 (its README's call);
+- `pyfmaps`: a whole map of the mesh onto itself as pyFM's documentation makes it: wave kernel signatures, a functional map of
+  20 x 20 with the term that reverses orientation, ZoomOut by steps of 10 up to as many eigenfunctions. It is told that
+  there is a reflection, and does not judge or verify. Once, up to 20,000 vertices.
 
 FOLDER/runs.json keeps all raw seconds; FOLDER/table.md and FOLDER/speed.png are made from it.
 """
@@ -29,6 +32,8 @@ from pathlib import Path
 
 import numpy as np
 
+# Beyond so many vertices the map peer takes minutes.
+LARGE_FOR_MAPS = 20_000
 # Above so many vertices everything runs once, and the peers, which take minutes there, not at all.
 LARGE = 100_000
 
@@ -50,31 +55,64 @@ def cotangent_laplacian(vertices: np.ndarray, faces: np.ndarray):
     return stiffness, diags(mass).tocsc()
 
 
+def self_map_seconds(vertices: np.ndarray, faces: np.ndarray, count: int) -> dict[str, float]:
+    """Seconds of the steps by which pyfmaps maps a mesh onto itself, orientation reversed."""
+    from pyFM.functional import FunctionalMapping
+    from pyFM.mesh import TriMesh
+
+    first, step = 20, 10
+    times = [time.perf_counter()]
+    mesh = TriMesh(vertices, faces, area_normalize=True, center=True).process(k=count + 1, intrinsic=True)
+    times.append(time.perf_counter())
+    mapping = FunctionalMapping(mesh, mesh)
+    mapping.preprocess(n_descr=100, descr_type="WKS", k_process=count + 1)
+    mapping.fit(K=(first, first), w_descr=0.1, w_lap=1e-3, w_dcomm=1, w_orient=1, orient_reversing=True)
+    times.append(time.perf_counter())
+    mapping.zoomout_refine(nit=(count - first) // step, step=step)
+    mapping.get_p2p()
+    times.append(time.perf_counter())
+    return dict(zip(["eigenpairs", "first map", "zoomout"], np.diff(times)))
+
+
 def peer(name: str, prefix: str, count: int, repeats: int) -> None:
     """Runs one peer in this process and prints its seconds and peak memory."""
-    from scipy.sparse.linalg import eigsh
-
     vertices = np.fromfile(prefix + ".positions").reshape(-1, 3)
     faces = np.fromfile(prefix + ".triangles", np.uint32).reshape(-1, 3).astype(int)
-    runs = []
-    for _ in range(repeats):
-        start = time.perf_counter()
-        if name == "scipy eigsh":
-            stiffness, mass = cotangent_laplacian(vertices, faces)
-            shift = -0.01
-        else:
-            import robust_laplacian
-
-            stiffness, mass = robust_laplacian.mesh_laplacian(vertices, faces)
-            shift = 1e-8
-        middle = time.perf_counter()
-        values, _ = eigsh(stiffness, count, mass, sigma=shift)
-        runs.append({"laplacian": middle - start, "eigenpairs": time.perf_counter() - middle})
+    if name == MAP_PEER:
+        runs = [self_map_seconds(vertices, faces, count) for _ in range(repeats)]
+    else:
+        runs = [eigenpair_seconds(name, vertices, faces, count) for _ in range(repeats)]
     peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    print(json.dumps({"runs": runs, "peak_memory_bytes": peak, "first_eigenvalues": sorted(values)[1:4]}))
+    print(json.dumps({"runs": runs, "peak_memory_bytes": peak}))
 
 
-PEERS = ["scipy eigsh", "robust_laplacian + eigsh"]
+def eigenpair_seconds(name: str, vertices: np.ndarray, faces: np.ndarray, count: int) -> dict[str, float]:
+    """Seconds of a Laplacian and its lowest eigenpairs."""
+    from scipy.sparse.linalg import eigsh
+
+    start = time.perf_counter()
+    if name == "scipy eigsh":
+        stiffness, mass = cotangent_laplacian(vertices, faces)
+        shift = -0.01
+    else:
+        import robust_laplacian
+
+        stiffness, mass = robust_laplacian.mesh_laplacian(vertices, faces)
+        shift = 1e-8
+    middle = time.perf_counter()
+    eigsh(stiffness, count, mass, sigma=shift)
+    return {"laplacian": middle - start, "eigenpairs": time.perf_counter() - middle}
+
+
+MAP_PEER = "pyfmaps"
+PEERS = ["scipy eigsh", "robust_laplacian + eigsh", MAP_PEER]
+
+
+def peers_for(vertices: int, repeats: int) -> dict[str, int]:
+    """How often each peer that is not too slow for the size runs."""
+    if vertices > LARGE:
+        return {}
+    return {name: 1 if name == MAP_PEER else repeats for name in PEERS if name != MAP_PEER or vertices <= LARGE_FOR_MAPS}
 
 
 def output(command: list) -> dict:
@@ -90,8 +128,9 @@ def measure(program: Path, frequency: int, count: int) -> dict:
         run = [program, frequency, "--repeats", repeats, "--eigenfunctions", count]
         own = output([*run, "--write", prefix])
         two = output([*run, "--threads", 2])
-        peers = {} if repeats == 1 else {
-            name: output([sys.executable, __file__, "--peer", name, prefix, count, repeats]) for name in PEERS
+        peers = {
+            name: output([sys.executable, __file__, "--peer", name, prefix, count, times])
+            for name, times in peers_for(own["vertices"], repeats).items()
         }
     return {"vertices": own["vertices"], "intrinsym": own, "two threads": two, "peers": peers, "load": os.getloadavg()[0]}
 
@@ -114,8 +153,10 @@ def peer_total(entry: dict, name: str) -> float:
 
 
 def exponent(sizes: list[int], seconds: list[float]) -> float:
-    """Slope of the least-squares line in log-log, from the second size on."""
+    """Slope of the least-squares line in log-log, from the second size on; not a number where there are too few."""
     known = np.array([(size, value) for size, value in zip(sizes, seconds) if np.isfinite(value)][1:])
+    if len(known) < 2:
+        return float("nan")
     return float(np.polyfit(*np.log(known).T, 1)[0])
 
 
@@ -130,7 +171,7 @@ def table(entries: list[dict]) -> str:
     lines = [header, "|---" * (len(sizes) + 2) + "|"]
 
     def row(name: str, seconds: list[float]) -> None:
-        growth = f"N^{exponent(sizes, seconds):.2f}" if len(sizes) > 2 and min(seconds) > 0 else ""
+        growth = cell(f"N^{exponent(sizes, seconds):.2f}") if len(sizes) > 2 and min(seconds) > 0 else ""
         cells = " | ".join(cell(f"{1e3 * v:,.1f}" if v < 0.1 else f"{1e3 * v:,.0f}") for v in seconds)
         lines.append(f"| {name} | {cells} | {growth} |")
 
@@ -149,6 +190,7 @@ def table(entries: list[dict]) -> str:
     eigsh = [peer_total(entry, PEERS[0]) for entry in entries]
     plain("times slower than our proxy, Laplacian and eigenfunctions", [f"{e / o:.1f}" for e, o in zip(eigsh, own)])
     plain("times slower than our whole pipeline", [f"{e / total(entry):.1f}" for e, entry in zip(eigsh, entries)])
+    plain("pyfmaps: the same", [f"{peer_total(entry, MAP_PEER) / total(entry):.1f}" for entry in entries])
     memory = lambda run, key: f"{run.get(key, float('nan')) / 1e6:,.0f}"
     plain("peak memory, MB: intrinsym", [memory(entry["intrinsym"], "peak_memory_bytes") for entry in entries])
     plain("the same, as estimated", [memory(entry["intrinsym"], "estimated_memory_bytes") for entry in entries])
@@ -167,10 +209,11 @@ def plot(entries: list[dict], path: Path) -> None:
     sizes = [entry["vertices"] for entry in entries]
     curves = {"intrinsym, whole pipeline": [total(entry) for entry in entries]}
     curves["intrinsym, two threads"] = [total(entry, "two threads") for entry in entries]
-    curves |= {name + ", eigenfunctions alone": [peer_total(entry, name) for entry in entries] for name in PEERS}
+    alone = {name: "" if name == MAP_PEER else ", eigenfunctions alone" for name in PEERS}
+    curves |= {name + what: [peer_total(entry, name) for entry in entries] for name, what in alone.items()}
     figure, axes = pyplot.subplots(figsize=(7, 4.5))
     for name, seconds in curves.items():
-        axes.loglog(sizes, seconds, marker="o", label=f"{name} (N^{exponent(sizes, seconds):.2f})")
+        axes.loglog(sizes, seconds, marker="o", label=f"{name} ({cell(f'N^{exponent(sizes, seconds):.2f}')})")
     axes.set(xlabel="vertices", ylabel="seconds (one thread, unless said)")
     axes.grid(alpha=0.3, which="both")
     axes.legend(fontsize=8)
