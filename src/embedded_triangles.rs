@@ -18,6 +18,12 @@ impl TrianglePoint {
         let weights = self.barycentric;
         (0..3).fold(0, |best, c| if weights[c] > weights[best] { c } else { best })
     }
+
+    /// The value here of a function that is given at the vertices of `triangles` and linear inside them.
+    pub fn interpolate(&self, triangles: &[[u32; 3]], values: &[impl Copy + Into<f64>]) -> f64 {
+        let corners = triangles[self.triangle as usize].iter().zip(self.barycentric);
+        corners.map(|(&corner, weight)| f64::from(weight) * values[corner as usize].into()).sum()
+    }
 }
 
 /// The triangles around each vertex and behind each edge.

@@ -7,7 +7,6 @@
 //! curve. The side times the movement is a function with `f(image of x) = -f(x)`, whose zero set it is.
 
 use crate::eigenbasis::Eigenbasis;
-use crate::embedded_triangles::TrianglePoint;
 use crate::full_refinement::VertexImages;
 use crate::laplacian::IntrinsicSurface;
 
@@ -38,7 +37,7 @@ pub fn odd_function(surface: &IntrinsicSurface, basis: &Eigenbasis, images: &Ver
     let around = |vertex: usize| neighbours(vertex).iter().copied();
     let sides = sides(neighbours, &images.partners, &moved);
     let signed: Vec<f64> = moved.iter().zip(&sides).map(|(moved, side)| moved * f64::from(*side)).collect();
-    let image_value = |vertex: usize| at(surface, &images.points[vertex], &signed);
+    let image_value = |vertex: usize| images.points[vertex].interpolate(&surface.triangles, &signed);
     let mut odd: Vec<f64> =
         (0..signed.len()).map(|vertex| 0.5 * (signed[vertex] - image_value(vertex))).collect();
     for _ in 0..SMOOTHING_ROUNDS {
@@ -97,17 +96,11 @@ fn movements(surface: &IntrinsicSurface, basis: &Eigenbasis, images: &VertexImag
     for (j, &eigenvalue) in basis.eigenvalues.iter().enumerate() {
         let function = basis.eigenfunctions.col_as_slice(j);
         for (vertex, sum) in squared.iter_mut().enumerate() {
-            let moved = function[vertex] - at(surface, &images.points[vertex], function);
+            let moved = function[vertex] - images.points[vertex].interpolate(&surface.triangles, function);
             *sum += moved * moved / eigenvalue.max(f64::MIN_POSITIVE);
         }
     }
     squared.into_iter().map(f64::sqrt).collect()
-}
-
-/// The value of a function, given at the vertices, at a point of the surface.
-fn at(surface: &IntrinsicSurface, point: &TrianglePoint, values: &[f64]) -> f64 {
-    let corners = surface.triangles[point.triangle as usize];
-    (0..3).map(|k| f64::from(point.barycentric[k]) * values[corners[k] as usize]).sum()
 }
 
 fn mean_with(neighbours: &[u32], values: &[f64], vertex: usize) -> f64 {

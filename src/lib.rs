@@ -46,6 +46,7 @@ pub mod ffi;
 pub mod fixed_curve;
 pub mod full_refinement;
 pub mod functional_map;
+pub mod guided_growth;
 pub mod laplacian;
 pub mod limits;
 pub mod mesh;

@@ -92,12 +92,7 @@ impl<'a> Proxy<'a> {
 
     /// Values at the fine shell's vertices from those at the proxy's, linear inside its triangles.
     pub fn carry_values(&self, values: &[impl Copy + Into<f64>]) -> Vec<f64> {
-        let at = |place: &TrianglePoint| {
-            let corners = self.shell.triangles[place.triangle as usize];
-            let terms = corners.iter().zip(place.barycentric);
-            terms.map(|(&corner, weight)| f64::from(weight) * values[corner as usize].into()).sum()
-        };
-        self.places().iter().map(at).collect()
+        self.places().iter().map(|place| place.interpolate(&self.shell.triangles, values)).collect()
     }
 
     /// Images of the fine shell's vertices from those of the proxy's.

@@ -8,6 +8,7 @@ use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::full_refinement::{self, MatchTarget, Sources, VertexImages};
 use crate::functional_map::{Projection, project};
+use crate::guided_growth::grow;
 use crate::laplacian::IntrinsicSurface;
 use crate::options::Options;
 use crate::progress::Progress;
@@ -27,10 +28,6 @@ const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
 const COARSE_SIZE: usize = 50;
 /// Points on which it and the guided map are refined.
 const REFINED_POINTS: usize = 4000;
-/// Size to which that map is cut back before curvature guides it: what it says of finer functions is partly chance.
-const GUIDED_SIZE: usize = 20;
-/// Step by which the guided map grows, up to all eigenfunctions.
-const GUIDED_STEP: usize = 10;
 
 /// Eigenfunctions whose sign is predicted, and vertices the network looks at.
 const PREDICTED_SIGNS: usize = 12;
@@ -136,8 +133,8 @@ pub fn candidates(
     Ok(kept)
 }
 
-/// Refines a candidate on all samples, then on points spread over the shell, which is `target`, then once on all
-/// its vertices.
+/// Refines a candidate on all samples, then on points spread over the shell, which is `target`, where it grows to its full
+/// size, then once on all its vertices.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -152,17 +149,14 @@ pub fn finish(
     let points = SpreadPoints::new(target, REFINED_POINTS)?;
     let seeds = points.seeds(&shell.samples, &refiner.partners(&map));
     let (few, all, count) = (points.sources(), target.vertices(), shell.basis.count());
-    let refine = |points: &Sources, map, seeds: &[(u32, u32)], sizes: &[usize], guide| {
-        full_refinement::refine(target, points, map, seeds, sizes, guide, progress)
+    let refine = |points: &Sources, map, seeds: &[(u32, u32)], size, guide| {
+        full_refinement::refine(target, points, map, seeds, &[size], guide, progress)
     };
-    let (map, images) = refine(&few, map, &seeds, &[COARSE_SIZE.min(count)], Guide::Eigenfunctions)?;
+    let (map, images) = refine(&few, map, &seeds, COARSE_SIZE.min(count), Guide::Eigenfunctions)?;
     let mismatch = signature_mismatch(shell, &points.vertices, &points.mass, &images);
-    let leading = GUIDED_SIZE.min(count);
-    let map = map.submatrix(0, 0, leading, leading).to_owned();
-    let sizes: Vec<usize> = (leading..count).step_by(GUIDED_STEP).chain([count]).collect();
-    let (map, images) = refine(&few, map, &images.seeds(), &sizes, Guide::MeanCurvature)?;
+    let (map, images) = grow(target, &points, &map, &images, progress)?;
     let seeds: Vec<(u32, u32)> = points.vertices.iter().copied().zip(images.partners).collect();
-    let (map, images) = refine(&all, map, &seeds, &[count], Guide::MeanCurvature)?;
+    let (map, images) = refine(&all, map, &seeds, count, Guide::MeanCurvature)?;
     let judged = judge(shell, &candidate.score, mismatch, &images);
     let doubts = shell.samples.vertices.iter().copied().zip(candidate.doubts.iter().copied()).collect();
     Ok(ShellSymmetry { map, images, score: candidate.score, doubts, judged })

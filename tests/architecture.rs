@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 47] = [
+const ORDER: [&str; 48] = [
     "error",
     "options",
     "limits",
@@ -34,6 +34,7 @@ const ORDER: [&str; 47] = [
     "spread_points",
     "continuous_family",
     "signature",
+    "guided_growth",
     "displacement",
     "acceptance",
     "shell_symmetry",

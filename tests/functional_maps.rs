@@ -14,6 +14,7 @@ use intrinsym::functional_map::{
     Projection, commutator, estimate, from_parity, mean_trace, nearest_involution, nearest_orthogonal,
     project,
 };
+use intrinsym::guided_growth::{curvature_mismatch, grow};
 use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::mesh::{NONE, PolygonMesh, Shell};
 use intrinsym::mesh_descent::{MeshDescent, Seeds};
@@ -333,6 +334,36 @@ fn a_map_refined_on_few_points_is_that_of_all_vertices() {
         let places = [points.vertices[point as usize], vertex].map(|v| shape.shell.positions[v as usize]);
         assert!(distance(places[0], places[1]) < 6.0 * shape.surface.mean_edge_length());
     }
+}
+
+#[test]
+fn a_map_grows_to_all_eigenfunctions_with_curvature_and_without() {
+    let mut shape = Shape::quadruped();
+    let error = |shape: &Shape| {
+        let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
+        let points = SpreadPoints::new(&target, 1500).unwrap();
+        let images = |partner: fn(&Shape, u32) -> u32| {
+            let partners = points.vertices.iter().map(|&vertex| partner(shape, vertex)).collect();
+            VertexImages::at_vertices(&shape.surface.triangles, partners)
+        };
+        let truth = images(|shape, vertex| shape.truth[vertex as usize]);
+        let (map, grown) = grow(&target, &points, &shape.true_map(50), &truth, &Progress::default()).unwrap();
+        assert_eq!((map.nrows(), map.ncols()), (shape.basis.count(), shape.basis.count()));
+        let mismatch = |images: &VertexImages| curvature_mismatch(&target, &points, images);
+        let elsewhere = images(|shape, vertex| (vertex + 700) % shape.truth.len() as u32);
+        let [least, most] = [mismatch(&grown), mismatch(&elsewhere)];
+        println!("curvature: truth {}, grown {least}, elsewhere {most}", mismatch(&truth));
+        assert_eq!(mismatch(&images(|_, vertex| vertex)), 0.0, "the identity");
+        assert!(least < 0.5 * most || shape.surface.mean_curvature.is_empty(), "{least} {most}");
+        shape.mean_error(&points.vertices, &grown.partners)
+    };
+    let errors = [error(&shape), {
+        shape.surface = IntrinsicSurface::with_mean_curvature(&shape.shell);
+        assert!(!shape.surface.mean_curvature.is_empty());
+        error(&shape)
+    }];
+    println!("without and with curvature: {errors:?}");
+    assert!(errors[1] < errors[0] && errors[0] < 0.02, "{errors:?} sqrt(area)");
 }
 
 #[test]
