@@ -20,9 +20,10 @@ impl TrianglePoint {
     }
 
     /// The value here of a function that is given at the vertices of `triangles` and linear inside them.
+    #[inline]
     pub fn interpolate(&self, triangles: &[[u32; 3]], values: &[impl Copy + Into<f64>]) -> f64 {
-        let corners = triangles[self.triangle as usize].iter().zip(self.barycentric);
-        corners.map(|(&corner, weight)| f64::from(weight) * values[corner as usize].into()).sum()
+        let corners = triangles[self.triangle as usize];
+        (0..3).map(|k| f64::from(self.barycentric[k]) * values[corners[k] as usize].into()).sum()
     }
 }
 
