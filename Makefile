@@ -18,7 +18,7 @@ demo: setup ## Build, find the symmetry of a posed human and of real animals, wr
 test: setup-test ## Check format and lints, run all tests
 	cargo fmt --check
 	@$(MAKE) --no-print-directory check-header
-	cargo clippy --release --locked --all-targets -- -D warnings
+	cargo clippy --release --locked --all-targets --features criterion -- -D warnings
 	cargo test --release --locked --doc --quiet
 	cargo nextest run --release --locked
 	@$(MAKE) --no-print-directory test-c

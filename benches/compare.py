@@ -4,8 +4,9 @@
     python benches/compare.py --out FOLDER 10 35 71
 
 Each number f is a generated mesh of 10 f^2 + 2 vertices (`benches/stages.rs`). For each, one process runs the whole
-pipeline a few times on one thread, one does so on two; then one process for each peer computes, on one thread, what pyFM
-and robust_laplacian users compute, as many eigenpairs as the pipeline takes (--eigenfunctions, by default 150):
+pipeline a few times on one thread, one does so on two (stages by themselves: `benches/by_stage.py`); then one process for
+each peer computes, on one thread, what pyFM and robust_laplacian users compute, as many eigenpairs as the pipeline takes
+(--eigenfunctions, by default 150):
 
 - `scipy eigsh`: cotangent stiffness and lumped mass, eigenpairs by shift-invert at -0.01 (pyFM's call);
 - `robust_laplacian + eigsh`: its Laplacian, eigenpairs by shift-invert at 1e-8 (its README's call);
@@ -165,7 +166,7 @@ def cell(text: str) -> str:
 
 
 def table(entries: list[dict]) -> str:
-    """Markdown: milliseconds by stage and size, then the comparison."""
+    """Markdown: milliseconds of whole detections by size, then the comparison."""
     sizes = [entry["vertices"] for entry in entries]
     header = "| | " + " | ".join(f"{size:,}" for size in sizes) + " | growth |"
     lines = [header, "|---" * (len(sizes) + 2) + "|"]
@@ -179,8 +180,6 @@ def table(entries: list[dict]) -> str:
         lines.append(f"| {name} | " + " | ".join(cell(text) for text in texts) + " | |")
 
     plain("solved on", [f"{entry['intrinsym']['runs'][0]['solved_vertices']:,}" for entry in entries])
-    for stage in stages(entries[0]):
-        row(stage, [stages(entry)[stage] for entry in entries])
     row("**all**", [total(entry) for entry in entries])
     row("**all, two threads**", [total(entry, "two threads") for entry in entries])
     row("**again, two threads**", [total(entry, "two threads", "again") for entry in entries])

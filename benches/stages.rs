@@ -1,4 +1,5 @@
-//! Times of the pipeline's stages and peak memory for one mesh, as JSON on standard output.
+//! Times of whole detections and peak memory for one mesh, as JSON on standard output: cold, by threads, and again on the
+//! same connectivity. Stages by themselves, with confidence intervals, are measured by `benches/by_stage`.
 //!
 //!     cargo bench --profile release --bench stages -- MESH [--repeats 5] [--eigenfunctions 150] [--threads 1]
 //!         [--proxy-vertices 15000] [--write PREFIX]

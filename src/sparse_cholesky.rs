@@ -109,6 +109,14 @@ impl Analysis {
         Ok(factor)
     }
 
+    /// Entries of L in each of its columns, the diagonal included.
+    pub fn column_counts(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.supernode_count()).flat_map(|index| {
+            let (_, columns, below, _) = self.supernode(index);
+            (0..columns).map(move |column| columns - column + below.len())
+        })
+    }
+
     fn supernode_count(&self) -> usize {
         match self.symbolic.raw() {
             SymbolicCholeskyRaw::Supernodal(structure) => structure.n_supernodes(),
@@ -329,6 +337,16 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn columns_of_the_factor_hold_at_least_those_of_the_matrix() {
+        let matrix = grid(5);
+        let counts: Vec<usize> = Analysis::new(&matrix).unwrap().column_counts().collect();
+        assert!(
+            counts.len() == 25 && counts.iter().enumerate().all(|(i, &count)| (1..=25 - i).contains(&count))
+        );
+        assert!(counts.iter().sum::<usize>() >= (matrix.columns.len() + 25) / 2);
     }
 
     #[test]

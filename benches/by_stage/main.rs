@@ -1,0 +1,193 @@
+//! Each stage of a detection by itself, by mesh size, with confidence intervals: criterion. One thread.
+//!
+//!     make bench-stages
+//!     BENCH_FREQUENCIES="10 35" cargo bench --profile release --features criterion --bench by_stage -- eigenfunctions
+//!
+//! Frequencies f are those of the creature of the tests on geodesic spheres of `10 f^2 + 2` vertices, 10 and 35 by
+//! default. A stage is called again and again on the same input, so that caches and allocator are warm; freeing its result
+//! is not timed. Whole detections as a user meets them (the first in its process, two threads, the
+//! same connectivity again, peak memory, peers) are measured by `benches/stages.rs` and `benches/compare.py`.
+
+mod floors;
+mod machine;
+#[path = "../../tests/support/mod.rs"]
+mod support;
+
+use criterion::{BatchSize, BenchmarkId, Criterion, SamplingMode};
+use floors::Floors;
+use intrinsym::assembly::{PointMap, Summary, symmetry};
+use intrinsym::automorphism::Connectivity;
+use intrinsym::confidence::Evidence;
+use intrinsym::continuous_family::orbits;
+use intrinsym::displacement::mean_displacement;
+use intrinsym::eigenbasis::Eigenbasis;
+use intrinsym::fixed_curve::{odd_function, zero_set};
+use intrinsym::full_refinement::{MatchTarget, VertexImages};
+use intrinsym::laplacian::IntrinsicSurface;
+use intrinsym::limits::Limits;
+use intrinsym::mesh::half_edges::HalfEdges;
+use intrinsym::mesh::{Mesh, Shell};
+use intrinsym::options::Options;
+use intrinsym::pipeline::detect;
+use intrinsym::progress::Progress;
+use intrinsym::proxy::Proxy;
+use intrinsym::sampling::Samples;
+use intrinsym::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, signs};
+use intrinsym::signature;
+use intrinsym::symmetry_kind::SymmetryKind;
+use std::time::Duration;
+
+/// The creature's turn, in radians, as in `benches/stages.rs`.
+const TURN: f64 = 0.4;
+/// The size whose distance to the floor is counted.
+const COUNTED: usize = 12_252;
+
+fn main() {
+    let settings = Criterion::default()
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(50))
+        .measurement_time(Duration::from_millis(500))
+        .nresamples(10_000);
+    let mut criterion = settings.without_plots().configure_from_args();
+    machine::measure(&mut criterion);
+    let frequencies = std::env::var("BENCH_FREQUENCIES").unwrap_or("10 35".into());
+    for frequency in frequencies.split_whitespace() {
+        measure(&mut criterion, frequency.parse().expect("a frequency"));
+    }
+    criterion.final_summary();
+}
+
+/// Times stages on one mesh.
+struct Timer<'a> {
+    criterion: &'a mut Criterion,
+    vertices: usize,
+}
+
+impl Timer<'_> {
+    fn time<R>(&mut self, stage: &str, routine: impl Fn() -> R) {
+        self.time_with(stage, || (), |()| routine());
+    }
+
+    /// Every call gets an input of its own, made by `setup`, which is not timed.
+    fn time_with<I, R>(&mut self, stage: &str, setup: impl Fn() -> I, routine: impl Fn(I) -> R) {
+        let mut group = self.criterion.benchmark_group(stage);
+        group.sampling_mode(SamplingMode::Flat);
+        group.bench_function(BenchmarkId::from_parameter(self.vertices), |bencher| {
+            bencher.iter_batched(&setup, &routine, BatchSize::PerIteration);
+        });
+    }
+}
+
+fn measure(criterion: &mut Criterion, frequency: u32) {
+    let options = Options { threads: 1, ..Options::default() };
+    let (limits, quiet) = (Limits::default(), Progress::default());
+    let polygons = support::creature_from(support::geodesic_sphere(frequency), TURN);
+    let mut timer = Timer { criterion, vertices: polygons.positions.len() };
+    timer.time("mesh", || Mesh::new(&polygons, &limits));
+    let mesh = Mesh::new(&polygons, &limits).expect("a usable mesh");
+    let connectivity = time_connectivity(&mut timer, &mesh);
+    let shells = mesh.shells();
+    let new_proxy = || Proxy::new(&shells[0], options.proxy_vertices, options.threads);
+    let proxy = new_proxy();
+    if proxy.is_some() {
+        timer.time("proxy", new_proxy);
+    }
+    let solved = proxy.as_ref().map_or(&shells[0], |proxy| &proxy.shell);
+    let shell = time_eigenfunctions(&mut timer, solved, &options);
+    timer.time("match target", || MatchTarget::new(&shell.surface, &shell.basis, options.threads));
+    let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
+    let found = time_search(&mut timer, &shell, &target, &options);
+    timer.time("confidence", || Evidence::new(&target, &found).confidence());
+    let confidence = Evidence::new(&target, &found).confidence();
+    timer.time("sides", || odd_function(&shell.surface, &shell.basis, &found.images));
+    let odd = odd_function(&shell.surface, &shell.basis, &found.images);
+    let carry = |proxy: Option<&Proxy>| carried(&mesh, &shells[0], proxy, &found.images, &confidence, &odd);
+    if proxy.is_some() {
+        // A new one each time: it remembers where the vertices lie on it.
+        timer.time_with("way back", new_proxy, |proxy| carry(proxy.as_ref()));
+    }
+    let map = carry(proxy.as_ref());
+    timer.time("mirrored connectivity", || {
+        connectivity.find(&map.partner, &map.confidence, SymmetryKind::Reflection, &quiet)
+    });
+    timer.time("fixed curve", || zero_set(&mesh.triangles, &map.odd));
+    let curve = zero_set(&mesh.triangles, &map.odd);
+    let summary = || Summary { kind: SymmetryKind::Reflection, score: found.score.total() };
+    timer.time_with("correspondence", || curve.clone(), |curve| symmetry(&mesh, &map, curve, summary()));
+    timer.time("detect", || detect(&mesh, &options, &quiet));
+    if timer.vertices == COUNTED {
+        Floors::of(&polygons, &mesh, &shell, &found.images).write();
+    }
+}
+
+/// All that needs no positions: half-edges, colours, and the search for a reflection without an estimate.
+fn time_connectivity(timer: &mut Timer, mesh: &Mesh) -> Connectivity {
+    let connect = || HalfEdges::new(mesh.positions.len(), &mesh.polygon_offsets, &mesh.polygon_points);
+    timer.time("half-edges", connect);
+    let half_edges = connect().expect("half-edges");
+    timer.time_with("colours", || half_edges.clone(), Connectivity::new);
+    let connectivity = Connectivity::new(half_edges);
+    let quiet = Progress::default();
+    timer.time("lone reflection", || connectivity.find_unrivalled(SymmetryKind::Reflection, &quiet));
+    connectivity
+}
+
+/// From the shell that is solved to its samples.
+fn time_eigenfunctions(timer: &mut Timer, solved: &Shell, options: &Options) -> PreparedShell {
+    timer.time("Laplacian", || IntrinsicSurface::with_mean_curvature(solved));
+    let surface = IntrinsicSurface::with_mean_curvature(solved);
+    let quiet = Progress::default();
+    let solve = || Eigenbasis::new(&surface, options.eigenfunctions, options.threads, &quiet);
+    timer.time("eigenfunctions", solve);
+    let basis = solve().expect("eigenfunctions");
+    timer.time("samples", || Samples::farthest(&basis, options.samples));
+    let samples = Samples::farthest(&basis, options.samples);
+    timer.time("continuous family", || orbits(&surface, &basis));
+    PreparedShell { surface, basis, samples }
+}
+
+/// From the signs to the map of all vertices of the shell that is solved, and its verdict.
+fn time_search(
+    timer: &mut Timer,
+    shell: &PreparedShell,
+    target: &MatchTarget,
+    options: &Options,
+) -> ShellSymmetry {
+    let quiet = Progress::default();
+    timer.time("sign network", || signs(shell, options));
+    let signs = signs(shell, options).expect("signs");
+    let search = || candidates(shell, &signs, options.symmetries, options, &quiet);
+    timer.time("candidates", search);
+    let best = &search().expect("candidates")[0];
+    timer.time("refinement", || finish(shell, target, best, &quiet));
+    let found = finish(shell, target, best, &quiet).expect("a map");
+    let vertices: Vec<u32> = (0..shell.surface.vertex_count() as u32).collect();
+    let (basis, mass) = (&shell.basis, &shell.surface.lumped_mass);
+    timer.time("verdict", || {
+        let mismatch = signature::mismatch(&shell.surface, basis, &vertices, &found.images);
+        (signature::mean(mass, mismatch.into_iter()), mean_displacement(basis, mass, &found.images.partners))
+    });
+    found
+}
+
+/// Images, confidence and odd function at the mesh's points: as they are, or carried back from the proxy.
+fn carried(
+    mesh: &Mesh,
+    shell: &Shell,
+    proxy: Option<&Proxy>,
+    images: &VertexImages,
+    confidence: &[f32],
+    odd: &[f64],
+) -> PointMap {
+    let mut points = PointMap::empty(mesh);
+    if let Some(proxy) = proxy {
+        let confidence: Vec<f32> =
+            proxy.carry_values(confidence).into_iter().map(|value| value as f32).collect();
+        points.insert(shell, shell, &proxy.carry_images(images), &confidence);
+        points.insert_odd(shell, &proxy.carry_odd(odd));
+    } else {
+        points.insert(shell, shell, images, confidence);
+        points.insert_odd(shell, odd);
+    }
+    points
+}
