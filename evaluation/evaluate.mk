@@ -1,5 +1,5 @@
 # Measuring: the published benchmark, generated shapes, damage, and the fits made from generated shapes. Included by Makefile.
-.PHONY: evaluate evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed evaluate-family
+.PHONY: evaluate evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed evaluate-family evaluate-symmetries
 
 EVALUATE_PYTHON = $(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m
 EVALUATE_DATE ?= $(shell date +%Y-%m-%d)
@@ -51,3 +51,7 @@ evaluate-fit: $(EVALUATE_DATA)/fit.ready ## Fit the models of src/acceptance.rs 
 evaluate-family: train-setup ## Measure the test for a continuous family (EVALUATE_MESHES: others, which have none)
 	cargo build --release --locked --example continuous_family
 	$(EVALUATE_PYTHON) evaluation.continuous_family $(EVALUATE_MESHES) --work $(EVALUATE_DATA)/family
+
+evaluate-symmetries: train-setup ## Measure how many symmetries of solids are listed, and how many listed ones are none
+	cargo build --release --locked --bin intrinsym
+	$(EVALUATE_PYTHON) evaluation.several_symmetries --work $(EVALUATE_DATA)/symmetries

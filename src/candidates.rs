@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::functional_map::{Projection, from_parity, mean_trace};
 use crate::laplacian::IntrinsicSurface;
 use crate::options::Options;
-use crate::parity_search::search;
+use crate::parity_search::{involutions_of_three, search};
 use crate::progress::Progress;
 use crate::refinement::SampleRefiner;
 use crate::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
@@ -17,7 +17,7 @@ use std::collections::HashSet;
 use std::sync::{Mutex, PoisonError};
 
 /// Samples on which candidates are refined and scored.
-const CANDIDATE_SAMPLES: usize = 500;
+pub const CANDIDATE_SAMPLES: usize = 500;
 /// Size of the candidates' functional maps.
 pub const CANDIDATE_SIZE: usize = 30;
 /// Length of the starts, and how many of the best of each length are tried.
@@ -34,6 +34,8 @@ const FLIPPED: usize = 5;
 const CONVINCING: f64 = -4.2;
 /// Mean distance, in radii of the embedding, from which two maps count as different symmetries.
 pub const DISTINCT: f64 = 0.25;
+/// A further symmetry whose score (without the network's say) is worse than the best one's by this is none.
+pub const GAP: f64 = 2.0;
 /// Distance, in radii of the embedding, from which two maps send a sample to different places.
 const ELSEWHERE: f64 = 0.2;
 /// A rival that scores worse by this has a weight of 1 / e.
@@ -69,8 +71,7 @@ pub fn find(
 ) -> Result<Vec<Candidate>> {
     let samples = samples.prefix(CANDIDATE_SAMPLES);
     let refiner = SampleRefiner::new(&samples);
-    let expected = signs.iter().map(|sign| f64::from(sign.even - sign.odd)).collect();
-    let scorer = Scorer::new(surface, basis, &refiner, expected);
+    let scorer = Scorer::new(surface, basis, &refiner, parities(signs));
     let mut candidates = Vec::new();
     let seen = Mutex::default();
     let (beam_width, token) = (options.beam_width, progress.token());
@@ -80,6 +81,9 @@ pub fn find(
         let mut starts = propose(&samples, &basis.eigenvalues, proposals, width);
         if round == 0 {
             starts.extend(propose_signs(signs));
+            if options.symmetries > 1 {
+                starts.extend(involutions_of_three(&basis.eigenvalues));
+            }
         }
         progress.report("candidates", 0.45 + 0.1 * round as f64)?;
         let tried = threads::map(options.threads, starts, |start| {
@@ -98,6 +102,11 @@ pub fn find(
         a.score.total().total_cmp(&b.score.total()).then_with(|| a.partners.cmp(&b.partners))
     });
     Ok(candidates)
+}
+
+/// Expected parity of each function: from -1, odd, to +1, even.
+pub(crate) fn parities(signs: &[SignPrediction]) -> Vec<f64> {
+    signs.iter().map(|sign| f64::from(sign.even - sign.odd)).collect()
 }
 
 /// Refines and scores a start; `None` if it ends near the identity or where another start has been.
@@ -194,7 +203,7 @@ pub fn distinct(
             break;
         }
         if kept.iter().all(|other| mean_distance(&rows, &candidate.partners, &other.partners) > DISTINCT) {
-            kept.push(Candidate { doubts: doubts(&candidates[index..], &rows), ..candidate.clone() });
+            kept.push(Candidate { doubts: doubts(candidates[index..].iter(), &rows), ..candidate.clone() });
         }
     }
     kept
@@ -202,10 +211,13 @@ pub fn distinct(
 
 /// For each sample the share of the `candidates` that send it elsewhere than the first, the best of them, does; those that
 /// score worse weigh less.
-fn doubts(candidates: &[Candidate], rows: &[[f64; SPREAD_COORDINATES]]) -> Vec<f64> {
-    let best = &candidates[0];
+pub(crate) fn doubts<'a>(
+    candidates: impl Iterator<Item = &'a Candidate> + Clone,
+    rows: &[[f64; SPREAD_COORDINATES]],
+) -> Vec<f64> {
+    let Some(best) = candidates.clone().next() else { return Vec::new() };
     let weight = |other: &Candidate| ((best.score.total() - other.score.total()) / RIVAL_SCALE).exp();
-    let all: f64 = candidates.iter().map(weight).sum();
+    let all: f64 = candidates.clone().map(weight).sum();
     let mut doubts = vec![0.0; best.partners.len()];
     for other in candidates {
         let share = weight(other) / all;
@@ -218,7 +230,8 @@ fn doubts(candidates: &[Candidate], rows: &[[f64; SPREAD_COORDINATES]]) -> Vec<f
     doubts
 }
 
-fn mean_distance(rows: &[[f64; SPREAD_COORDINATES]], first: &[u32], second: &[u32]) -> f64 {
+/// Mean distance between the images of the samples, in radii of the embedding.
+pub(crate) fn mean_distance(rows: &[[f64; SPREAD_COORDINATES]], first: &[u32], second: &[u32]) -> f64 {
     first.iter().zip(second).map(|(&a, &b)| distance(rows, a, b)).sum::<f64>() / first.len() as f64
 }
 
@@ -242,7 +255,7 @@ mod tests {
         let place = |x: f64| std::array::from_fn(|j| if j == 0 { x } else { 0.0 });
         let rows = [place(0.0), place(0.1), place(1.0), place(1.1)];
         let best = candidate(vec![0, 1, 2, 3], 0.01);
-        let doubts_by = |rival| doubts(&[best.clone(), rival], &rows);
+        let doubts_by = |rival| doubts([&best, &rival].into_iter(), &rows);
         assert_eq!(doubts_by(candidate(vec![1, 0, 3, 2], 0.01)), [0.0; 4]);
         assert_eq!(doubts_by(candidate(vec![0, 3, 2, 1], 0.01)), [0.0, 0.5, 0.0, 0.5]);
         let worse = doubts_by(candidate(vec![0, 3, 2, 1], 0.1));

@@ -11,7 +11,7 @@
 //! | operators -> eigenvalues, eigenfunctions | [`sparse_cholesky`], [`eigenbasis`], [`sampling`] |
 //! | eigenfunctions -> parity of each, with its probability | [`sign_network`] |
 //! | eigenfunctions -> parity vectors | [`parity_search`] |
-//! | parity -> functional map, refined and scored | [`functional_map`], [`refinement`], [`candidate_score`], [`candidates`] |
+//! | parity -> functional map, refined and scored | [`functional_map`], [`refinement`], [`candidate_score`], [`candidates`], [`compositions`] |
 //! | functional map -> map of all vertices | [`adjacency`], [`embedded_triangles`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`], [`spread_points`] |
 //! | eigenfunctions -> is there a continuous family of symmetries | [`continuous_family`] |
 //! | finished map -> is it a symmetry at all | [`signature`], [`displacement`], [`acceptance`] |
@@ -33,6 +33,7 @@ pub mod automorphism;
 pub mod candidate_score;
 pub mod candidates;
 pub mod companions;
+pub mod compositions;
 pub mod confidence;
 pub mod continuous_family;
 pub mod correspondence;

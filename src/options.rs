@@ -69,7 +69,7 @@ pub const OPTIONS: [OptionSpec; 9] = [
         name: "symmetries",
         default: 1,
         minimum: 1,
-        maximum: 16,
+        maximum: 32,
         help: "Most distinct symmetries to return, best first; a square table has more than one.",
     },
     OptionSpec {

@@ -19,6 +19,12 @@ const NEAR_RATIO: f64 = 1.2;
 /// Angles tried for a mixed pair, besides those of the sign pairs, in degrees.
 const MIXED_ANGLES: [f64; 6] = [45.0, 90.0, 135.0, 225.0, 270.0, 315.0];
 
+/// The three lowest eigenvalues of a shape as symmetric as a cube differ by no more than this ratio.
+const TRIPLE_RATIO: f64 = 1.05;
+/// Directions tried for their reflections: no direction is farther from one of them, or from its opposite, than some 15
+/// degrees.
+const DIRECTIONS: usize = 64;
+
 /// How one block of eigenfunctions is transformed: 1 x 1 or 2 x 2, row by row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Block {
@@ -62,6 +68,27 @@ pub fn search(samples: &Samples, eigenvalues: &[f64], lengths: &[usize], width: 
         index += size;
     }
     found
+}
+
+/// Reflections in planes of all directions, and half turns about them, of the three lowest eigenfunctions, if their eigenvalues
+/// nearly coincide, as those of the regular solids do; else none.
+pub fn involutions_of_three(eigenvalues: &[f64]) -> Vec<Mat<f64>> {
+    match eigenvalues {
+        [first, _, third, ..] if *third < TRIPLE_RATIO * first => {}
+        _ => return Vec::new(),
+    }
+    let householder = |n: [f64; 3], sign: f64| {
+        Mat::from_fn(3, 3, |i, j| sign * (if i == j { 1.0 } else { 0.0 } - 2.0 * n[i] * n[j]))
+    };
+    // A spiral of equal areas down the hemisphere; the golden angle keeps its turns apart.
+    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let direction = |index: usize| {
+        let height = 1.0 - (index as f64 + 0.5) / DIRECTIONS as f64;
+        let (sine, cosine) = (golden * index as f64).sin_cos();
+        let radius = (1.0 - height * height).sqrt();
+        [radius * cosine, radius * sine, height]
+    };
+    (0..DIRECTIONS).map(direction).flat_map(|n| [householder(n, 1.0), householder(n, -1.0)]).collect()
 }
 
 fn extend_all(beams: &[Beam], columns: &[Vec<f32>], sources: usize, width: usize) -> Vec<Beam> {

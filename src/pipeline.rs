@@ -3,7 +3,7 @@
 use crate::acceptance::Judgement;
 use crate::assembly::{PointMap, Summary, symmetry};
 use crate::automorphism::{Automorphism, Connectivity};
-use crate::candidates::DISTINCT;
+use crate::candidates::{DISTINCT, GAP};
 use crate::companions::{self, Companion, Primary};
 use crate::confidence::Evidence;
 use crate::continuous_family::{Orbits, orbits};
@@ -28,9 +28,6 @@ use std::time::Instant;
 
 /// A reflection that the connectivity alone admits and that is as plausible as this, in percent, needs no search.
 const CERTAIN: usize = 90;
-
-/// A further symmetry whose score (without the network's say) is worse than the best one's by this is none.
-const GAP: f64 = 2.0;
 
 /// Said of a shell that has one.
 const FAMILY: &str = "; the shape has a continuous family of symmetries, as a sphere or a vase has";
@@ -209,13 +206,21 @@ fn search(
     let found = candidates(shell, signs, options.symmetries, options, progress)?;
     clock.lap("candidates");
     let mut maps = Vec::new();
+    let (mut accepted, mut best) = (0, f64::INFINITY);
     for candidate in &found {
+        if accepted == options.symmetries || candidate.score.isometry() >= best + GAP {
+            continue;
+        }
         let kind = candidate.score.kind().unwrap_or(SymmetryKind::Reflection);
         let map = finish(shell, target, candidate, progress)?;
         let met = |other: &ShellSymmetry| is_same(shell, &map, other);
-        if !maps.iter().any(|(other, of_kind)| *of_kind == kind && met(other)) {
-            maps.push((map, kind));
+        if maps.iter().any(|(other, of_kind)| *of_kind == kind && met(other)) {
+            continue;
         }
+        if map.judged.accepted(options.plausibility) {
+            (accepted, best) = (accepted + 1, best.min(map.judged.isometry_score));
+        }
+        maps.push((map, kind));
     }
     clock.lap("refinement");
     Ok(maps)

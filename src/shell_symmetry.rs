@@ -3,6 +3,7 @@
 use crate::acceptance::Judgement;
 use crate::candidate_score::{Score, Scorer};
 use crate::candidates::{self, CANDIDATE_SIZE, Candidate};
+use crate::compositions;
 use crate::displacement::mean_displacement;
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
@@ -103,7 +104,8 @@ fn predict(network: &SignNetwork, shell: &PreparedShell, k: usize) -> Result<Vec
     network.predict(&rows, picked.len(), k)
 }
 
-/// Distinct candidate maps of a shell, best first: reflections, then half turns if `most` is more than 1.
+/// Distinct candidate maps of a shell, best first: the best reflection if `most` is 1; else up to `most` reflections and
+/// as many half turns, and those that [follow](compositions) from them, in all up to three times `most`.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -114,21 +116,21 @@ pub fn candidates(
     options: &Options,
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
-    let found = candidates::find(&shell.surface, &shell.basis, &shell.samples, signs, options, progress)?;
-    let of_kind = |kind| -> Vec<Candidate> {
-        found.iter().filter(|candidate| candidate.score.kind() == Some(kind)).cloned().collect()
+    let (surface, basis, samples) = (&shell.surface, &shell.basis, &shell.samples);
+    let found = candidates::find(surface, basis, samples, signs, options, progress)?;
+    let of_kind = |kind| {
+        let found: Vec<Candidate> =
+            found.iter().filter(|candidate| candidate.score.kind() == Some(kind)).cloned().collect();
+        candidates::distinct(&found, samples, &basis.eigenvalues, most)
     };
-    let eigenvalues = &shell.basis.eigenvalues;
-    let mut kept =
-        candidates::distinct(&of_kind(SymmetryKind::Reflection), &shell.samples, eigenvalues, most);
-    if kept.len() < most && most > 1 {
-        let left = most - kept.len();
-        kept.extend(candidates::distinct(
-            &of_kind(SymmetryKind::HalfTurn),
-            &shell.samples,
-            eigenvalues,
-            left,
-        ));
+    let mut kept = of_kind(SymmetryKind::Reflection);
+    if most > 1 {
+        kept.extend(of_kind(SymmetryKind::HalfTurn));
+        kept = compositions::complete(surface, basis, samples, signs, kept, &found, 3 * most)?;
+        kept.sort_by(|a, b| {
+            let scores = a.score.total_of_kind().total_cmp(&b.score.total_of_kind());
+            a.score.kind().cmp(&b.score.kind()).then(scores)
+        });
     }
     Ok(kept)
 }

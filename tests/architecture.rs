@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 48] = [
+const ORDER: [&str; 49] = [
     "error",
     "options",
     "limits",
@@ -26,6 +26,7 @@ const ORDER: [&str; 48] = [
     "refinement",
     "candidate_score",
     "candidates",
+    "compositions",
     "adjacency",
     "embedded_triangles",
     "vertex_rows",

@@ -10,7 +10,7 @@ use intrinsym::pipeline::{Detection, Outcome, detect};
 use intrinsym::progress::{CancelToken, Progress};
 use intrinsym::symmetry_kind::SymmetryKind;
 use std::cell::{Cell, RefCell};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use support::*;
 
 fn detected(mesh: &Mesh, options: &Options) -> Detection {
@@ -420,4 +420,66 @@ fn a_square_has_four_reflections_and_a_half_turn_and_no_more_are_listed() {
     let mut expected = vec![SymmetryKind::Reflection; 4];
     expected.push(SymmetryKind::HalfTurn);
     assert_eq!(kinds, expected);
+}
+
+#[test]
+fn all_nineteen_involutions_of_a_cube_are_listed_and_no_more() {
+    let cube = with_random_diagonals(&cube_of_squares(14));
+    let options = Options { symmetries: 32, eigenfunctions: 50, ..Options::default() };
+    let found = detect(&validated(&cube), &options, &Progress::default()).unwrap().symmetries;
+    let count = |kind| found.iter().filter(|symmetry| symmetry.kind == kind).count();
+    assert_eq!((count(SymmetryKind::Reflection), count(SymmetryKind::HalfTurn)), (10, 9));
+    let group = cube_group();
+    let mut listed = BTreeSet::new();
+    for symmetry in &found {
+        let error = |matrix: &[Vector; 3]| {
+            let away = |(&partner, &position): (&i32, &Vector)| {
+                distance(cube.positions[partner as usize], matrix.map(|row| dot(row, position)))
+            };
+            let pairs = symmetry.partner.iter().zip(&cube.positions);
+            pairs.map(away).sum::<f64>() / cube.positions.len() as f64
+        };
+        let errors: Vec<f64> = group.iter().map(error).collect();
+        let nearest = (0..group.len()).min_by(|&a, &b| errors[a].total_cmp(&errors[b])).unwrap();
+        assert!(errors[nearest] < 0.1, "{} beside edges of 0.14", errors[nearest]);
+        assert!(listed.insert(nearest), "one is listed twice");
+    }
+}
+
+/// The surface of the cube from -1 to 1, each side in `count` times `count` squares.
+fn cube_of_squares(count: usize) -> PolygonMesh {
+    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    let mut index_of = BTreeMap::new();
+    for side in 0..6 {
+        let (axis, high) = (side / 2, side % 2 == 1);
+        let mut corner = |i: usize, j: usize| {
+            let mut place = [0; 3];
+            place[axis] = if high { count } else { 0 };
+            (place[(axis + 1) % 3], place[(axis + 2) % 3]) = (i, j);
+            *index_of.entry(place).or_insert_with(|| {
+                positions.push(place.map(|value| 2.0 * value as f64 / count as f64 - 1.0));
+                positions.len() as u32 - 1
+            })
+        };
+        for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
+            let mut face = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+            if !high {
+                face.reverse();
+            }
+            faces.push(face);
+        }
+    }
+    polygon_mesh(&positions, &faces)
+}
+
+/// The 48 matrices that send each axis to an axis.
+fn cube_group() -> Vec<[Vector; 3]> {
+    let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    let signed = |(order, signs): ([usize; 3], usize)| {
+        [0, 1, 2].map(|row| {
+            let sign = if signs >> row & 1 == 1 { -1.0 } else { 1.0 };
+            std::array::from_fn(|column| if order[row] == column { sign } else { 0.0 })
+        })
+    };
+    orders.into_iter().flat_map(|order| (0..8).map(move |signs| (order, signs))).map(signed).collect()
 }

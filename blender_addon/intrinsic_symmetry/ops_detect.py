@@ -147,7 +147,7 @@ class INTRINSIC_SYMMETRY_OT_choose(MeshOperator, bpy.types.Operator):
     bl_idname = "intrinsic_symmetry.choose"
     bl_label = "Choose Symmetry"
 
-    index: bpy.props.IntProperty(name="Number", description="1 is the best one", default=1, min=1, max=16)
+    index: bpy.props.IntProperty(name="Number", description="1 is the best one", default=1, min=1, max=32)
 
     def run(self, _context, object, _mode):
         remembered = detection.remembered(object.data)
