@@ -5,16 +5,15 @@
 //!         [--proxy-vertices 15000] [--write PREFIX]
 //!
 //! MESH is a file, or a number f: the creature of the tests on a geodesic sphere of `10 f^2 + 2` vertices, its left
-//! and right triangulated differently. The first run is the process's first (cold). Then as many times
-//! `detect_again` on a stretched mesh of the same connectivity. `--write` also leaves the mesh as
+//! and right triangulated differently. The first run is the process's first (cold). Then as many times `detect_again` on a
+//! stretched mesh of the same connectivity: `again_stored` from symmetries alone, `again` from the detection. `--write` also leaves the mesh as
 //! raw little-endian arrays for `compare.py`: PREFIX.positions (f64) and PREFIX.triangles (u32).
 //! `make bench` runs all sizes, each in a process of its own, so that the peak is that size's.
 
 #[path = "../tests/support/mod.rs"]
 mod support;
 
-use intrinsym::correspondence::Symmetry;
-use intrinsym::detect_again::detect_again;
+use intrinsym::detect_again::{Previous, detect_again};
 use intrinsym::limits::{Limits, estimated_memory};
 use intrinsym::mesh::{Mesh, PolygonMesh, io};
 use intrinsym::options::Options;
@@ -44,19 +43,23 @@ fn main() {
     }
     let Arguments { eigenfunctions, threads, proxy_vertices, .. } = arguments;
     let options = Options { eigenfunctions, threads, proxy_vertices, ..Options::default() };
-    let mut previous = Vec::new();
+    let mut previous: Option<Detection> = None;
     let mut runs = Vec::new();
     for _ in 0..arguments.repeats {
         // Not part of the peak.
-        previous.clear();
-        previous.shrink_to_fit();
+        drop(previous.take());
         let found = detect(&mesh, &options, &Progress::default()).expect("a detection");
         runs.push(numbers(&found));
-        previous = found.symmetries;
+        previous = Some(found);
     }
     let peak = peak_memory();
     let moved = Mesh::new(&stretched(polygons), &Limits::default()).expect("a usable mesh");
-    let again: Vec<Value> = (0..arguments.repeats).map(|_| run_again(&moved, &previous, &options)).collect();
+    let found = previous.expect("at least one run");
+    // Symmetries alone, as of a map that was stored; then what the detection leaves as well.
+    let stored = || run_again(&moved, found.symmetries.as_slice().into(), &options);
+    let again_stored: Vec<Value> = (0..arguments.repeats).map(|_| stored()).collect();
+    let again: Vec<Value> =
+        (0..arguments.repeats).map(|_| run_again(&moved, (&found).into(), &options)).collect();
     let solved = runs.first().and_then(|run| run["solved_vertices"].as_u64()).unwrap_or_default() as usize;
     let report = json!({
         "mesh": arguments.mesh,
@@ -67,6 +70,7 @@ fn main() {
         "peak_memory_bytes": peak,
         "estimated_memory_bytes": estimated_memory(mesh.positions.len(), solved, arguments.eigenfunctions),
         "runs": runs,
+        "again_stored": again_stored,
         "again": again,
     });
     println!("{report}");
@@ -113,7 +117,7 @@ fn stretched(mut polygons: PolygonMesh) -> PolygonMesh {
     polygons
 }
 
-fn run_again(mesh: &Mesh, previous: &[Symmetry], options: &Options) -> Value {
+fn run_again(mesh: &Mesh, previous: Previous, options: &Options) -> Value {
     numbers(&detect_again(mesh, previous, options, &Progress::default()).expect("a detection"))
 }
 

@@ -380,7 +380,8 @@ public:
     progress.check_call(isym_mesh_detect(get(), options.get(), progress.get(), &result));
     return Result(result, size()[0]);
   }
-  // Starts from an earlier result on the same connectivity: see isym_mesh_detect_again.
+  // Starts from an earlier result on the same connectivity: see isym_mesh_detect_again. Quickest from the newest or the
+  // first, which hold what the call needs of the connectivity; a restored one does not.
   Result detect_again(const Result &previous, const Options &options = Options(),
                       const Progress &progress = Progress()) const {
     isym_result *result = nullptr;

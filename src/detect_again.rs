@@ -8,22 +8,39 @@ use crate::assembly::mean_over_surface;
 use crate::continuous_family::orbits;
 use crate::correspondence::Symmetry;
 use crate::error::{Error, Result};
-use crate::full_refinement::{MatchTarget, VertexImages};
+use crate::full_refinement::MatchTarget;
+use crate::judging_mesh::JudgingMesh;
 use crate::laplacian::IntrinsicSurface;
 use crate::limits::{check_memory, estimated_memory};
-use crate::mesh::{Mesh, NONE, Shell};
+use crate::mesh::Mesh;
 use crate::options::Options;
 use crate::pipeline::{Clock, Detection, Outcome, Report, detect, retain_symmetries, verdict};
 use crate::progress::Progress;
-use crate::proxy::Proxy;
-use crate::shell_symmetry::{PreparedShell, ShellSymmetry, of_images};
+use crate::shell_symmetry::{ShellSymmetry, of_images};
+use crate::threads;
+use std::sync::Arc;
 
-/// Vertices of the simplified mesh on which earlier maps are judged.
-const JUDGED_VERTICES: usize = 3000;
-/// Eigenfunctions by which they are: as many as a search's maps have when their signatures are compared.
-const JUDGED_EIGENFUNCTIONS: usize = 50;
-/// Samples on which they are scored: as many as candidates are.
-const JUDGED_SAMPLES: usize = 500;
+/// What is known of an earlier shape: a [`Detection`], or symmetries alone.
+#[derive(Debug, Clone, Copy)]
+pub struct Previous<'a> {
+    /// Its symmetries, the best first.
+    pub symmetries: &'a [Symmetry],
+    /// The mesh to judge on, which a [`Detection`] passes on; without one, or if it does not fit, one is made.
+    pub judging: Option<&'a Arc<JudgingMesh>>,
+}
+
+impl<'a> From<&'a Detection> for Previous<'a> {
+    fn from(detection: &'a Detection) -> Self {
+        Previous { symmetries: &detection.symmetries, judging: detection.judging.as_ref() }
+    }
+}
+
+impl<'a> From<&'a [Symmetry]> for Previous<'a> {
+    fn from(symmetries: &'a [Symmetry]) -> Self {
+        Previous { symmetries, judging: None }
+    }
+}
+
 /// Least plausibility, in percent, of a map that is kept, even for who accepts any map that a search finds.
 const LEAST: usize = 50;
 
@@ -36,64 +53,92 @@ const LEAST: usize = 50;
 /// says why.
 ///
 /// What is kept knows nothing of vertices that were slid along the surface, on one side alone: after that call
-/// [`detect`]. Cost of keeping: O(vertices log vertices), less than a tenth of a search.
+/// [`detect`].
+///
+/// The result passes on [`Detection::judging`], so hand the whole [`Detection`] in, the newest or the first: a call that
+/// finds a fitting one there costs O(vertices), twice as fast as one with symmetries alone, which must simplify the mesh,
+/// O(vertices log vertices). The answer depends on the arguments alone. It differs between the two in the numbers by which
+/// maps are judged, by less than two poses of a shape do (`docs/speed.md`).
 ///
 /// # Errors
 /// [`Error::Option`] if a symmetry has not as many vertices as `mesh`; those of [`detect`].
-pub fn detect_again(
+pub fn detect_again<'a>(
     mesh: &Mesh,
-    previous: &[Symmetry],
+    previous: impl Into<Previous<'a>>,
     options: &Options,
     progress: &Progress,
 ) -> Result<Detection> {
+    let previous = previous.into();
     options.validate()?;
     let vertices = mesh.point_of_vertex.len();
-    if let Some(other) = previous.iter().find(|symmetry| symmetry.partner.len() != vertices) {
+    if let Some(other) = previous.symmetries.iter().find(|symmetry| symmetry.partner.len() != vertices) {
         let message = format!("is of a mesh of {} vertices, this one has {vertices}", other.partner.len());
         return Err(Error::Option { name: "previous", message });
     }
-    if previous.is_empty() {
+    if previous.symmetries.is_empty() {
         return detect(mesh, options, progress);
     }
-    let again = keep(mesh, previous, options, progress)?;
+    let mut clock = Clock::start();
+    let again = judged(mesh, previous, options, progress, &mut clock)?;
+    let seconds = clock.laps;
     if again.outcome == Outcome::Found {
         progress.report("done", 1.0)?;
-        return Ok(again);
+        return Ok(Detection { report: Report { seconds, ..again.report }, ..again });
     }
     let mut anew = detect(mesh, options, progress)?;
     anew.report.evidence += &format!("; an earlier shape's map was not kept: {}", again.report.evidence);
-    let spent = again.report.seconds.iter().map(|(_, seconds)| seconds).sum();
+    let spent = seconds.iter().map(|(_, seconds)| seconds).sum();
     anew.report.seconds.insert(0, ("earlier maps".into(), spent));
     Ok(anew)
 }
 
-/// `previous` as far as they are symmetries of this shape; none if the first is not.
-fn keep(mesh: &Mesh, previous: &[Symmetry], options: &Options, progress: &Progress) -> Result<Detection> {
-    let mut clock = Clock::start();
-    let shells = mesh.shells();
-    let proxy = Proxy::new(&shells[0], options.proxy_vertices.min(JUDGED_VERTICES), options.threads);
-    let solved = proxy.as_ref().map_or(&shells[0], |proxy| &proxy.shell);
-    clock.lap("proxy");
-    let eigenfunctions = options.eigenfunctions.min(JUDGED_EIGENFUNCTIONS);
-    let needed = estimated_memory(mesh.positions.len(), solved.points.len(), eigenfunctions);
-    check_memory(needed, options.memory)?;
-    let surface = IntrinsicSurface::new(solved);
-    clock.lap("laplacian");
-    let samples = options.samples.min(JUDGED_SAMPLES);
-    let shell =
-        PreparedShell::new(surface, &Options { eigenfunctions, samples, ..options.clone() }, progress)?;
-    let orbits = orbits(&shell.surface, &shell.basis);
-    clock.lap("eigenfunctions");
-    let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
-    let mut maps: Vec<(ShellSymmetry, &Symmetry)> = Vec::new();
-    for symmetry in previous {
-        let Some(partners) = partners_on(&shells[0], mesh, symmetry) else { break };
-        let images = match &proxy {
-            Some(proxy) => proxy.restrict(&partners),
-            None => VertexImages::at_vertices(&solved.triangles, partners),
-        };
-        maps.push((of_images(&shell, &target, images)?, symmetry));
+/// `previous` as far as they are symmetries of this shape, as judged on the kept mesh, or on a new one if that does not
+/// fit or they fail on it: a mesh that was made for one shape may be a bad one of another.
+fn judged(
+    mesh: &Mesh,
+    previous: Previous,
+    options: &Options,
+    progress: &Progress,
+    clock: &mut Clock,
+) -> Result<Detection> {
+    if let Some(judging) = previous.judging.filter(|judging| judging.fits(mesh, options)) {
+        match keep(mesh, previous.symmetries, judging.clone(), options, progress, clock) {
+            Ok(Detection { outcome: Outcome::None, .. }) | Err(Error::Internal(_)) => {}
+            settled => return settled,
+        }
     }
+    let judging = Arc::new(JudgingMesh::new(mesh, options));
+    keep(mesh, previous.symmetries, judging, options, progress, clock)
+}
+
+/// `previous` as far as they are symmetries of this shape; none if the first is not.
+fn keep(
+    mesh: &Mesh,
+    previous: &[Symmetry],
+    judging: Arc<JudgingMesh>,
+    options: &Options,
+    progress: &Progress,
+    clock: &mut Clock,
+) -> Result<Detection> {
+    let solved = judging.shell(mesh);
+    clock.lap("proxy");
+    let needed = estimated_memory(mesh.positions.len(), solved.points.len(), options.eigenfunctions);
+    check_memory(needed, options.memory)?;
+    let surface = IntrinsicSurface::new(&solved);
+    clock.lap("laplacian");
+    let shell = judging.solve(surface, options, progress)?;
+    clock.lap("eigenfunctions");
+    let judge = || -> Result<Vec<(ShellSymmetry, &Symmetry)>> {
+        let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
+        let mut maps = Vec::new();
+        for symmetry in previous {
+            let Some(images) = judging.images(mesh, &symmetry.partner) else { break };
+            maps.push((of_images(&shell, &target, images)?, symmetry));
+        }
+        Ok(maps)
+    };
+    let (maps, orbits) = threads::join(options.threads, judge, || orbits(&shell.surface, &shell.basis));
+    let mut maps = maps?;
     let least = options.plausibility.max(LEAST);
     let (judged, evidence) = match maps.first() {
         Some((map, _)) => verdict(Some(map), least),
@@ -111,27 +156,14 @@ fn keep(mesh: &Mesh, previous: &[Symmetry], options: &Options, progress: &Progre
     symmetries.sort_by(|a, b| a.kind.cmp(&b.kind).then(a.score.total_cmp(&b.score)));
     clock.lap("earlier maps");
     let outcome = if symmetries.is_empty() { Outcome::None } else { Outcome::Found };
-    let report = Report { judged, evidence, kept: true, seconds: clock.laps, ..Report::of(mesh) };
-    Ok(Detection { outcome, symmetries, report: report.with_shell(&shell, &orbits) })
+    let report = Report { judged, evidence, kept: true, ..Report::of(mesh) };
+    let report = report.with_shell(&shell, &orbits);
+    Ok(Detection { outcome, symmetries, report, judging: Some(judging) })
 }
 
 /// Whether `map`, which is `symmetry` on this shape, counts as one of its kind.
 fn is_still(map: &ShellSymmetry, symmetry: &Symmetry, least: usize) -> bool {
     map.judged.accepted(least) && map.score.kind() == Some(symmetry.kind)
-}
-
-/// The partners of the shell's vertices; `None` if one of them is not on the shell.
-fn partners_on(shell: &Shell, mesh: &Mesh, symmetry: &Symmetry) -> Option<Vec<u32>> {
-    let mut local = vec![NONE; mesh.positions.len()];
-    for (index, &point) in shell.points.iter().enumerate() {
-        local[point as usize] = index as u32;
-    }
-    let partner = |&point: &u32| {
-        let partner = symmetry.partner[mesh.vertex_of_point[point as usize] as usize];
-        let point = *mesh.point_of_vertex.get(usize::try_from(partner).ok()?)?;
-        local.get(point as usize).copied().filter(|&index| index != NONE)
-    };
-    shell.points.iter().map(partner).collect()
 }
 
 /// `symmetry` with the numbers that depend on the shape.

@@ -19,6 +19,7 @@
 //! | other shells, confidence, sides | [`companions`], [`confidence`], [`fixed_curve`] |
 //! | connectivity that is itself mirrored -> the exact bijection | [`automorphism`] |
 //! | a fine shell <-> its simplified proxy | [`surface_walk`], [`proxy`] |
+//! | what the next call on the same connectivity needs | [`judging_mesh`] |
 //! | what the caller gets | [`correspondence`], [`assembly`], [`pipeline`], [`detect_again`], [`report`] |
 //! | a symmetry -> mirrored selections, attributes, displacements, positions | [`mirror_tools`] |
 //! | a symmetry -> colours that make pairs visible, a picture | [`pair_colour`], `picture` |
@@ -48,6 +49,7 @@ pub mod fixed_curve;
 pub mod full_refinement;
 pub mod functional_map;
 pub mod guided_growth;
+pub mod judging_mesh;
 pub mod laplacian;
 pub mod limits;
 pub mod mesh;

@@ -13,6 +13,7 @@ use crate::eigenbasis::{Accuracy, Eigenbasis};
 use crate::error::Result;
 use crate::fixed_curve::{odd_function, zero_set};
 use crate::full_refinement::{MatchTarget, VertexImages};
+use crate::judging_mesh::JudgingMesh;
 use crate::laplacian::IntrinsicSurface;
 use crate::limits::{check_memory, estimated_memory};
 use crate::mesh::half_edges::HalfEdges;
@@ -24,6 +25,7 @@ use crate::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, of
 use crate::sign_network::SignPrediction;
 use crate::symmetry_kind::SymmetryKind;
 use crate::threads;
+use std::sync::Arc;
 use std::time::Instant;
 
 /// A reflection that the connectivity alone admits and that is as plausible as this, in percent, needs no search.
@@ -115,6 +117,9 @@ pub struct Detection {
     pub symmetries: Vec<Symmetry>,
     /// Numbers behind the outcome.
     pub report: Report,
+    /// What [`crate::detect_again`] needs of the connectivity; `None` where that is not known yet.
+    #[serde(skip)]
+    pub judging: Option<Arc<JudgingMesh>>,
 }
 
 /// Finds the intrinsic symmetries of `mesh`.
@@ -179,11 +184,16 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         symmetries.push(assembler.assemble(map, *kind, progress)?);
     }
     clock.lap("correspondence");
+    let judging = match maps.is_empty() {
+        true => None,
+        false => JudgingMesh::of_solved(mesh, &shells[0], proxy.as_ref(), &shell, options).map(Arc::new),
+    };
+    clock.lap("judging mesh");
     progress.report("done", 1.0)?;
     let outcome = if symmetries.is_empty() { Outcome::None } else { Outcome::Found };
     let report = Report { signs, judged, evidence, seconds: clock.laps, ..Report::of(mesh) };
     let report = report.with_shell(&shell, &orbits);
-    Ok(Detection { outcome, symmetries, report })
+    Ok(Detection { outcome, symmetries, report, judging })
 }
 
 /// The connectivity, and the only reflection that it admits if there is just one: all that needs no positions.

@@ -65,6 +65,16 @@ impl<'a> Proxy<'a> {
         Some(Proxy { shell, fine, walk, vertices, nearest, places: OnceLock::new(), threads })
     }
 
+    /// The proxy's vertex that is the fewest edges away from each of the fine shell's.
+    pub fn nearest_by_edges(&self) -> &[u32] {
+        &self.nearest
+    }
+
+    /// The fine shell's vertex at each of the proxy's, rising.
+    pub fn vertices(&self) -> &[u32] {
+        &self.vertices
+    }
+
     /// The proxy's vertex that weighs most at the place of a fine vertex.
     pub fn nearest_vertex(&self, fine_vertex: u32) -> u32 {
         self.heaviest_corner(&self.places()[fine_vertex as usize])

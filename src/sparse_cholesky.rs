@@ -20,6 +20,7 @@ use faer::{Par, Side};
 use pulp::{Arch, Simd, WithSimd};
 
 /// The order of elimination and the structure of L: all that depends on the sparsity alone.
+#[derive(Debug)]
 pub struct Analysis {
     symbolic: SymbolicCholesky<u32>,
     column_offsets: Vec<u32>,

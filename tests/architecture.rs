@@ -46,6 +46,7 @@ const ORDER: [&str; 49] = [
     "automorphism",
     "surface_walk",
     "proxy",
+    "judging_mesh",
     "assembly",
     "pipeline",
     "detect_again",

@@ -47,6 +47,12 @@ enum Call {
         options: u8,
         progress: u8,
     },
+    DetectAgain {
+        mesh: u8,
+        previous: u8,
+        options: u8,
+        progress: u8,
+    },
     Eigen {
         mesh: u8,
         count: u8,
@@ -176,6 +182,14 @@ fn call(handles: &mut Handles, call: &Call) {
                 // Mostly the quick options: another set may ask for a hundred times as much.
                 let options = if options % 4 == 0 { handles.at(*options) } else { handles.options };
                 let status = isym_mesh_detect(handles.at(*mesh), options, handles.at(*progress), &mut result);
+                handles.keep(status, result);
+            }
+            Call::DetectAgain { mesh, previous, options, progress } => {
+                let mut result = ptr::null_mut();
+                let options = if options % 4 == 0 { handles.at(*options) } else { handles.options };
+                let (mesh, previous) = (handles.at(*mesh), handles.at(*previous));
+                let status =
+                    isym_mesh_detect_again(mesh, previous, options, handles.at(*progress), &mut result);
                 handles.keep(status, result);
             }
             Call::Eigen { mesh, count, progress } => {

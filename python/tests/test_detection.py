@@ -122,6 +122,11 @@ def test_a_deformed_shape_keeps_its_map_and_another_shape_does_not(quadruped, de
     assert np.array_equal(found[0].partner, symmetry.partner)
     assert np.array_equal(found[0].confidence, symmetry.confidence)
     assert len(found[0].fixed_curve) == len(symmetry.fixed_curve)
+    # What was found while deforming starts the next call as well, and so does one of its symmetries.
+    for previous in (found, found[0]):
+        third = intrinsym.detect(vertices, polygons, previous=previous)
+        assert third.report["report"]["kept"]
+        assert np.array_equal(third[0].partner, symmetry.partner)
     # The same numbers of vertices and faces, but shuffled: another shape of another connectivity.
     shuffled = np.random.default_rng(0).permutation(len(vertices))
     with pytest.raises(intrinsym.ArgumentError, match="another connectivity"):

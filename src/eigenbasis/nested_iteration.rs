@@ -50,13 +50,45 @@ pub fn eigenpairs(
     threads: usize,
     progress: &Progress,
 ) -> Result<RitzPairs> {
-    // A margin beyond the wanted pairs: what is farther off is damped by their ratio in each inverse iteration.
-    let width = (count + count / 4).next_multiple_of(PANEL);
+    let width = width(count);
     if pays(mass.len(), width) {
         corrected(stiffness, mass, width, FINEST_DEGREE, threads, progress)
     } else {
         lanczos::eigenpairs(stiffness, mass, count, LONE_TOLERANCE, progress)
     }
+}
+
+/// Pairs that are carried along for `count`: what is beyond them is damped by their ratio in each inverse iteration.
+pub fn width(count: usize) -> usize {
+    (count + count / 4).next_multiple_of(PANEL)
+}
+
+/// As many of the lowest eigenpairs as `start` (vertices x functions) has, and the constant's, approximately: from the
+/// eigenfunctions of another shape of the surface.
+///
+/// # Errors
+/// As [`eigenpairs`].
+pub fn continued(
+    analysis: &Analysis,
+    stiffness: &SymmetricSparse,
+    mass: &[f64],
+    start: MatRef<f32>,
+    threads: usize,
+    progress: &Progress,
+) -> Result<RitzPairs> {
+    let width = start.ncols() + 1;
+    let operator = ShiftInvert::new(analysis, stiffness, mass, SHIFT_PER_PAIR * width as f64)?;
+    progress.report("eigenfunctions", 0.2)?;
+    let mut block = vec![0.0; mass.len() * width];
+    for ((row, &vertex), scale) in block.chunks_exact_mut(width).zip(operator.order()).zip(operator.scale()) {
+        row[0] = *scale;
+        for (j, value) in row[1..].iter_mut().enumerate() {
+            *value = scale * f64::from(start[(vertex as usize, j)]);
+        }
+    }
+    let pairs = improve(&operator, block, width, FINEST_DEGREE, threads, progress)?;
+    progress.report("eigenfunctions", 0.4)?;
+    Ok(operator.in_vertex_order(pairs))
 }
 
 /// Whether a mesh of `size` vertices leaves a coarse one that can hold `width` eigenpairs.

@@ -5,6 +5,8 @@ use super::memory::{Output, array, product};
 use super::mesh::{MESHES, MeshObject, expect_vertices, isym_mesh};
 use super::status::{Fault, ISYM_ERROR_INDEX, ISYM_ERROR_VALUE, Result, boundary, isym_status};
 use crate::correspondence::{SurfacePoint, Symmetry};
+use crate::detect_again::Previous;
+use crate::judging_mesh::JudgingMesh;
 use crate::mesh::NONE;
 use crate::options::Options;
 use crate::pair_colour::pair_colours;
@@ -50,6 +52,7 @@ pub struct ResultObject {
     /// The mesh it was found on.
     pub mesh: Arc<MeshObject>,
     symmetries: Vec<Symmetry>,
+    judging: Option<Arc<JudgingMesh>>,
     continuous_family: bool,
     report: CString,
 }
@@ -66,12 +69,13 @@ impl ResultObject {
         // JSON holds no NUL: it escapes them.
         let report = CString::new(format!("{value:#}\n")).unwrap_or_default();
         let continuous_family = detection.report.continuous_family;
-        Ok(ResultObject { mesh, symmetries: detection.symmetries, continuous_family, report })
+        let Detection { symmetries, judging, .. } = detection;
+        Ok(ResultObject { mesh, symmetries, judging, continuous_family, report })
     }
 
-    /// All symmetries.
-    pub fn symmetries(&self) -> &[Symmetry] {
-        &self.symmetries
+    /// All that a later detection on the same connectivity starts from.
+    pub fn previous(&self) -> Previous<'_> {
+        Previous { symmetries: &self.symmetries, judging: self.judging.as_ref() }
     }
 
     /// Symmetry `index`.
@@ -450,7 +454,7 @@ fn kind_of(kind: isym_kind) -> Result<SymmetryKind> {
 
 fn restored(mesh: &MeshObject, symmetry: Symmetry) -> Detection {
     let report = Report { evidence: "restored from stored arrays".into(), ..Report::of(&mesh.mesh) };
-    Detection { outcome: Outcome::Found, symmetries: vec![symmetry], report }
+    Detection { outcome: Outcome::Found, symmetries: vec![symmetry], report, judging: None }
 }
 
 /// Frees a result.

@@ -2,7 +2,7 @@
 //!
 //! FNV-1a with 64 bits: G. Fowler, L. C. Noll, K.-P. Vo, RFC 9923. It guards against accidents, not attacks.
 
-use super::PolygonMesh;
+use super::{Mesh, PolygonMesh};
 
 const OFFSET_BASIS: u64 = 0xcbf2_9ce4_8422_2325;
 const PRIME: u64 = 0x0000_0100_0000_01b3;
@@ -14,6 +14,16 @@ pub fn connectivity_hash(mesh: &PolygonMesh) -> u64 {
     let counts = counts.into_iter().flat_map(u64::to_le_bytes);
     let indices = mesh.face_offsets.iter().chain(&mesh.face_vertices).flat_map(|index| index.to_le_bytes());
     counts.chain(indices).fold(OFFSET_BASIS, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(PRIME))
+}
+
+impl Mesh {
+    /// The same of the validated polygons, with the point of each caller's vertex; word by word, so not the same value.
+    pub fn connectivity_hash(&self) -> u64 {
+        let counts = [self.positions.len() as u32, self.point_of_vertex.len() as u32];
+        let indices = self.point_of_vertex.iter().chain(&self.polygon_offsets).chain(&self.polygon_points);
+        let words = counts.iter().chain(indices);
+        words.fold(OFFSET_BASIS, |hash, &word| (hash ^ u64::from(word)).wrapping_mul(PRIME))
+    }
 }
 
 #[cfg(test)]

@@ -114,17 +114,19 @@ impl Mesh {
             .iter()
             .map(|&triangle| self.triangles[triangle as usize].map(|point| local_of_point[point as usize]))
             .collect();
+        let orientable = self.shell_orientable[shell];
+        Shell {
+            triangle_of_local: triangles.to_vec(),
+            ..self.shell_of(points.to_vec(), local_triangles, orientable)
+        }
+    }
+
+    /// The shell of given `triangles` over some of the mesh's points, with their positions.
+    pub fn shell_of(&self, points: Vec<u32>, triangles: Vec<[u32; 3]>, orientable: bool) -> Shell {
         let mut positions: Vec<Vector> = points.iter().map(|&point| self.positions[point as usize]).collect();
         centre(&mut positions);
-        let scale = scale_to_unit_area(&mut positions, &local_triangles);
-        Shell {
-            points: points.to_vec(),
-            positions,
-            triangles: local_triangles,
-            triangle_of_local: triangles.to_vec(),
-            orientable: self.shell_orientable[shell],
-            scale,
-        }
+        let scale = scale_to_unit_area(&mut positions, &triangles);
+        Shell { points, positions, triangles, triangle_of_local: Vec::new(), orientable, scale }
     }
 }
 

@@ -144,7 +144,14 @@ static void human_again(const char *path) {
     char *json = malloc(size);
     OK(isym_result_report(second, json, size));
     EXPECT(strstr(json, "\"kept\": true"));
+    // And once more, from the second result, when the first is gone.
+    isym_result *third;
+    OK(isym_result_free(first));
+    OK(isym_mesh_detect_again(mesh, second, options, progress, &third));
+    OK(isym_result_partners(third, 0, after, n));
+    EXPECT(memcmp(before, after, n * sizeof *before) == 0);
     OK(isym_result_free(second));
+    first = third;
 
     // One corner fewer is another connectivity.
     isym_mesh *cut;

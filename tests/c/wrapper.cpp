@@ -80,7 +80,8 @@ void normal_use(const isym::Mesh &mesh) {
 
   const isym::Result stored =
       mesh.restore(ISYM_KIND_REFLECTION, partners, result.confidences(), result.sides(), points);
-  EXPECT(mesh.detect_again(stored).partners() == partners);
+  const isym::Result again = mesh.detect_again(stored);
+  EXPECT(again.partners() == partners && mesh.detect_again(again).partners() == partners);
   const auto positions = mesh.positions();
   const auto distances = result.curve_distances(positions);
   EXPECT(*std::min_element(distances.begin(), distances.end()) < 0.05);

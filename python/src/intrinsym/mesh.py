@@ -119,9 +119,11 @@ class Mesh:
         ``model``: file of a sign network of your own (ONNX); it is trusted input. ``known_signs``: what a person
         knows of the first functions of :meth:`eigen`, 1 even, -1 odd, 0 unknown; they overrule the network.
         ``previous``: what was found on a mesh with the same connectivity and other positions, or a restored Symmetry.
-        While its best map is a symmetry of the new shape, too, it is kept, with all others that are, some ten to
-        twenty times as fast as a search (``report["report"]["kept"]``): partners, confidence, sides and curves as
-        they were, scores and the report new. Otherwise this is a search. What is kept knows nothing of vertices that
+        While its best map is a symmetry of the new shape, too, it is kept, with all others that are, some twenty to
+        thirty times as fast as a search (``report["report"]["kept"]``): partners, confidence, sides and curves as
+        they were, scores and the report new. A Detection or its Symmetry also holds what this needs of the
+        connectivity (some 1 MB, and 4 bytes a vertex), which the new Detection shares: hand over the newest or the
+        first; from a restored Symmetry the call takes twice as long. Otherwise this is a search. What is kept knows nothing of vertices that
         were slid along the surface, on one side alone: search anew after that.
         ``progress``: a Progress, or a callback ``(stage, fraction)`` that may answer False to cancel.
         Raises OptionError, ModelError, CancelledError; ArgumentError for a ``previous`` of another connectivity.
