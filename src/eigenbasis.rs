@@ -132,6 +132,14 @@ impl Eigenbasis {
         }
     }
 
+    /// The first `count` eigenpairs, or all if there are fewer, at some `vertices` alone, where they are not orthonormal.
+    pub fn at(&self, vertices: &[u32], count: usize) -> Eigenbasis {
+        let count = count.min(self.count());
+        let value = |i: usize, j: usize| self.eigenfunctions[(vertices[i] as usize, j)];
+        let eigenfunctions = Mat::from_fn(vertices.len(), count, value);
+        Eigenbasis { eigenvalues: self.eigenvalues[..count].to_vec(), eigenfunctions, residuals: Vec::new() }
+    }
+
     /// Number of eigenfunctions.
     pub fn count(&self) -> usize {
         self.eigenvalues.len()
@@ -148,15 +156,15 @@ pub struct Start {
 }
 
 impl Start {
-    /// For `count` pairs of a surface with the given `vertices` of the one that has this `basis`; `None` if it has not
-    /// [`Start::functions`] of so many, or few vertices, which need no start.
-    pub fn new(basis: &Eigenbasis, vertices: &[u32], count: usize) -> Option<Start> {
-        let width = Start::functions(count);
-        if basis.count() < width || vertices.len() <= DENSE_LIMIT.max(width + 4 * lanczos::BLOCK) {
+    /// For `count` pairs, from a shape's `basis`; `None` if that has not [`Start::functions`] of so many, or few vertices,
+    /// which need no start.
+    pub fn new(basis: &Eigenbasis, count: usize) -> Option<Start> {
+        let (vertices, width) = (basis.eigenfunctions.nrows(), Start::functions(count));
+        if basis.count() < width || vertices <= DENSE_LIMIT.max(width + 4 * lanczos::BLOCK) {
             return None;
         }
-        let value = |i: usize, j: usize| basis.eigenfunctions[(vertices[i] as usize, j)] as f32;
-        Some(Start { functions: Mat::from_fn(vertices.len(), width, value), analysis: OnceLock::new() })
+        let functions = Mat::from_fn(vertices, width, |i, j| basis.eigenfunctions[(i, j)] as f32);
+        Some(Start { functions, analysis: OnceLock::new() })
     }
 
     /// Functions that a start for `count` pairs has: some more.

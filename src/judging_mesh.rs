@@ -117,14 +117,7 @@ impl JudgingMesh {
             return None;
         }
         let (own, vertices) = JudgingMesh::simplified(mesh, shell, proxy, options);
-        let Some(start) = start(&solved.basis, &vertices, eigenfunctions) else { return Some(own) };
-        let mut taken = vec![false; vertices.len()];
-        let solved_points = proxy.map_or(&shell.points, |proxy| &proxy.shell.points);
-        let near = |&sample: &u32| own.nearest[solved_points[sample as usize] as usize];
-        let is_new = |vertex: &u32| !std::mem::replace(&mut taken[*vertex as usize], true);
-        let samples =
-            solved.samples.vertices.iter().map(near).filter(is_new).take(own.size.samples).collect();
-        own.kept.get_or_init(|| Kept { start, samples });
+        own.keep(&solved.basis.at(&vertices, Start::functions(eigenfunctions)));
         Some(own)
     }
 
@@ -161,12 +154,18 @@ impl JudgingMesh {
         }
         let more = Eigenbasis::new(&surface, Start::functions(count), threads, progress)?;
         let basis = more.truncated(count);
-        let samples = Samples::farthest(&basis, self.size.samples);
-        let all: Vec<u32> = (0..surface.vertex_count() as u32).collect();
-        if let Some(start) = start(&more, &all, count) {
-            self.kept.get_or_init(|| Kept { start, samples: samples.vertices.clone() });
+        let samples = self.keep(&more);
+        Ok(PreparedShell { samples: Samples::at(&basis, samples), surface, basis })
+    }
+
+    /// Chooses samples by the `basis` of one shape. They are kept with it, if other shapes can start from it.
+    fn keep(&self, basis: &Eigenbasis) -> Vec<u32> {
+        let samples = Samples::farthest(basis, self.size.samples).vertices;
+        let small = self.points.len() <= TOO_FINE * VERTICES;
+        if let Some(start) = Start::new(basis, self.size.eigenfunctions).filter(|_| small) {
+            self.kept.get_or_init(|| Kept { start, samples: samples.clone() });
         }
-        Ok(PreparedShell { surface, basis, samples })
+        samples
     }
 
     /// Images of the vertices under a map that is known for the vertices of `mesh`; `None` if it leads off the shell.
@@ -190,9 +189,4 @@ impl JudgingMesh {
         let partners = points.iter().map(|point| self.triangles[point.triangle as usize][point.heaviest()]);
         Some(VertexImages { partners: partners.collect(), points })
     }
-}
-
-/// Of a judging mesh with these `vertices` of the one that has the `basis`.
-fn start(basis: &Eigenbasis, vertices: &[u32], count: usize) -> Option<Start> {
-    if vertices.len() > TOO_FINE * VERTICES { None } else { Start::new(basis, vertices, count) }
 }
