@@ -183,6 +183,9 @@ def table(entries: list[dict]) -> str:
     row("**all**", [total(entry) for entry in entries])
     row("**all, two threads**", [total(entry, "two threads") for entry in entries])
     row("**again, two threads**", [total(entry, "two threads", "again") for entry in entries])
+    # Older results do not have it.
+    if all("again_stored" in entry["two threads"] for entry in entries):
+        row("the same from a stored map", [total(entry, "two threads", "again_stored") for entry in entries])
     for name in PEERS:
         row(name, [peer_total(entry, name) for entry in entries])
     own = [stages(entry)["proxy"] + stages(entry)["laplacian"] + stages(entry)["eigenfunctions"] for entry in entries]
