@@ -13,22 +13,24 @@ use crate::error::Result;
 use crate::functional_map::{Projection, project};
 use crate::laplacian::IntrinsicSurface;
 use crate::mesh_descent::{MeshDescent, Seeds};
-use crate::progress::Progress;
+use crate::progress::CancelToken;
 use crate::vertex_rows::{Guide, VertexRows};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use std::collections::HashMap;
+use std::sync::Arc;
 
-/// A shell with what matching on all its vertices needs.
+/// A shell with what matching on all its vertices needs; clones share it.
+#[derive(Clone)]
 pub struct MatchTarget<'a> {
     /// The surface.
     pub surface: &'a IntrinsicSurface,
     /// Its eigenbasis.
     pub basis: &'a Eigenbasis,
     /// Its vertices' rows.
-    pub rows: VertexRows,
-    graph: Adjacency,
-    fans: Fans,
+    pub rows: Arc<VertexRows>,
+    graph: Arc<Adjacency>,
+    fans: Arc<Fans>,
     threads: usize,
 }
 
@@ -86,7 +88,18 @@ impl<'a> MatchTarget<'a> {
         let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
         let graph = Adjacency::new(surface.vertex_count(), surface.triangles.iter().flat_map(sides));
         let fans = Fans::new(surface.vertex_count(), &surface.triangles);
+        let (rows, graph, fans) = (Arc::new(rows), Arc::new(graph), Arc::new(fans));
         MatchTarget { surface, basis, rows, graph, fans, threads }
+    }
+
+    /// The same for another number of threads.
+    pub fn with_threads(&self, threads: usize) -> Self {
+        MatchTarget { threads, ..self.clone() }
+    }
+
+    /// Threads on which images are sought, at most.
+    pub fn threads(&self) -> usize {
+        self.threads
     }
 
     /// All vertices.
@@ -149,11 +162,11 @@ pub fn refine(
     seeds: &[(u32, u32)],
     sizes: &[usize],
     guide: Guide,
-    progress: &Progress,
+    token: &CancelToken,
 ) -> Result<(Mat<f64>, VertexImages)> {
     let mut images = shell.images(points, &map, seeds, guide);
-    for (step, &size) in sizes.iter().enumerate() {
-        progress.report("refining", 0.75 + 0.2 * step as f64 / sizes.len() as f64)?;
+    for &size in sizes {
+        token.check()?;
         let size = size.min(shell.basis.count());
         map = project(estimate(points, shell, &images.points, size, size), Projection::Involution)?;
         images = shell.images_from(points, &map, Seeds::Points(&images.points), guide);

@@ -152,12 +152,14 @@ pub fn finish(
     let seeds = points.seeds(&shell.samples, &refiner.partners(&map));
     let (few, all, count) = (points.sources(), target.vertices(), shell.basis.count());
     let refine = |points: &Sources, map, seeds: &[(u32, u32)], size, guide| {
-        full_refinement::refine(target, points, map, seeds, &[size], guide, progress)
+        full_refinement::refine(target, points, map, seeds, &[size], guide, progress.token())
     };
+    progress.report("refining", 0.75)?;
     let (map, images) = refine(&few, map, &seeds, COARSE_SIZE.min(count), Guide::Eigenfunctions)?;
     let mismatch = signature_mismatch(shell, &points.vertices, &points.mass, &images);
     let (map, images) = grow(target, &points, &map, &images, progress)?;
     let seeds: Vec<(u32, u32)> = points.vertices.iter().copied().zip(images.partners).collect();
+    progress.report("refining", 0.9)?;
     let (map, images) = refine(&all, map, &seeds, count, Guide::MeanCurvature)?;
     let judged = judge(shell, &candidate.score, mismatch, &images);
     let doubts = shell.samples.vertices.iter().copied().zip(candidate.doubts.iter().copied()).collect();

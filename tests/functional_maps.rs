@@ -18,7 +18,7 @@ use intrinsym::guided_growth::{curvature_mismatch, grow};
 use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::mesh::{NONE, PolygonMesh, Shell};
 use intrinsym::mesh_descent::{MeshDescent, Seeds};
-use intrinsym::progress::Progress;
+use intrinsym::progress::{CancelToken, Progress};
 use intrinsym::refinement::{SampleRefiner, embed, nearest};
 use intrinsym::sampling::Samples;
 use intrinsym::signature;
@@ -292,9 +292,9 @@ fn refinement_leaves_the_true_map_in_place() {
         assert!(error < 0.035, "{error} sqrt(area) on samples");
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let seeds = shape.seeds(&samples.vertices);
-        let (points, guide, progress) = (target.vertices(), Guide::Eigenfunctions, Progress::default());
+        let (points, guide, token) = (target.vertices(), Guide::Eigenfunctions, CancelToken::default());
         let (_, images) =
-            full_refinement::refine(&target, &points, refined, &seeds, &[50, 60], guide, &progress).unwrap();
+            full_refinement::refine(&target, &points, refined, &seeds, &[50, 60], guide, &token).unwrap();
         let error = shape.mean_error(&shape.all(), &images.partners);
         println!("vertices: {error}");
         assert!(error < largest, "{error} sqrt(area) on vertices");
@@ -339,31 +339,36 @@ fn a_map_refined_on_few_points_is_that_of_all_vertices() {
 #[test]
 fn a_map_grows_to_all_eigenfunctions_with_curvature_and_without() {
     let mut shape = Shape::quadruped();
-    let error = |shape: &Shape| {
+    let grown = |shape: &Shape| {
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let points = SpreadPoints::new(&target, 1500).unwrap();
-        let images = |partner: fn(&Shape, u32) -> u32| {
-            let partners = points.vertices.iter().map(|&vertex| partner(shape, vertex)).collect();
-            VertexImages::at_vertices(&shape.surface.triangles, partners)
-        };
-        let truth = images(|shape, vertex| shape.truth[vertex as usize]);
+        let truth = images_of(shape, &points, |vertex| shape.truth[vertex as usize]);
         let (map, grown) = grow(&target, &points, &shape.true_map(50), &truth, &Progress::default()).unwrap();
         assert_eq!((map.nrows(), map.ncols()), (shape.basis.count(), shape.basis.count()));
-        let mismatch = |images: &VertexImages| curvature_mismatch(&target, &points, images);
-        let elsewhere = images(|shape, vertex| (vertex + 700) % shape.truth.len() as u32);
-        let [least, most] = [mismatch(&grown), mismatch(&elsewhere)];
-        println!("curvature: truth {}, grown {least}, elsewhere {most}", mismatch(&truth));
-        assert_eq!(mismatch(&images(|_, vertex| vertex)), 0.0, "the identity");
-        assert!(least < 0.5 * most || shape.surface.mean_curvature.is_empty(), "{least} {most}");
-        shape.mean_error(&points.vertices, &grown.partners)
+        // From the truth on there is nothing to be set right: either way has to stay near it.
+        let error = shape.mean_error(&points.vertices, &grown.partners);
+        println!("mean error {error}");
+        assert!(error < 0.012, "{error} sqrt(area)");
+        grown
     };
-    let errors = [error(&shape), {
-        shape.surface = IntrinsicSurface::with_mean_curvature(&shape.shell);
-        assert!(!shape.surface.mean_curvature.is_empty());
-        error(&shape)
-    }];
-    println!("without and with curvature: {errors:?}");
-    assert!(errors[1] < errors[0] && errors[0] < 0.02, "{errors:?} sqrt(area)");
+    let without = grown(&shape);
+    shape.surface = IntrinsicSurface::with_mean_curvature(&shape.shell);
+    assert!(!shape.surface.mean_curvature.is_empty());
+    let with = grown(&shape);
+    let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
+    let points = SpreadPoints::new(&target, 1500).unwrap();
+    let mismatch = |images: &VertexImages| curvature_mismatch(&target, &points, images);
+    let elsewhere = images_of(&shape, &points, |vertex| (vertex + 700) % shape.truth.len() as u32);
+    assert_eq!(mismatch(&images_of(&shape, &points, |vertex| vertex)), 0.0, "the identity");
+    let [guided, blind, most] = [mismatch(&with), mismatch(&without), mismatch(&elsewhere)];
+    println!("difference of curvature: guided {guided}, not guided {blind}, elsewhere {most}");
+    assert!(guided < 0.8 * blind && blind < 0.5 * most, "{guided} {blind} {most}");
+}
+
+/// The images of `points` by what `partner` says of their vertices.
+fn images_of(shape: &Shape, points: &SpreadPoints, partner: impl Fn(u32) -> u32) -> VertexImages {
+    let partners = points.vertices.iter().map(|&vertex| partner(vertex)).collect();
+    VertexImages::at_vertices(&shape.surface.triangles, partners)
 }
 
 #[test]
@@ -438,10 +443,10 @@ fn the_fixed_curve_is_one_closed_loop_in_the_mirror_plane_and_sides_exchange() {
         let shape = Shape::creature(4, turn);
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let seeds = shape.seeds(&shape.all());
-        let (points, guide, progress) = (target.vertices(), Guide::Eigenfunctions, Progress::default());
+        let (points, guide, token) = (target.vertices(), Guide::Eigenfunctions, CancelToken::default());
         let map = shape.true_map(50);
         let (_, images) =
-            full_refinement::refine(&target, &points, map, &seeds, &[50, 60], guide, &progress).unwrap();
+            full_refinement::refine(&target, &points, map, &seeds, &[50, 60], guide, &token).unwrap();
         let odd = odd_function(&shape.surface, &shape.basis, &images);
         let edge = shape.surface.mean_edge_length();
         let x = |vertex: u32| shape.shell.positions[vertex as usize][0];

@@ -30,9 +30,11 @@ const TRIANGLES: f64 = 1.75;
 /// Operations for each number of a row: difference, square, sum; three differences and six products for a triangle.
 const PER_DISTANCE: f64 = 3.0;
 const PER_TRIANGLE: f64 = 15.0;
-/// Points on which maps are refined (4,000 asked for), and the ways in which they grow.
+/// Points on which maps are refined (4,000 asked for), the ways in which they grow, the size to which, and the step after.
 const POINTS: usize = 3_859;
-const WAYS: [(usize, usize); 2] = [(10, 10), (20, 5)];
+const WAYS: [(usize, usize); 4] = [(20, 5), (10, 10), (15, 10), (25, 10)];
+const MIDDLE: usize = 80;
+const LAST_STEP: usize = 10;
 const COARSE: usize = 50;
 
 /// One stage's work.
@@ -153,8 +155,9 @@ fn refinement(size: f64, count: usize) -> Floor {
     // Sizes of the maps whose estimates are made, and of those under which images are sought, each with its points.
     let mut estimates = vec![(points, COARSE), (size, count)];
     let mut mapped = vec![(points, COARSE), (points, COARSE), (size, count), (size, count)];
-    for (first, step) in WAYS {
-        let sizes = (first..count).step_by(step).chain([count]);
+    let to_middle = WAYS.map(|(first, step)| (first, step, MIDDLE));
+    for (first, step, last) in to_middle.into_iter().chain([(MIDDLE + LAST_STEP, LAST_STEP, count)]) {
+        let sizes = (first..last).step_by(step).chain([last]);
         estimates.extend(sizes.clone().map(|size| (points, size)));
         mapped.extend([first].into_iter().chain(sizes).map(|size| (points, size)));
     }
