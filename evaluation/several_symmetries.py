@@ -66,7 +66,10 @@ def halfspaces(normals, offset: float) -> Distance:
 
 
 def star(arms: int, twist: float = 0.0) -> Distance:
-    """Round arms about the z axis; each bends by `twist` radians towards its end, which leaves no reflection but that in z = 0."""
+    """Round arms about the z axis, which bend by `twist` radians towards their ends.
+
+    Bent ones leave no reflection but that in z = 0.
+    """
 
     def distance(points):
         radius = np.hypot(points[..., 0], points[..., 1])

@@ -123,8 +123,8 @@ class Mesh:
         thirty times as fast as a search (``report["report"]["kept"]``): partners, confidence, sides and curves as
         they were, scores and the report new. A Detection or its Symmetry also holds what this needs of the
         connectivity (some 1 MB, and 4 bytes a vertex), which the new Detection shares: hand over the newest or the
-        first; from a restored Symmetry the call takes twice as long. Otherwise this is a search. What is kept knows nothing of vertices that
-        were slid along the surface, on one side alone: search anew after that.
+        first; from a restored Symmetry the call takes twice as long. Otherwise this is a search. What is kept knows
+        nothing of vertices that were slid along the surface, on one side alone: search anew after that.
         ``progress``: a Progress, or a callback ``(stage, fraction)`` that may answer False to cancel.
         Raises OptionError, ModelError, CancelledError; ArgumentError for a ``previous`` of another connectivity.
         """
