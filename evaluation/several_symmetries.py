@@ -1,6 +1,6 @@
 """How many of a solid's symmetries the program lists, and how many that it lists are none (docs/method.md).
 
-    python -m evaluation.several_symmetries --work FOLDER [--symmetries 32] [--seed 0]
+    python -m evaluation.several_symmetries --work FOLDER [--symmetries 32] [--rotations 32] [--seed 0]
 
 meshes solids with several symmetries in FOLDER, each turned at random so that no symmetry maps the mesh onto itself, and
 compares what is listed with the solid's own isometries.
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import argparse
 import itertools
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -114,6 +115,8 @@ SOLIDS = {
     "pinwheel of 2 arms": pinwheel(2),
     "pinwheel of 3 arms": pinwheel(3),
     "pinwheel of 4 arms": pinwheel(4),
+    "pinwheel of 5 arms": pinwheel(5),
+    "pinwheel of 6 arms": pinwheel(6),
 }
 
 
@@ -138,10 +141,31 @@ def isometries(solid: Distance) -> list[np.ndarray]:
     return [m for m in orthogonal_matrices() if np.abs(solid(points @ m.T) - solid(points)).max() < 1e-9]
 
 
+def order(matrix: np.ndarray) -> int:
+    """After how many times it is the identity."""
+    power, times = matrix, 1
+    while not np.allclose(power, np.eye(3)):
+        power, times = power @ matrix, times + 1
+    return times
+
+
 def kind(matrix: np.ndarray) -> str:
     """As the program names it; "" for what it does not look for, and the identity."""
-    involution = np.allclose(matrix @ matrix, np.eye(3)) and not np.allclose(matrix, np.eye(3))
-    return ("reflection" if np.linalg.det(matrix) < 0 else "half_turn") if involution else ""
+    reverses, times = np.linalg.det(matrix) < 0, order(matrix)
+    if times > 2:
+        return "" if reverses else "rotation"
+    return ("reflection" if reverses else "half_turn") if times == 2 else ""
+
+
+def same_symmetry(matrix: np.ndarray, group: list[np.ndarray]) -> frozenset[int]:
+    """Which of the `group` the program lists as one: of rotations, the largest cyclic group that holds them."""
+    def index(m):
+        return next(i for i, other in enumerate(group) if np.allclose(m, other))
+
+    if kind(matrix) != "rotation":
+        return frozenset({index(matrix)})
+    powers = [frozenset(index(np.linalg.matrix_power(m, p)) for p in range(order(m))) for m in group]
+    return max((cyclic for cyclic in powers if index(matrix) in cyclic), key=len)
 
 
 def meshed(solid: Distance, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -157,11 +181,11 @@ def meshed(solid: Distance, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 class Listed:
     """What the program listed of one solid."""
 
-    # Different isometries of the solid, by kind.
+    # Different isometries of the solid, of rotations different cyclic groups, by kind.
     true: dict[str, int]
     # Maps near to one that another map was nearest to already.
     repeated: int
-    # Maps near to no involution of the solid.
+    # Maps of no isometry of the solid of the kind and order that they are listed with, and parts of larger cyclic groups.
     other: int
 
 
@@ -171,26 +195,39 @@ def area(vertices: np.ndarray, faces: np.ndarray) -> float:
     return np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
 
 
-def judge(vertices, faces, maps: list[np.ndarray], group: list[np.ndarray]) -> Listed:
-    """Compares `maps` (partner of each vertex) with the isometries of the solid."""
+@dataclass
+class Map:
+    """One symmetry as the program lists it."""
+
+    kind: str
+    order: int
+    # Of each vertex.
+    partners: np.ndarray
+
+
+def judge(vertices, faces, maps: list[Map], group: list[np.ndarray]) -> Listed:
+    """Compares `maps` with the isometries of the solid."""
     unit, met, listed = np.sqrt(area(vertices, faces)), set(), Listed({}, 0, 0)
-    for partners in maps:
-        errors = [np.linalg.norm(vertices[partners] - vertices @ m.T, axis=1).mean() / unit for m in group]
-        best = int(np.argmin(errors))
-        if errors[best] > RIGHT or not kind(group[best]):
+    for found in maps:
+        errors = [np.linalg.norm(vertices[found.partners] - vertices @ m.T, axis=1).mean() / unit for m in group]
+        best = group[int(np.argmin(errors))]
+        as_listed = (kind(best), order(best)) == (found.kind, found.order)
+        same = same_symmetry(best, group) if as_listed else frozenset()
+        if min(errors) > RIGHT or not as_listed or found.kind == "rotation" and found.order < len(same):
             listed.other += 1
-        elif best in met:
+        elif same in met:
             listed.repeated += 1
         else:
-            met.add(best)
-            listed.true[kind(group[best])] = listed.true.get(kind(group[best]), 0) + 1
+            met.add(same)
+            listed.true[found.kind] = listed.true.get(found.kind, 0) + 1
     return listed
 
 
-def listed_maps(path: Path) -> list[np.ndarray]:
-    """The partners of each symmetry in the program's PLY."""
-    data = ply_vertices(path)
-    return [data[name].astype(int) for name in data.dtype.names if name.startswith("sym_vertex")]
+def listed_maps(path: Path) -> list[Map]:
+    """The symmetries in the program's PLY and the report beside it."""
+    data, report = ply_vertices(path), json.loads(path.with_suffix(".json").read_text())
+    columns = [data[name].astype(int) for name in data.dtype.names if name.startswith("sym_vertex")]
+    return [Map(one["kind"], one["order"], partners) for one, partners in zip(report["symmetries"], columns)]
 
 
 def main():
@@ -198,6 +235,7 @@ def main():
     parser.add_argument("--work", type=Path, required=True)
     parser.add_argument("--program", default="target/release/intrinsym")
     parser.add_argument("--symmetries", type=int, default=32)
+    parser.add_argument("--rotations", type=int, default=32)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
@@ -208,17 +246,19 @@ def main():
         paths.append(arguments.work / f"{name.replace(' ', '-').replace(':', '')}.ply")
         write_ply(paths[-1], *meshes[name])
     answers = arguments.work / "answers"
-    options = ["--symmetries", str(arguments.symmetries)]
+    options = ["--symmetries", str(arguments.symmetries), "--rotations", str(arguments.rotations)]
     seconds = detect(arguments.program, paths, answers, options, write="ply,json")
     rows = []
     for path, (name, solid) in zip(paths, SOLIDS.items()):
         group, (vertices, faces) = isometries(solid), meshes[name]
         answer = answers / path.name
         listed = judge(vertices, faces, listed_maps(answer) if answer.exists() else [], group)
-        kinds = [kind(matrix) for matrix in group]
-        numbers = [f"{listed.true.get(of, 0)} of {kinds.count(of)}" for of in ("reflection", "half_turn")]
+        numbers = []
+        for of in ("reflection", "half_turn", "rotation"):
+            there = {same_symmetry(matrix, group) for matrix in group if kind(matrix) == of}
+            numbers.append(f"{listed.true.get(of, 0)} of {len(there)}")
         rows.append([name, f"{len(vertices):,}", *numbers, listed.repeated, listed.other])
-    print(table(["solid", "vertices", "reflections", "half turns", "repeated", "not the solid's"], rows))
+    print(table(["solid", "vertices", "reflections", "half turns", "rotations", "repeated", "not the solid's"], rows))
     print(f"{seconds / len(SOLIDS):.2f} s of CPU a mesh")
 
 

@@ -39,7 +39,7 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let Some(candidate) = found.first() else { return Ok(String::new()) };
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
     let map = finish(&shell, &target, candidate, &progress)?;
-    let evidence = Evidence::new(&target, &map);
+    let evidence = Evidence::new(&target, &map, 2);
     let vertex = |local: u32| mesh.vertex_of_point[points[local as usize] as usize];
     let mut text = String::new();
     for (local, partner) in map.images.partners.iter().enumerate() {

@@ -192,7 +192,7 @@ fn stretch_of_shells(mesh: &Mesh, partner: &[u32]) -> Vec<f64> {
 
 /// Numbers of the symmetry as a whole.
 pub struct Summary {
-    /// Reflection or half turn.
+    /// Reflection, half turn or rotation.
     pub kind: SymmetryKind,
     /// Total score.
     pub score: f64,
@@ -218,7 +218,7 @@ pub fn symmetry(
         if partner == point_of(vertex) { vertex as i32 } else { mesh.vertex_of_point[partner] as i32 }
     };
     let side = |vertex: usize| -> i8 {
-        if !answered(vertex) || summary.kind == SymmetryKind::HalfTurn {
+        if !answered(vertex) || summary.kind != SymmetryKind::Reflection {
             return 0;
         }
         let (point, odd) = (point_of(vertex), map.odd[point_of(vertex)]);

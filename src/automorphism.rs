@@ -90,7 +90,8 @@ impl Connectivity {
     /// have one entry per point. A bijection of a whole shell is accepted if its mean distance from the
     /// estimate is a small number of edges; on a shell with most of the vertices also if the connectivity
     /// admits no other and a third of the estimate agrees, or there is none. A partial one must cover half of its
-    /// shell and of the irregular vertices there. `None` if no shell has either.
+    /// shell and of the irregular vertices there. `None` if no shell has either, and for a rotation: what is paired here is
+    /// its own inverse.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
@@ -104,6 +105,9 @@ impl Connectivity {
         kind: SymmetryKind,
         progress: &Progress,
     ) -> Result<Option<Automorphism>> {
+        if kind.is_rotation() {
+            return Ok(None);
+        }
         let (half_edges, shells) = (&self.half_edges, &self.shells);
         let estimate = Estimate::new(half_edges, estimate, confidence);
         let mut matching = Matching::new(half_edges, kind);

@@ -6,7 +6,7 @@ use crate::error::Result;
 use crate::functional_map::{Projection, from_parity, mean_trace};
 use crate::laplacian::IntrinsicSurface;
 use crate::options::Options;
-use crate::parity_search::{involutions_of_three, search};
+use crate::parity_search::{Sought, involutions_of_three, search};
 use crate::progress::Progress;
 use crate::refinement::SampleRefiner;
 use crate::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
@@ -88,7 +88,7 @@ pub fn find(
         progress.report("candidates", 0.45 + 0.1 * round as f64)?;
         let tried = threads::map(options.threads, starts, |start| {
             token.check()?;
-            try_start(&refiner, &scorer, &start, &seen)
+            try_start(&refiner, &scorer, &start, Projection::Involution, &seen)
         });
         for candidate in tried {
             candidates.extend(candidate?);
@@ -110,13 +110,14 @@ pub(crate) fn parities(signs: &[SignPrediction]) -> Vec<f64> {
 }
 
 /// Refines and scores a start; `None` if it ends near the identity or where another start has been.
-fn try_start(
+pub(crate) fn try_start(
     refiner: &SampleRefiner,
     scorer: &Scorer,
     start: &Mat<f64>,
+    projection: Projection,
     seen: &Mutex<HashSet<Passage>>,
 ) -> Result<Option<Candidate>> {
-    let Some(map) = refine(refiner, start, seen)? else { return Ok(None) };
+    let Some(map) = refine(refiner, start, projection, seen)? else { return Ok(None) };
     let partners = refiner.partners(&map);
     let score = scorer.score_of(&map, &partners)?;
     Ok((!score.is_identity()).then(|| Candidate { map, partners, score, doubts: Vec::new() }))
@@ -130,7 +131,7 @@ fn propose(
 ) -> Vec<Mat<f64>> {
     // A small mesh has fewer eigenfunctions than the shortest proposal.
     let lengths: Vec<usize> = wanted.iter().map(|(length, _)| (*length).min(samples.rows.ncols())).collect();
-    let found = search(samples, eigenvalues, &lengths, beam_width);
+    let found = search(samples, eigenvalues, Sought::Involutions, &lengths, beam_width);
     let mut proposals = Vec::new();
     for (starts, &(_, most)) in found.into_iter().zip(wanted) {
         proposals.extend(starts.into_iter().filter(|start| mean_trace(start) < 1.0).take(most));
@@ -166,12 +167,13 @@ fn propose_signs(signs: &[SignPrediction]) -> Vec<Mat<f64>> {
 }
 
 /// What the rest of a refinement depends on: the step by which the map grows, its next size, and the partners.
-type Passage = (usize, usize, Vec<u32>);
+pub(crate) type Passage = (usize, usize, Vec<u32>);
 
 /// ICP at the start's length, then ZoomOut to the candidates' size; `None` on meeting the path of another start.
 fn refine(
     refiner: &SampleRefiner,
     start: &Mat<f64>,
+    projection: Projection,
     seen: &Mutex<HashSet<Passage>>,
 ) -> Result<Option<Mat<f64>>> {
     let length = start.nrows();
@@ -182,7 +184,7 @@ fn refine(
         if !seen.lock().unwrap_or_else(PoisonError::into_inner).insert((step, size, partners.clone())) {
             return Ok(None);
         }
-        map = refiner.estimate(&partners, size.min(refiner.samples.rows.ncols()), Projection::Involution)?;
+        map = refiner.estimate(&partners, size.min(refiner.samples.rows.ncols()), projection)?;
     }
     Ok(Some(map))
 }

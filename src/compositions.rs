@@ -16,7 +16,7 @@ use crate::sampling::{Samples, spread_rows};
 use crate::sign_network::SignPrediction;
 
 /// Rounds of refinement of a composition.
-const ROUNDS: usize = 3;
+pub(crate) const ROUNDS: usize = 3;
 /// Maps are composed, and compositions added, whose score is worse than the best one's by less than this. On a shape
 /// with one symmetry and many doubtful maps a wider gap adds dozens, all to be refused once they are finished.
 const COMPOSED_GAP: f64 = 0.75 * GAP;
@@ -87,7 +87,7 @@ fn words(a: &[u32], b: &[u32]) -> [Vec<u32>; 3] {
 }
 
 /// First `a`, then `b`.
-fn composed(a: &[u32], b: &[u32]) -> Vec<u32> {
+pub(crate) fn composed(a: &[u32], b: &[u32]) -> Vec<u32> {
     a.iter().map(|&image| b[image as usize]).collect()
 }
 

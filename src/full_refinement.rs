@@ -31,6 +31,7 @@ pub struct MatchTarget<'a> {
     pub rows: Arc<VertexRows>,
     graph: Arc<Adjacency>,
     fans: Arc<Fans>,
+    projection: Projection,
     threads: usize,
 }
 
@@ -82,14 +83,25 @@ impl VertexImages {
 }
 
 impl<'a> MatchTarget<'a> {
-    /// O(triangles + vertices x eigenfunctions). Images will be sought on at most `threads` threads.
+    /// O(triangles + vertices x eigenfunctions). Images will be sought on at most `threads` threads, and maps onto itself
+    /// be involutions.
     pub fn new(surface: &'a IntrinsicSurface, basis: &'a Eigenbasis, threads: usize) -> Self {
         let rows = VertexRows::new(surface, basis);
         let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
         let graph = Adjacency::new(surface.vertex_count(), surface.triangles.iter().flat_map(sides));
         let fans = Fans::new(surface.vertex_count(), &surface.triangles);
         let (rows, graph, fans) = (Arc::new(rows), Arc::new(graph), Arc::new(fans));
-        MatchTarget { surface, basis, rows, graph, fans, threads }
+        MatchTarget { surface, basis, rows, graph, fans, projection: Projection::Involution, threads }
+    }
+
+    /// The same for maps onto itself that are projected in another way.
+    pub fn with_projection(&self, projection: Projection) -> Self {
+        MatchTarget { projection, ..self.clone() }
+    }
+
+    /// What maps onto itself are projected to.
+    pub fn projection(&self) -> Projection {
+        self.projection
     }
 
     /// The same for another number of threads.
@@ -149,7 +161,7 @@ impl<'a> MatchTarget<'a> {
     }
 }
 
-/// Refines `map` (square, an involution) on `points` of the shell through growing `sizes`.
+/// Refines `map` (square) on `points` of the shell through growing `sizes`, projected as the shell says.
 ///
 /// Returns the last map and the images of the points under it. O(points x size^2) a step.
 ///
@@ -168,7 +180,7 @@ pub fn refine(
     for &size in sizes {
         token.check()?;
         let size = size.min(shell.basis.count());
-        map = project(estimate(points, shell, &images.points, size, size), Projection::Involution)?;
+        map = project(estimate(points, shell, &images.points, size, size), shell.projection)?;
         images = shell.images_from(points, &map, Seeds::Points(&images.points), guide);
     }
     Ok((map, images))

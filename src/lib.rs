@@ -65,6 +65,7 @@ pub mod progress;
 pub mod proxy;
 pub mod refinement;
 pub mod report;
+pub mod rotations;
 pub mod sampling;
 pub mod shell_symmetry;
 pub mod sign_network;

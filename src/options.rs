@@ -27,6 +27,8 @@ pub struct Options {
     pub memory: usize,
     /// Threads that a detection uses at most; the result does not depend on it.
     pub threads: usize,
+    /// EXPERIMENTAL. Most rotations of order three or more to return after the symmetries that are their own inverses.
+    pub rotations: usize,
     /// A sign network of the caller's own instead of the embedded one: trusted input.
     pub model: Option<PathBuf>,
     /// Signs that a person knows, from the first eigenfunction on: 1 even, -1 odd, 0 unknown. They overrule
@@ -50,7 +52,7 @@ pub struct OptionSpec {
 }
 
 /// The table all hosts read.
-pub const OPTIONS: [OptionSpec; 9] = [
+pub const OPTIONS: [OptionSpec; 10] = [
     OptionSpec {
         name: "eigenfunctions",
         default: 150,
@@ -114,6 +116,13 @@ pub const OPTIONS: [OptionSpec; 9] = [
         maximum: 64,
         help: "Threads that one detection uses at most; the result does not depend on it.",
     },
+    OptionSpec {
+        name: "rotations",
+        default: 0,
+        minimum: 0,
+        maximum: 32,
+        help: "EXPERIMENTAL. Most rotations of order 3 to 12 to return after the other symmetries; 0: none is sought.",
+    },
 ];
 
 impl Default for Options {
@@ -128,6 +137,7 @@ impl Default for Options {
             proxy_vertices: OPTIONS[6].default,
             memory: OPTIONS[7].default,
             threads: OPTIONS[8].default,
+            rotations: OPTIONS[9].default,
             model: None,
             known_signs: Vec::new(),
         }
@@ -162,6 +172,7 @@ impl Options {
             self.proxy_vertices,
             self.memory,
             self.threads,
+            self.rotations,
         ]
     }
 
@@ -182,6 +193,7 @@ impl Options {
             &mut self.proxy_vertices,
             &mut self.memory,
             &mut self.threads,
+            &mut self.rotations,
         ];
         *fields.into_iter().nth(index).expect("one field per option") = value;
         Ok(())

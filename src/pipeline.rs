@@ -21,6 +21,7 @@ use crate::mesh::{Attachment, Mesh, NONE, RepairReport, Shell, attach};
 use crate::options::Options;
 use crate::progress::{CancelToken, Progress};
 use crate::proxy::Proxy;
+use crate::rotations;
 use crate::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, of_images, signs};
 use crate::sign_network::SignPrediction;
 use crate::symmetry_kind::SymmetryKind;
@@ -113,7 +114,8 @@ impl Report {
 pub struct Detection {
     /// Found or none.
     pub outcome: Outcome,
-    /// At most `options.symmetries`: reflections, best first, then half turns, best first.
+    /// At most `options.symmetries`: reflections, best first, then half turns, best first. Then at most `options.rotations`
+    /// rotations of order three or more (EXPERIMENTAL), one of each cyclic group: those of highest order first, then the best.
     pub symmetries: Vec<Symmetry>,
     /// Numbers behind the outcome.
     pub report: Report,
@@ -178,6 +180,14 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
             1 => ": the one given is an arbitrary one of them",
             _ => ": those given are arbitrary ones of them",
         };
+    }
+    if options.rotations > 0 {
+        let listed = maps.len();
+        if !orbits.continuous {
+            maps.extend(rotations::find(&shell, &assembler.target, &maps, options, progress)?);
+            clock.lap("rotations");
+        }
+        evidence += &about_rotations(maps.len() - listed, orbits.continuous);
     }
     let mut symmetries = Vec::new();
     for (map, kind) in &maps {
@@ -260,6 +270,16 @@ pub(crate) fn retain_symmetries<T>(maps: &mut Vec<(ShellSymmetry, T)>, least: us
     maps.retain(|(map, _)| std::mem::take(&mut first) || map.judged.isometry_score < best + GAP);
 }
 
+/// What is said to who asks for rotations of order three or more, of which `listed` were found.
+fn about_rotations(listed: usize, continuous: bool) -> String {
+    match (listed, continuous) {
+        (_, true) => "; rotations of higher order (experimental) are not sought in a continuous family".into(),
+        (0, _) => "; no rotation of order 3 to 12 was found (experimental)".into(),
+        (1, _) => "; a rotation of higher order was found (experimental)".into(),
+        _ => format!("; {listed} rotations of higher order were found (experimental)"),
+    }
+}
+
 fn sentence(map: &ShellSymmetry, least: usize) -> String {
     format!(
         "the best map is a symmetry with a plausibility of {:.0} % (accepted from {least} %): heat kernel \
@@ -325,10 +345,11 @@ impl<'a> Assembler<'a> {
 
     fn assemble(&self, found: &ShellSymmetry, kind: SymmetryKind, progress: &Progress) -> Result<Symmetry> {
         let mut map = PointMap::empty(self.mesh);
-        let trust = Evidence::new(&self.target, found).confidence();
+        let trust = Evidence::new(&self.target, found, kind.order()).confidence();
         let odd = self.odd(found);
         self.insert_largest(&mut map, &found.images, &trust, &odd);
-        if self.shells.len() > 1 {
+        // Other shells are paired, and under a rotation they come in threes or more.
+        if self.shells.len() > 1 && !kind.is_rotation() {
             self.add_companions(&mut map, found, &trust, &odd, progress)?;
         }
         progress.report("connectivity", 0.97)?;
@@ -338,7 +359,7 @@ impl<'a> Assembler<'a> {
         }
         let curve = match kind {
             SymmetryKind::Reflection => zero_set(&self.mesh.triangles, &map.odd),
-            SymmetryKind::HalfTurn => Vec::new(),
+            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => Vec::new(),
         };
         Ok(symmetry(self.mesh, &map, curve, Summary { kind, score: found.score.total() }))
     }

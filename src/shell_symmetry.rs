@@ -8,7 +8,7 @@ use crate::displacement::mean_displacement;
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::full_refinement::{self, MatchTarget, Sources, VertexImages};
-use crate::functional_map::{Projection, project};
+use crate::functional_map::project;
 use crate::guided_growth::grow;
 use crate::laplacian::IntrinsicSurface;
 use crate::options::Options;
@@ -136,7 +136,7 @@ pub fn candidates(
 }
 
 /// Refines a candidate on all samples, then on points spread over the shell, which is `target`, where it grows to its full
-/// size, then once on all its vertices.
+/// size, then once on all its vertices; at each step projected as the target says.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -147,7 +147,7 @@ pub fn finish(
     progress: &Progress,
 ) -> Result<ShellSymmetry> {
     let refiner = SampleRefiner::new(&shell.samples);
-    let map = refiner.refine(candidate.map.clone(), &POLISH_SIZES, Projection::Involution)?;
+    let map = refiner.refine(candidate.map.clone(), &POLISH_SIZES, target.projection())?;
     let points = SpreadPoints::new(target, REFINED_POINTS)?;
     let seeds = points.seeds(&shell.samples, &refiner.partners(&map));
     let (few, all, count) = (points.sources(), target.vertices(), shell.basis.count());
@@ -174,7 +174,7 @@ pub fn of_images(shell: &PreparedShell, target: &MatchTarget, images: VertexImag
     let size = shell.basis.count();
     let map = project(
         full_refinement::estimate(&target.vertices(), target, &images.points, size, size),
-        Projection::Involution,
+        target.projection(),
     )?;
     let refiner = SampleRefiner::new(&shell.samples);
     let scored = size.min(CANDIDATE_SIZE);

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 50] = [
+const ORDER: [&str; 51] = [
     "error",
     "options",
     "limits",
@@ -39,6 +39,7 @@ const ORDER: [&str; 50] = [
     "displacement",
     "acceptance",
     "shell_symmetry",
+    "rotations",
     "companions",
     "confidence",
     "fixed_curve",

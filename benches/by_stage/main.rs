@@ -97,8 +97,8 @@ fn measure(criterion: &mut Criterion, frequency: u32) {
     timer.time("match target", || MatchTarget::new(&shell.surface, &shell.basis, options.threads));
     let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
     let found = time_search(&mut timer, &shell, &target, &options);
-    timer.time("confidence", || Evidence::new(&target, &found).confidence());
-    let confidence = Evidence::new(&target, &found).confidence();
+    timer.time("confidence", || Evidence::new(&target, &found, 2).confidence());
+    let confidence = Evidence::new(&target, &found, 2).confidence();
     timer.time("sides", || odd_function(&shell.surface, &shell.basis, &found.images));
     let odd = odd_function(&shell.surface, &shell.basis, &found.images);
     let carry = |proxy: Option<&Proxy>| carried(&mesh, &shells[0], proxy, &found.images, &confidence, &odd);

@@ -17,7 +17,8 @@ use serde_json::json;
 use std::ffi::{CString, c_char};
 use std::sync::Arc;
 
-/// What was found on a mesh: symmetries (reflections, best first, then half turns) and a report. It never changes.
+/// What was found on a mesh: symmetries (reflections, best first, then half turns, then rotations if these were asked for)
+/// and a report. It never changes.
 pub struct isym_result(());
 
 /// The kind of a symmetry: one of the `ISYM_KIND_` constants.
@@ -26,6 +27,11 @@ pub type isym_kind = i32;
 pub const ISYM_KIND_REFLECTION: isym_kind = 0;
 /// Keeps orientation and is its own inverse. It has no sides and no fixed curve.
 pub const ISYM_KIND_HALF_TURN: isym_kind = 1;
+/// EXPERIMENTAL, found only with the option "rotations" above 0. Keeps orientation and is the identity after as many times as
+/// `isym_result_order` says, three or more. Partners are images: the partner of a partner is another vertex. It has no
+/// sides and no fixed curve, and vertices of other shells than the largest have no partner. The tools that mirror refuse it:
+/// `ISYM_ERROR_OPTION`.
+pub const ISYM_KIND_ROTATION: isym_kind = 2;
 
 /// No such element, in arrays of unsigned indices.
 pub const ISYM_NONE: u32 = 4294967295;
@@ -132,11 +138,29 @@ pub unsafe extern "C" fn isym_result_summary(
             kind: match found.kind {
                 SymmetryKind::Reflection => ISYM_KIND_REFLECTION,
                 SymmetryKind::HalfTurn => ISYM_KIND_HALF_TURN,
+                SymmetryKind::Rotation { .. } => ISYM_KIND_ROTATION,
             },
             score: found.score,
             mean_confidence: found.mean_confidence,
             exact_share: found.exact_share,
         }]);
+        Ok(())
+    })
+}
+
+/// Reads after how many times symmetry `symmetry` is the identity: 2 for a reflection and a half turn, 3 or more for a
+/// rotation (EXPERIMENTAL).
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn isym_result_order(
+    result: *const isym_result,
+    symmetry: usize,
+    order: *mut usize,
+) -> isym_status {
+    boundary(|| {
+        let result = RESULTS.get(result)?;
+        // SAFETY: the caller's one promise.
+        let output = unsafe { Output::new(order, 1, "order") }?;
+        output.write(&[result.symmetry(symmetry)?.kind.order()]);
         Ok(())
     })
 }
@@ -179,7 +203,7 @@ pub unsafe extern "C" fn isym_result_confidences(
 }
 
 /// Copies each vertex's side out: 1 and -1 on the two sides, 0 on the fixed curve, without partner, and
-/// everywhere for a half turn. Which side is 1 has no meaning.
+/// everywhere for a half turn and a rotation. Which side is 1 has no meaning.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_sides(
     result: *const isym_result,
@@ -348,7 +372,8 @@ pub unsafe extern "C" fn isym_result_report(
 ///
 /// All arrays have one entry (`corners` and `barycentrics` three) for each of the mesh's vertices, in the form
 /// in which this library gave them. Positions may have changed since; the connectivity may not (compare
-/// `isym_mesh_connectivity_hash`). An entry that cannot be right is `ISYM_ERROR_VALUE`, and named.
+/// `isym_mesh_connectivity_hash`). An entry that cannot be right is `ISYM_ERROR_VALUE`, and named; so is
+/// `ISYM_KIND_ROTATION`, which no tool takes.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_restore(
     mesh: *const isym_mesh,
@@ -448,6 +473,7 @@ fn kind_of(kind: isym_kind) -> Result<SymmetryKind> {
     match kind {
         ISYM_KIND_REFLECTION => Ok(SymmetryKind::Reflection),
         ISYM_KIND_HALF_TURN => Ok(SymmetryKind::HalfTurn),
+        ISYM_KIND_ROTATION => Err(Fault::new(ISYM_ERROR_VALUE, "a rotation cannot be restored: no tool takes one")),
         _ => Err(Fault::new(ISYM_ERROR_VALUE, format!("{kind} is no kind of symmetry"))),
     }
 }

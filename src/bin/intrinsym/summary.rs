@@ -123,9 +123,10 @@ pub fn one_line(input: &Path, detection: &Detection) -> String {
     format!("{}: {outcome}, {seconds:.2} s\n", input.display())
 }
 
-fn kind_name(kind: SymmetryKind) -> &'static str {
+fn kind_name(kind: SymmetryKind) -> String {
     match kind {
-        SymmetryKind::Reflection => "reflection",
-        SymmetryKind::HalfTurn => "half turn",
+        SymmetryKind::Reflection => "reflection".into(),
+        SymmetryKind::HalfTurn => "half turn".into(),
+        SymmetryKind::Rotation { order } => format!("rotation of order {order} (experimental)"),
     }
 }
