@@ -164,7 +164,8 @@ def same_symmetry(matrix: np.ndarray, group: list[np.ndarray]) -> frozenset[int]
 
     if kind(matrix) != "rotation":
         return frozenset({index(matrix)})
-    powers = [frozenset(index(np.linalg.matrix_power(m, p)) for p in range(order(m))) for m in group]
+    rotations = [m for m in group if kind(m) == "rotation"]
+    powers = [frozenset(index(np.linalg.matrix_power(m, p)) for p in range(order(m))) for m in rotations]
     return max((cyclic for cyclic in powers if index(matrix) in cyclic), key=len)
 
 

@@ -4,13 +4,14 @@
 //! from the search by blocks ([`crate::parity_search`]), from the space of the three lowest eigenfunctions where these
 //! coincide, and from the symmetries that were found before: two reflections whose axes meet at an angle make a rotation
 //! by twice that angle. A rotation, its powers and its inverse are one cyclic group, of which one is kept.
+//!
+//! To 30 eigenfunctions a prism is nearly a surface of revolution, which turns by any angle. So the order is that of the
+//! finished map, which curvature has drawn to the edges.
 
-use crate::candidate_score::{Score, Scorer};
-use crate::candidates::{
-    CANDIDATE_SAMPLES, CANDIDATE_SIZE, Candidate, DISTINCT, GAP, mean_distance, try_start,
-};
+use crate::candidate_score::Scorer;
+use crate::candidates::{CANDIDATE_SAMPLES, CANDIDATE_SIZE, Candidate, DISTINCT, GAP, mean_distance, try_start};
 use crate::compositions::{ROUNDS, composed};
-use crate::displacement::mean_displacement;
+use crate::dense::product;
 use crate::error::Result;
 use crate::full_refinement::MatchTarget;
 use crate::functional_map::{Projection, mean_trace};
@@ -18,7 +19,7 @@ use crate::options::Options;
 use crate::parity_search::{Sought, rotations_of_three, search};
 use crate::progress::Progress;
 use crate::refinement::SampleRefiner;
-use crate::sampling::{SPREAD_COORDINATES, spread_rows};
+use crate::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
 use crate::shell_symmetry::{PreparedShell, ShellSymmetry, finish};
 use crate::symmetry_kind::SymmetryKind;
 use crate::threads;
@@ -27,30 +28,19 @@ use std::sync::Mutex;
 
 /// Orders that are looked for: 3 to the largest.
 const LARGEST_ORDER: usize = 12;
-/// Each of these orders divides one of them.
-const SEARCHED_ORDERS: [usize; 6] = [7, 8, 9, 10, 11, 12];
-/// Lengths of the starts.
+/// Lengths of the starts, and how many of each length and order are tried.
 const LENGTHS: [usize; 2] = [6, 8];
-/// Starts tried of each length and order.
 const PROPOSALS: usize = 6;
+/// Mean distance, in radii of the embedding, of some power of a candidate from the identity, from which finishing it is
+/// hopeless.
+const HOPELESS: f64 = 2.0 * DISTINCT;
+/// Maps that are finished at most, beside two for each rotation that is asked for.
+const FINISHED: usize = 8;
 /// Symmetries that are composed with each other, at most.
-const MOST_COMPOSED: usize = 96;
+const MOST_COMPOSED: usize = 40;
 
-/// A rotation of the samples that stands for its cyclic group.
-struct Generator {
-    candidate: Candidate,
-    /// Its powers below the identity: itself, then its square, ..., last its inverse.
-    powers: Vec<Vec<u32>>,
-}
-
-impl Generator {
-    fn order(&self) -> usize {
-        self.powers.len() + 1
-    }
-}
-
-/// Finds and finishes up to `options.rotations` rotations of order three or more that count as symmetries: one of each cyclic
-/// group, those of highest order first, then the best.
+/// Finds up to `options.rotations` rotations of order three or more that count as symmetries: one of each cyclic group, those
+/// of highest order first, then the best.
 ///
 /// `involutions` are the symmetries found before. A shell that cannot be oriented gets none.
 ///
@@ -63,170 +53,164 @@ pub fn find(
     options: &Options,
     progress: &Progress,
 ) -> Result<Vec<(ShellSymmetry, SymmetryKind)>> {
-    let target = target.with_projection(Projection::Orthogonal);
-    let generators = generators(shell, involutions, options, progress)?;
-    let mut found: Vec<(ShellSymmetry, SymmetryKind)> = Vec::new();
-    for generator in generators {
-        if found.len() == options.rotations {
-            break;
-        }
-        let map = finish(shell, &target, &generator.candidate, progress)?;
-        let is_identity = |partners: &[u32]| {
-            mean_displacement(&shell.basis, &shell.surface.lumped_mass, partners) < DISTINCT
-        };
-        let order = powers(&map.images.partners, is_identity).map_or(0, |powers| powers.len() + 1);
-        let is_known = found.iter().any(|(other, _)| {
-            let others = powers(&other.images.partners, is_identity).unwrap_or_default();
-            others.iter().any(|power| is_identity(&composed(&map.images.partners, power)))
-        });
-        if order == generator.order() && !is_known && map.judged.accepted(options.plausibility) {
-            found.push((map, SymmetryKind::Rotation { order }));
-        }
-    }
-    Ok(found)
-}
-
-/// One rotation of the samples for each cyclic group.
-fn generators(
-    shell: &PreparedShell,
-    involutions: &[(ShellSymmetry, SymmetryKind)],
-    options: &Options,
-    progress: &Progress,
-) -> Result<Vec<Generator>> {
+    progress.report("rotations", 0.92)?;
     let samples = shell.samples.prefix(CANDIDATE_SAMPLES);
     let refiner = SampleRefiner::new(&samples);
-    let eigenvalues = &shell.basis.eigenvalues;
     let scorer = Scorer::new(&shell.surface, &shell.basis, &refiner, Vec::new());
-    progress.report("rotations", 0.92)?;
-    let by_blocks = |order: usize| -> Vec<Mat<f64>> {
-        let lengths = LENGTHS.map(|length| length.min(samples.rows.ncols()));
-        let found = search(&samples, eigenvalues, Sought::Rotations(order), &lengths, options.beam_width);
-        let few = |starts: Vec<Mat<f64>>| {
-            starts.into_iter().filter(|start| mean_trace(start) < 1.0).take(PROPOSALS)
-        };
-        found.into_iter().flat_map(few).collect()
-    };
-    let mut starts: Vec<Mat<f64>> =
-        threads::map(options.threads, SEARCHED_ORDERS.to_vec(), by_blocks).into_iter().flatten().collect();
-    starts.extend(rotations_of_three(eigenvalues));
-    let (seen, token) = (Mutex::default(), progress.token());
-    let tried = threads::map(options.threads, starts, |start| {
-        token.check()?;
-        try_start(&refiner, &scorer, &start, Projection::Orthogonal, &seen)
-    });
-    let tried: Vec<Option<Candidate>> = tried.into_iter().collect::<Result<_>>()?;
-    let mut tried: Vec<Candidate> =
-        tried.into_iter().flatten().filter(|candidate| keeps_orientation(&candidate.score)).collect();
-    let isometry = |candidate: &Candidate| candidate.score.isometry();
-    tried.sort_by(|a, b| isometry(a).total_cmp(&isometry(b)).then_with(|| a.partners.cmp(&b.partners)));
-    let rows = spread_rows(&samples, eigenvalues);
+    let everywhere = Samples::at(&shell.basis, (0..shell.surface.vertex_count() as u32).collect());
     let best = involutions.iter().map(|(map, _)| map.score.isometry()).fold(f64::INFINITY, f64::min);
-    let mut groups = Groups { rows, best, found: Vec::new() };
-    for candidate in tried {
-        groups.add(candidate);
-    }
-    let partners = |(map, kind): &(ShellSymmetry, SymmetryKind)| {
-        let size = CANDIDATE_SIZE.min(map.map.nrows());
-        let partners = refiner.partners(&map.map.submatrix(0, 0, size, size).to_owned());
-        Element { inverse: partners.clone(), partners, reverses: *kind == SymmetryKind::Reflection }
+    let mut groups = Groups {
+        shell,
+        target: target.with_projection(Projection::Orthogonal),
+        refiner: &refiner,
+        scorer: &scorer,
+        options,
+        progress,
+        rows: spread_rows(&everywhere, &shell.basis.eigenvalues),
+        best,
+        found: Vec::new(),
+        refused: Vec::new(),
     };
-    groups.complete(&refiner, &scorer, involutions.iter().map(partners).collect(), progress)?;
-    let Groups { mut found, best, .. } = groups;
-    found.retain(|generator| isometry(&generator.candidate) < best + GAP);
-    found.sort_by(|a, b| {
-        let scores = isometry(&a.candidate).total_cmp(&isometry(&b.candidate));
-        b.order().cmp(&a.order()).then(scores)
-    });
-    Ok(found)
+    for candidate in groups.search()? {
+        groups.consider(candidate)?;
+    }
+    groups.compose(involutions)?;
+    let mut found = groups.found;
+    found.sort_by(|a, b| b.order().cmp(&a.order()).then(a.isometry().total_cmp(&b.isometry())));
+    found.truncate(options.rotations);
+    let with_kind = |rotation: Rotation| {
+        let kind = SymmetryKind::Rotation { order: rotation.order() };
+        (rotation.map, kind)
+    };
+    Ok(found.into_iter().map(with_kind).collect())
 }
 
-fn keeps_orientation(score: &Score) -> bool {
-    score.kind() == Some(SymmetryKind::HalfTurn)
+/// A finished rotation, which stands for its cyclic group.
+struct Rotation {
+    map: ShellSymmetry,
+    /// Images of all vertices under its powers below the identity: itself first, its inverse last.
+    powers: Vec<Vec<u32>>,
 }
 
-/// A symmetry of the samples that may be composed with others.
-struct Element {
-    partners: Vec<u32>,
-    inverse: Vec<u32>,
-    reverses: bool,
+impl Rotation {
+    fn order(&self) -> usize {
+        self.powers.len() + 1
+    }
+
+    fn isometry(&self) -> f64 {
+        self.map.judged.isometry_score
+    }
 }
 
-/// The cyclic groups of what was found so far.
-struct Groups {
-    /// The samples in the embedding in which maps are compared.
+/// The search for the cyclic groups of one shell.
+struct Groups<'a> {
+    shell: &'a PreparedShell,
+    target: MatchTarget<'a>,
+    /// Of the samples on which candidates are refined.
+    refiner: &'a SampleRefiner<'a>,
+    scorer: &'a Scorer<'a>,
+    options: &'a Options,
+    progress: &'a Progress<'a>,
+    /// The vertices in the embedding in which maps are compared.
     rows: Vec<[f64; SPREAD_COORDINATES]>,
-    /// [`Score::isometry`] of the best symmetry of any kind.
+    /// Score of the best symmetry of any kind.
     best: f64,
-    found: Vec<Generator>,
+    found: Vec<Rotation>,
+    /// Images of the samples under the candidates that were finished in vain.
+    refused: Vec<Vec<u32>>,
 }
 
-impl Groups {
-    fn is_same(&self, first: &[u32], second: &[u32]) -> bool {
-        mean_distance(&self.rows, first, second) < DISTINCT
-    }
-
-    fn is_identity(&self, partners: &[u32]) -> bool {
-        let identity: Vec<u32> = (0..partners.len() as u32).collect();
-        self.is_same(partners, &identity)
-    }
-
-    /// Whether some group holds the map.
-    fn is_known(&self, partners: &[u32]) -> bool {
-        self.found.iter().any(|known| known.powers.iter().any(|power| self.is_same(power, partners)))
-    }
-
-    /// The powers of a map that is a rotation of order three or more.
-    fn powers(&self, partners: &[u32]) -> Option<Vec<Vec<u32>>> {
-        powers(partners, |power| self.is_identity(power)).filter(|powers| powers.len() > 1)
-    }
-
-    /// Adds a rotation that no group holds, instead of the groups that its own one holds; returns whether it did.
-    fn add(&mut self, candidate: Candidate) -> bool {
-        let isometry = candidate.score.isometry();
-        if isometry >= self.best + GAP || self.is_known(&candidate.partners) {
-            return false;
-        }
-        let Some(powers) = self.powers(&candidate.partners) else { return false };
-        let mut found = std::mem::take(&mut self.found);
-        found.retain(|known| !powers.iter().any(|power| self.is_same(power, &known.candidate.partners)));
-        found.push(Generator { candidate, powers });
-        (self.found, self.best) = (found, self.best.min(isometry));
-        true
-    }
-
-    /// Adds the rotations that follow from what was found and from the `elements`.
-    fn complete(
-        &mut self,
-        refiner: &SampleRefiner,
-        scorer: &Scorer,
-        mut elements: Vec<Element>,
-        progress: &Progress,
-    ) -> Result<()> {
-        let of_generator = |generator: &Generator| Element {
-            partners: generator.powers[0].clone(),
-            inverse: generator.powers[generator.powers.len() - 1].clone(),
-            reverses: false,
+impl Groups<'_> {
+    /// Candidates from starts, the best first.
+    fn search(&self) -> Result<Vec<Candidate>> {
+        let (samples, eigenvalues) = (self.refiner.samples, &self.shell.basis.eigenvalues);
+        let lengths = LENGTHS.map(|length| length.min(samples.rows.ncols()));
+        let of_order = |order: usize| -> Vec<Mat<f64>> {
+            let width = self.options.beam_width;
+            let found = search(samples, eigenvalues, Sought::Rotations(order), &lengths, width);
+            let generators = |starts: Vec<Mat<f64>>| {
+                starts.into_iter().filter(|start| is_generator(start, order)).take(PROPOSALS)
+            };
+            found.into_iter().flat_map(generators).collect()
         };
-        elements.extend(self.found.iter().map(of_generator));
-        let size = CANDIDATE_SIZE.min(refiner.samples.rows.ncols());
-        let mut tried: Vec<Vec<u32>> = Vec::new();
+        let orders = (3..=LARGEST_ORDER).collect();
+        let mut starts = threads::map(self.options.threads, orders, of_order).concat();
+        starts.extend(rotations_of_three(eigenvalues));
+        let (seen, token) = (Mutex::default(), self.progress.token());
+        let tried = threads::map(self.options.threads, starts, |start| {
+            token.check()?;
+            try_start(self.refiner, self.scorer, &start, Projection::Orthogonal, &seen)
+        });
+        let tried: Vec<Option<Candidate>> = tried.into_iter().collect::<Result<_>>()?;
+        let mut candidates: Vec<Candidate> = tried.into_iter().flatten().collect();
+        candidates.sort_by(|a, b| {
+            let scores = a.score.isometry().total_cmp(&b.score.isometry());
+            scores.then_with(|| a.partners.cmp(&b.partners))
+        });
+        Ok(candidates)
+    }
+
+    /// Finishes what may be a rotation that no group holds, and adds it if it is one, instead of the groups that its own one
+    /// holds; returns whether it did.
+    fn consider(&mut self, candidate: Candidate) -> Result<bool> {
+        let images = self.images(&candidate.partners);
+        let may_be = candidate.score.kind() == Some(SymmetryKind::HalfTurn)
+            && !candidate.score.is_identity()
+            && candidate.score.isometry() < self.best + GAP
+            && self.found.len() + self.refused.len() < FINISHED + 2 * self.options.rotations
+            && !self.is_known(&images)
+            && self.is_nearly_cyclic(&candidate.partners);
+        if !may_be {
+            return Ok(false);
+        }
+        let map = finish(self.shell, &self.target, &candidate, self.progress)?;
+        let identity: Vec<u32> = (0..self.rows.len() as u32).collect();
+        let powers = powers(&map.images.partners, |power| self.is_same(power, &identity));
+        let of_samples = |images: &[u32]| self.at_samples(images);
+        match powers.filter(|powers| powers.len() > 1 && map.judged.accepted(self.options.plausibility)) {
+            Some(powers) if !self.is_known(&of_samples(&powers[0])) => {
+                let own: Vec<Vec<u32>> = powers.iter().map(|power| of_samples(power)).collect();
+                let mut found = std::mem::take(&mut self.found);
+                found.retain(|other| {
+                    let other = self.at_samples(&other.powers[0]);
+                    !own.iter().any(|power| self.is_same(power, &other))
+                });
+                found.push(Rotation { map, powers });
+                (self.found, self.best) = (found, self.best.min(candidate.score.isometry()));
+                Ok(true)
+            }
+            _ => {
+                self.refused.push(images);
+                Ok(false)
+            }
+        }
+    }
+
+    /// Considers what follows from the `involutions` and the rotations that were found: their products and conjugates.
+    fn compose(&mut self, involutions: &[(ShellSymmetry, SymmetryKind)]) -> Result<()> {
+        let size = CANDIDATE_SIZE.min(self.refiner.samples.rows.ncols());
+        let leading = |map: &ShellSymmetry| map.map.submatrix(0, 0, size, size).to_owned();
+        let of_involution = |(map, kind): &(ShellSymmetry, SymmetryKind)| Element {
+            map: leading(map),
+            reverses: *kind == SymmetryKind::Reflection,
+        };
+        let of_rotation = |rotation: &Rotation| Element { map: leading(&rotation.map), reverses: false };
+        let mut elements: Vec<Element> = involutions.iter().map(of_involution).collect();
+        elements.extend(self.found.iter().map(of_rotation));
         let mut later = 1;
         while later < elements.len().min(MOST_COMPOSED) {
             for earlier in 0..later {
-                progress.check()?;
-                for partners in words(&elements[earlier], &elements[later]) {
-                    let is_new = !self.is_known(&partners) && self.powers(&partners).is_some();
-                    if !is_new || tried.iter().any(|other| self.is_same(other, &partners)) {
+                self.progress.check()?;
+                for word in words(&elements[earlier], &elements[later]) {
+                    let partners = self.refiner.partners(&word);
+                    if self.is_known(&self.images(&partners)) || !self.is_nearly_cyclic(&partners) {
                         continue;
                     }
-                    let start = refiner.estimate(&partners, size, Projection::Orthogonal)?;
-                    let map = refiner.refine(start, &[size; ROUNDS], Projection::Orthogonal)?;
-                    tried.push(partners);
-                    let partners = refiner.partners(&map);
-                    let score = scorer.score_of(&map, &partners)?;
-                    let candidate = Candidate { map, partners, score, doubts: Vec::new() };
-                    if keeps_orientation(&score) && !score.is_identity() && self.add(candidate) {
-                        elements.extend(self.found.last().map(of_generator));
+                    let map = self.refiner.refine(word, &[size; ROUNDS], Projection::Orthogonal)?;
+                    let partners = self.refiner.partners(&map);
+                    let score = self.scorer.score_of(&map, &partners)?;
+                    if self.consider(Candidate { map, partners, score, doubts: Vec::new() })? {
+                        elements.extend(self.found.last().map(of_rotation));
                     }
                 }
             }
@@ -234,17 +218,72 @@ impl Groups {
         }
         Ok(())
     }
+
+    /// The vertices to which candidates send the samples.
+    fn images(&self, partners: &[u32]) -> Vec<u32> {
+        partners.iter().map(|&partner| self.refiner.samples.vertices[partner as usize]).collect()
+    }
+
+    /// What all vertices' `images` are at the samples.
+    fn at_samples(&self, images: &[u32]) -> Vec<u32> {
+        self.refiner.samples.vertices.iter().map(|&vertex| images[vertex as usize]).collect()
+    }
+
+    fn is_same(&self, first: &[u32], second: &[u32]) -> bool {
+        mean_distance(&self.rows, first, second) < DISTINCT
+    }
+
+    /// Whether some group holds the map with these images of the samples, or it was finished in vain.
+    fn is_known(&self, images: &[u32]) -> bool {
+        let found = self.found.iter().flat_map(|rotation| &rotation.powers);
+        found.map(|power| self.at_samples(power)).any(|power| self.is_same(&power, images))
+            || self.refused.iter().any(|refused| self.is_same(refused, images))
+    }
+
+    /// Whether a power of three or more comes back to the samples, or nearly so, and no lower one.
+    fn is_nearly_cyclic(&self, partners: &[u32]) -> bool {
+        let own = &self.refiner.samples.vertices;
+        let way = |power: &[u32]| mean_distance(&self.rows, own, &self.images(power));
+        let next = |power: &Vec<u32>| Some(composed(power, partners));
+        let ways = std::iter::successors(Some(partners.to_vec()), next).take(LARGEST_ORDER);
+        let ways: Vec<f64> = ways.map(|power| way(&power)).collect();
+        ways[..2].iter().all(|way| *way > DISTINCT) && ways[2..].iter().any(|way| *way < HOPELESS)
+    }
+}
+
+/// Whether the order of a start is `order` and no less, and its first pair that turns turns by less than 180 degrees: else
+/// its inverse does.
+fn is_generator(start: &Mat<f64>, order: usize) -> bool {
+    let mut power = start.clone();
+    for _ in 1..order {
+        if mean_trace(&power) > 1.0 - 1e-5 {
+            return false;
+        }
+        power = product(power.as_ref(), start.as_ref());
+    }
+    let first_turn = (1..start.nrows()).map(|j| start[(j - 1, j)]).find(|sine| sine.abs() > 1e-5);
+    first_turn.is_some_and(|sine| sine > 0.0)
+}
+
+/// A symmetry that may be composed with others.
+struct Element {
+    /// Its functional map: the transpose is that of its inverse.
+    map: Mat<f64>,
+    reverses: bool,
 }
 
 /// The products of two symmetries, and their conjugates, that keep orientation.
-fn words(a: &Element, b: &Element) -> Vec<Vec<u32>> {
-    let conjugate = |by: &Element, of: &Element| {
-        (!of.reverses).then(|| composed(&composed(&by.inverse, &of.partners), &by.partners))
-    };
-    let mut words: Vec<Vec<u32>> = [conjugate(a, b), conjugate(b, a)].into_iter().flatten().collect();
+fn words(a: &Element, b: &Element) -> Vec<Mat<f64>> {
+    let (first, second) = (a.map.as_ref(), b.map.as_ref());
+    let mut words = Vec::new();
+    if !b.reverses {
+        words.push(product(product(first.transpose(), second).as_ref(), first));
+    }
+    if !a.reverses {
+        words.push(product(product(second.transpose(), first).as_ref(), second));
+    }
     if a.reverses == b.reverses {
-        words.extend([composed(&a.partners, &b.partners), composed(&a.partners, &b.inverse)]);
-        words.push(composed(&b.partners, &a.partners));
+        words.extend([product(first, second), product(first, second.transpose())]);
     }
     words
 }
@@ -287,13 +326,27 @@ mod tests {
         assert!(powers(&turned(5, 0), is_identity).is_none());
     }
 
+    /// A rotation of the plane by `parts` of twelve, or a reflection in the line at half that angle.
+    fn of_plane(parts: f64, reverses: bool) -> Element {
+        let (sine, cosine) = (std::f64::consts::TAU * parts / 12.0).sin_cos();
+        let sign = if reverses { -1.0 } else { 1.0 };
+        let rows = [[cosine, sine], [-sign * sine, sign * cosine]];
+        Element { map: Mat::from_fn(2, 2, |i, j| rows[i][j]), reverses }
+    }
+
     #[test]
-    fn two_reflections_make_a_rotation_and_none_is_made_of_a_reflection_and_a_half_turn() {
-        let element = |partners: Vec<u32>, reverses| Element { inverse: partners.clone(), partners, reverses };
-        let (upright, diagonal) =
-            (element(vec![1, 0, 3, 2], true), element(vec![0, 3, 2, 1], true));
-        assert_eq!(words(&upright, &diagonal), [turned(4, 3), turned(4, 3), turned(4, 1)]);
-        let half_turn = element(turned(4, 2), false);
-        assert_eq!(words(&upright, &half_turn), [turned(4, 2)]);
+    fn two_reflections_make_a_rotation_and_one_conjugates_another_s_rotation_to_its_inverse() {
+        let is = |word: &Mat<f64>, parts: f64| (word - of_plane(parts, false).map).norm_max() < 1e-12;
+        let words_of = words(&of_plane(0.0, true), &of_plane(3.0, true));
+        assert!(words_of.len() == 2 && is(&words_of[0], 3.0) && is(&words_of[1], 3.0));
+        let words_of = words(&of_plane(0.0, true), &of_plane(4.0, false));
+        assert!(words_of.len() == 1 && is(&words_of[0], -4.0));
+    }
+
+    #[test]
+    fn a_generator_has_its_whole_order_and_turns_first_by_less_than_half() {
+        for (parts, order, expected) in [(1.0, 12, true), (2.0, 12, false), (2.0, 6, true), (10.0, 6, false)] {
+            assert_eq!(is_generator(&of_plane(parts, false).map, order), expected, "{parts} of 12, {order}");
+        }
     }
 }
