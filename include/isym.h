@@ -37,7 +37,8 @@ typedef struct isym_options isym_options;
 // Progress of a call, and the way to cancel it. Make one for each call: once cancelled it stays so.
 typedef struct isym_progress isym_progress;
 
-// What was found on a mesh: symmetries (reflections, best first, then half turns) and a report. It never changes.
+// What was found on a mesh: symmetries (reflections, best first, then half turns, then rotations if these were asked for)
+// and a report. It never changes.
 typedef struct isym_result isym_result;
 
 // What a call answers: `ISYM_OK`, or one of the `ISYM_ERROR_` codes. A code is never given another meaning;
@@ -148,6 +149,12 @@ typedef struct {
 
 // Keeps orientation and is its own inverse. It has no sides and no fixed curve.
 #define ISYM_KIND_HALF_TURN 1
+
+// EXPERIMENTAL, found only with the option "rotations" above 0. Keeps orientation and is the identity after as many times as
+// `isym_result_order` says, three or more. Partners are images: the partner of a partner is another vertex. It has no
+// sides and no fixed curve, and vertices of other shells than the largest have no partner. The tools that mirror refuse it:
+// `ISYM_ERROR_OPTION`.
+#define ISYM_KIND_ROTATION 2
 
 // Every vertex: the two sides are exchanged. This is also how an attribute named "left" becomes "right".
 #define ISYM_MERGE_SWAP 0
@@ -365,6 +372,12 @@ isym_status isym_result_summary(const isym_result *result,
                                 size_t symmetry,
                                 isym_summary *summary);
 
+// Reads after how many times symmetry `symmetry` is the identity: 2 for a reflection and a half turn, 3 or more for a
+// rotation (EXPERIMENTAL).
+isym_status isym_result_order(const isym_result *result,
+                              size_t symmetry,
+                              size_t *order);
+
 // Copies the partner vertex of each vertex out; -1 for a vertex that no face uses.
 isym_status isym_result_partners(const isym_result *result,
                                  size_t symmetry,
@@ -379,7 +392,7 @@ isym_status isym_result_confidences(const isym_result *result,
                                     size_t vertex_count);
 
 // Copies each vertex's side out: 1 and -1 on the two sides, 0 on the fixed curve, without partner, and
-// everywhere for a half turn. Which side is 1 has no meaning.
+// everywhere for a half turn and a rotation. Which side is 1 has no meaning.
 isym_status isym_result_sides(const isym_result *result,
                               size_t symmetry,
                               int8_t *sides,
@@ -397,8 +410,8 @@ isym_status isym_result_surface_points(const isym_result *result,
                                        float *barycentrics,
                                        size_t vertex_count);
 
-// Copies out a colour for each vertex that its partner shares, and distinct pairs do not: the colours that the
-// command line writes. Grey where there is no partner or no confidence.
+// Copies out a colour for each vertex that its partner shares (all its images under a rotation, nearly), and distinct
+// pairs do not: the colours that the command line writes. Grey where there is no partner or no confidence.
 //
 // `colours`: 3 * vertex_count numbers: red, green, blue of each vertex, sRGB.
 isym_status isym_result_pair_colours(const isym_result *result,
@@ -443,7 +456,8 @@ isym_status isym_result_report(const isym_result *result,
 //
 // All arrays have one entry (`corners` and `barycentrics` three) for each of the mesh's vertices, in the form
 // in which this library gave them. Positions may have changed since; the connectivity may not (compare
-// `isym_mesh_connectivity_hash`). An entry that cannot be right is `ISYM_ERROR_VALUE`, and named.
+// `isym_mesh_connectivity_hash`). An entry that cannot be right is `ISYM_ERROR_VALUE`, and named; so is
+// `ISYM_KIND_ROTATION`, which no tool takes.
 isym_status isym_result_restore(const isym_mesh *mesh,
                                 isym_kind kind,
                                 const int32_t *partners,

@@ -54,7 +54,7 @@ impl Score {
             + DISAGREEMENT_WEIGHT * self.disagreement
     }
 
-    /// What the orientation says the map is; `None` between the two.
+    /// What the orientation says the map is, if it is its own inverse; `None` between the two.
     ///
     /// A shell that cannot be oriented gives no evidence (exactly 0) and passes as a reflection.
     pub fn kind(&self) -> Option<SymmetryKind> {
@@ -63,6 +63,12 @@ impl Score {
             o if o > ORIENTED => Some(SymmetryKind::HalfTurn),
             _ => None,
         }
+    }
+
+    /// Whether the orientation says that the map is one of this kind, of whatever order.
+    pub fn is_of(&self, kind: SymmetryKind) -> bool {
+        let reverses = |kind| kind == SymmetryKind::Reflection;
+        self.kind().is_some_and(|own| reverses(own) == reverses(kind))
     }
 
     /// [`Score::total`] with the orientation counted as evidence for either kind.

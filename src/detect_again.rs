@@ -9,6 +9,7 @@ use crate::continuous_family::orbits;
 use crate::correspondence::Symmetry;
 use crate::error::{Error, Result};
 use crate::full_refinement::MatchTarget;
+use crate::functional_map::Projection;
 use crate::judging_mesh::JudgingMesh;
 use crate::laplacian::IntrinsicSurface;
 use crate::limits::{check_memory, estimated_memory};
@@ -52,6 +53,9 @@ const LEAST: usize = 50;
 /// and the report are new, and [`Report::kept`] says so. Otherwise, or without any, this is [`detect`], and the report
 /// says why.
 ///
+/// Rotations (EXPERIMENTAL) are kept in the same way, up to [`Options::rotations`] of them; as for other symmetries, none that
+/// `previous` has not is looked for.
+///
 /// What is kept knows nothing of vertices that were slid along the surface, on one side alone: after that call
 /// [`detect`].
 ///
@@ -75,7 +79,7 @@ pub fn detect_again<'a>(
         let message = format!("is of a mesh of {} vertices, this one has {vertices}", other.partner.len());
         return Err(Error::Option { name: "previous", message });
     }
-    if previous.symmetries.is_empty() {
+    if !previous.symmetries.iter().any(|symmetry| is_wanted(symmetry, options)) {
         return detect(mesh, options, progress);
     }
     let mut clock = Clock::start();
@@ -90,6 +94,11 @@ pub fn detect_again<'a>(
     let spent = seconds.iter().map(|(_, seconds)| seconds).sum();
     anew.report.seconds.insert(0, ("earlier maps".into(), spent));
     Ok(anew)
+}
+
+/// Whether symmetries of this kind are asked for.
+fn is_wanted(symmetry: &Symmetry, options: &Options) -> bool {
+    options.rotations > 0 || !symmetry.kind.is_rotation()
 }
 
 /// `previous` as far as they are symmetries of this shape, as judged on the kept mesh, or on a new one if that does not
@@ -131,7 +140,8 @@ fn keep(
     let judge = || -> Result<Vec<(ShellSymmetry, &Symmetry)>> {
         let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
         let mut maps = Vec::new();
-        for symmetry in previous {
+        for symmetry in previous.iter().filter(|symmetry| is_wanted(symmetry, options)) {
+            let target = target.with_projection(Projection::of(symmetry.kind));
             let Some(images) = judging.images(mesh, &symmetry.partner) else { break };
             maps.push((of_images(&shell, &target, images)?, symmetry));
         }
@@ -147,13 +157,19 @@ fn keep(
     if maps.first().is_some_and(|(map, symmetry)| is_still(map, symmetry, least)) {
         maps.retain(|(map, symmetry)| is_still(map, symmetry, least));
         retain_symmetries(&mut maps, least);
-        maps.truncate(options.symmetries);
+        let mut left = [options.symmetries, options.rotations];
+        maps.retain(|(_, symmetry)| {
+            let left = &mut left[usize::from(symmetry.kind.is_rotation())];
+            let is_left = *left > 0;
+            *left = left.saturating_sub(1);
+            is_left
+        });
     } else {
         maps.clear();
     }
     let mut symmetries: Vec<Symmetry> =
         maps.iter().map(|(map, symmetry)| judged_again(mesh, symmetry, map)).collect();
-    symmetries.sort_by(|a, b| a.kind.cmp(&b.kind).then(a.score.total_cmp(&b.score)));
+    symmetries.sort_by(|a, b| a.kind.place().cmp(&b.kind.place()).then(a.score.total_cmp(&b.score)));
     clock.lap("earlier maps");
     let outcome = if symmetries.is_empty() { Outcome::None } else { Outcome::Found };
     let report = Report { judged, evidence, kept: true, ..Report::of(mesh) };
@@ -163,7 +179,7 @@ fn keep(
 
 /// Whether `map`, which is `symmetry` on this shape, counts as one of its kind.
 fn is_still(map: &ShellSymmetry, symmetry: &Symmetry, least: usize) -> bool {
-    map.judged.accepted(least) && map.score.kind() == Some(symmetry.kind)
+    map.judged.accepted(least) && map.score.is_of(symmetry.kind)
 }
 
 /// `symmetry` with the numbers that depend on the shape.

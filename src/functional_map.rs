@@ -7,6 +7,7 @@
 
 use crate::dense::{cholesky_solve, gram_cholesky, product, symmetric_eigen};
 use crate::error::{Error, Result};
+use crate::symmetry_kind::SymmetryKind;
 use faer::{Mat, MatRef};
 
 /// What C is projected to after it was estimated from points.
@@ -18,6 +19,13 @@ pub enum Projection {
     Involution,
     /// None: the least-squares estimate itself.
     None,
+}
+
+impl Projection {
+    /// The one that suits symmetries of a kind.
+    pub fn of(kind: SymmetryKind) -> Projection {
+        if kind.is_rotation() { Projection::Orthogonal } else { Projection::Involution }
+    }
 }
 
 /// The diagonal map of a parity vector.

@@ -15,7 +15,7 @@
 //! | functional map -> map of all vertices | [`adjacency`], [`embedded_triangles`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`], [`spread_points`] |
 //! | eigenfunctions -> is there a continuous family of symmetries | [`continuous_family`] |
 //! | finished map -> is it a symmetry at all | [`signature`], [`displacement`], [`acceptance`] |
-//! | all spectral stages of one shell | [`shell_symmetry`] |
+//! | all spectral stages of one shell | [`shell_symmetry`], [`rotations`] (experimental) |
 //! | other shells, confidence, sides | [`companions`], [`confidence`], [`fixed_curve`] |
 //! | connectivity that is itself mirrored -> the exact bijection | [`automorphism`] |
 //! | a fine shell <-> its simplified proxy | [`surface_walk`], [`proxy`] |

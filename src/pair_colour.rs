@@ -6,9 +6,11 @@
 //! so that equal steps look equally large. Confidence fades to grey.
 
 use crate::correspondence::Symmetry;
+use crate::mesh::vector::Vector;
 use crate::mesh::{Mesh, NONE};
 
-/// What a pair has in common: the middle of the two positions, and half their distance.
+/// What a pair has in common: the middle of the two positions, and half their distance; and what the images of a vertex under
+/// a rotation have, nearly: their middle, and half their mean distance from one to the next.
 type Common = [f64; 4];
 
 /// Lightness and chroma of the middle of the range, and how far each is moved.
@@ -44,14 +46,18 @@ pub fn pair_colours(mesh: &Mesh, symmetry: &Symmetry) -> Vec<[u8; 3]> {
 }
 
 fn common_of_pair(mesh: &Mesh, symmetry: &Symmetry, vertex: usize) -> Option<Common> {
-    let partner = usize::try_from(symmetry.partner[vertex]).ok()?;
-    let points = [mesh.point_of_vertex[vertex], mesh.point_of_vertex[partner]];
-    if points.contains(&NONE) {
+    let next = |vertex: &usize| usize::try_from(symmetry.partner[*vertex]).ok();
+    let orbit = std::iter::successors(Some(vertex), next).take(symmetry.kind.order());
+    let points: Vec<u32> = orbit.map(|vertex| mesh.point_of_vertex[vertex]).collect();
+    if points.contains(&NONE) || points.len() < symmetry.kind.order() {
         return None;
     }
-    let [a, b] = points.map(|point| mesh.positions[point as usize]);
-    let half_distance = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt() / 2.0;
-    Some([(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0, (a[2] + b[2]) / 2.0, half_distance])
+    let places: Vec<Vector> = points.iter().map(|&point| mesh.positions[point as usize]).collect();
+    let count = places.len() as f64;
+    let middle = |k: usize| places.iter().map(|place| place[k]).sum::<f64>() / count;
+    let distance = |(a, b): (&Vector, &Vector)| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
+    let around = places.iter().zip(places.iter().cycle().skip(1)).map(distance).sum::<f64>();
+    Some([middle(0), middle(1), middle(2), around / count / 2.0])
 }
 
 /// The three directions of largest variance, by power iteration with deflation.

@@ -273,7 +273,9 @@ pub(crate) fn retain_symmetries<T>(maps: &mut Vec<(ShellSymmetry, T)>, least: us
 /// What is said to who asks for rotations of order three or more, of which `listed` were found.
 fn about_rotations(listed: usize, continuous: bool) -> String {
     match (listed, continuous) {
-        (_, true) => "; rotations of higher order (experimental) are not sought in a continuous family".into(),
+        (_, true) => {
+            "; rotations of higher order (experimental) are not sought in a continuous family".into()
+        }
         (0, _) => "; no rotation of order 3 to 12 was found (experimental)".into(),
         (1, _) => "; a rotation of higher order was found (experimental)".into(),
         _ => format!("; {listed} rotations of higher order were found (experimental)"),

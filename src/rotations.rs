@@ -9,7 +9,9 @@
 //! finished map, which curvature has drawn to the edges.
 
 use crate::candidate_score::Scorer;
-use crate::candidates::{CANDIDATE_SAMPLES, CANDIDATE_SIZE, Candidate, DISTINCT, GAP, mean_distance, try_start};
+use crate::candidates::{
+    CANDIDATE_SAMPLES, CANDIDATE_SIZE, Candidate, DISTINCT, GAP, mean_distance, try_start,
+};
 use crate::compositions::{ROUNDS, composed};
 use crate::dense::product;
 use crate::error::Result;
@@ -76,7 +78,7 @@ pub fn find(
     }
     groups.compose(involutions)?;
     let mut found = groups.found;
-    found.sort_by(|a, b| b.order().cmp(&a.order()).then(a.isometry().total_cmp(&b.isometry())));
+    found.sort_by(|a, b| b.order().cmp(&a.order()).then(a.map.score.total().total_cmp(&b.map.score.total())));
     found.truncate(options.rotations);
     let with_kind = |rotation: Rotation| {
         let kind = SymmetryKind::Rotation { order: rotation.order() };
@@ -95,10 +97,6 @@ struct Rotation {
 impl Rotation {
     fn order(&self) -> usize {
         self.powers.len() + 1
-    }
-
-    fn isometry(&self) -> f64 {
-        self.map.judged.isometry_score
     }
 }
 
@@ -154,7 +152,7 @@ impl Groups<'_> {
     /// holds; returns whether it did.
     fn consider(&mut self, candidate: Candidate) -> Result<bool> {
         let images = self.images(&candidate.partners);
-        let may_be = candidate.score.kind() == Some(SymmetryKind::HalfTurn)
+        let may_be = candidate.score.is_of(SymmetryKind::HalfTurn)
             && !candidate.score.is_identity()
             && candidate.score.isometry() < self.best + GAP
             && self.found.len() + self.refused.len() < FINISHED + 2 * self.options.rotations
@@ -345,7 +343,8 @@ mod tests {
 
     #[test]
     fn a_generator_has_its_whole_order_and_turns_first_by_less_than_half() {
-        for (parts, order, expected) in [(1.0, 12, true), (2.0, 12, false), (2.0, 6, true), (10.0, 6, false)] {
+        for (parts, order, expected) in [(1.0, 12, true), (2.0, 12, false), (2.0, 6, true), (10.0, 6, false)]
+        {
             assert_eq!(is_generator(&of_plane(parts, false).map, order), expected, "{parts} of 12, {order}");
         }
     }

@@ -1,6 +1,7 @@
 //! The kinds of symmetry: those that are their own inverse, and rotations of higher order.
 
 use serde::{Serialize, Serializer};
+use std::cmp::Reverse;
 
 /// Whether a symmetry reverses orientation (a reflection) or keeps it (a half turn, a rotation).
 ///
@@ -26,6 +27,16 @@ impl SymmetryKind {
             SymmetryKind::Reflection | SymmetryKind::HalfTurn => 2,
             SymmetryKind::Rotation { order } => order,
         }
+    }
+
+    /// Place in a list: reflections, half turns, rotations, of which those of higher order come first.
+    pub fn place(self) -> (usize, Reverse<usize>) {
+        let kind = match self {
+            SymmetryKind::Reflection => 0,
+            SymmetryKind::HalfTurn => 1,
+            SymmetryKind::Rotation { .. } => 2,
+        };
+        (kind, Reverse(self.order()))
     }
 
     /// Whether it is a rotation of order three or more, so not its own inverse.

@@ -10,7 +10,7 @@ use intrinsym::pipeline::{Detection, Outcome, detect};
 use intrinsym::progress::{CancelToken, Progress};
 use intrinsym::symmetry_kind::SymmetryKind;
 use std::cell::{Cell, RefCell};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use support::*;
 
 fn detected(mesh: &Mesh, options: &Options) -> Detection {
@@ -352,6 +352,7 @@ fn options_outside_their_range_are_refused() {
                 proxy_vertices,
                 memory,
                 threads,
+                rotations,
             ] = values;
             Options {
                 eigenfunctions,
@@ -363,6 +364,7 @@ fn options_outside_their_range_are_refused() {
                 proxy_vertices,
                 memory,
                 threads,
+                rotations,
                 ..Options::default()
             }
         };
@@ -444,32 +446,6 @@ fn all_nineteen_involutions_of_a_cube_are_listed_and_no_more() {
         assert!(errors[nearest] < 0.1, "{} beside edges of 0.14", errors[nearest]);
         assert!(listed.insert(nearest), "one is listed twice");
     }
-}
-
-/// The surface of the cube from -1 to 1, each side in `count` times `count` squares.
-fn cube_of_squares(count: usize) -> PolygonMesh {
-    let (mut positions, mut faces) = (Vec::new(), Vec::new());
-    let mut index_of = BTreeMap::new();
-    for side in 0..6 {
-        let (axis, high) = (side / 2, side % 2 == 1);
-        let mut corner = |i: usize, j: usize| {
-            let mut place = [0; 3];
-            place[axis] = if high { count } else { 0 };
-            (place[(axis + 1) % 3], place[(axis + 2) % 3]) = (i, j);
-            *index_of.entry(place).or_insert_with(|| {
-                positions.push(place.map(|value| 2.0 * value as f64 / count as f64 - 1.0));
-                positions.len() as u32 - 1
-            })
-        };
-        for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
-            let mut face = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
-            if !high {
-                face.reverse();
-            }
-            faces.push(face);
-        }
-    }
-    polygon_mesh(&positions, &faces)
 }
 
 /// The 48 matrices that send each axis to an axis.

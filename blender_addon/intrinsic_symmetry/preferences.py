@@ -5,6 +5,10 @@ import bpy
 import intrinsym
 
 
+#: The options that are shown: no tool of the add-on takes a rotation.
+SPECS = [spec for spec in intrinsym.option_specs() if spec.name != "rotations"]
+
+
 def _property_of(spec):
     about = {
         "name": spec.name.replace("_", " ").title(),
@@ -19,7 +23,7 @@ def _property_of(spec):
 class IntrinsicSymmetryPreferences(bpy.types.AddonPreferences):
     bl_idname = __package__
 
-    __annotations__ = {spec.name: _property_of(spec) for spec in intrinsym.option_specs()}
+    __annotations__ = {spec.name: _property_of(spec) for spec in SPECS}
     __annotations__["model"] = bpy.props.StringProperty(
         name="Sign Network",
         description="File of a sign network of your own (ONNX) instead of the built-in one. Use only a file you trust",
@@ -30,7 +34,7 @@ class IntrinsicSymmetryPreferences(bpy.types.AddonPreferences):
         layout = self.layout
         layout.use_property_split = True
         column = layout.column()
-        for spec in intrinsym.option_specs():
+        for spec in SPECS:
             column.prop(self, spec.name)
         column.prop(self, "model")
         layout.label(text=f"Intrinsym {intrinsym.library_version()}")
@@ -42,7 +46,7 @@ def detect_arguments(context):
     if addon is None or addon.preferences is None:
         return {}
     preferences = addon.preferences
-    arguments = {spec.name: getattr(preferences, spec.name) for spec in intrinsym.option_specs()}
+    arguments = {spec.name: getattr(preferences, spec.name) for spec in SPECS}
     if preferences.model:
         arguments["model"] = bpy.path.abspath(preferences.model)
     return arguments

@@ -175,7 +175,9 @@ impl<'a> Matching<'a> {
     fn previous_image(&self, image: u32) -> u32 {
         match self.kind {
             SymmetryKind::Reflection => self.half_edges.next[image as usize],
-            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => self.half_edges.previous[image as usize],
+            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => {
+                self.half_edges.previous[image as usize]
+            }
         }
     }
 
@@ -183,7 +185,9 @@ impl<'a> Matching<'a> {
     fn end_image(&self, image: u32) -> u32 {
         match self.kind {
             SymmetryKind::Reflection => self.half_edges.from_vertex(image),
-            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => self.half_edges.to_vertex[image as usize],
+            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => {
+                self.half_edges.to_vertex[image as usize]
+            }
         }
     }
 

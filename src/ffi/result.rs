@@ -254,8 +254,8 @@ pub unsafe extern "C" fn isym_result_surface_points(
     })
 }
 
-/// Copies out a colour for each vertex that its partner shares, and distinct pairs do not: the colours that the
-/// command line writes. Grey where there is no partner or no confidence.
+/// Copies out a colour for each vertex that its partner shares (all its images under a rotation, nearly), and distinct
+/// pairs do not: the colours that the command line writes. Grey where there is no partner or no confidence.
 ///
 /// `colours`: 3 * vertex_count numbers: red, green, blue of each vertex, sRGB.
 #[unsafe(no_mangle)]
@@ -473,7 +473,9 @@ fn kind_of(kind: isym_kind) -> Result<SymmetryKind> {
     match kind {
         ISYM_KIND_REFLECTION => Ok(SymmetryKind::Reflection),
         ISYM_KIND_HALF_TURN => Ok(SymmetryKind::HalfTurn),
-        ISYM_KIND_ROTATION => Err(Fault::new(ISYM_ERROR_VALUE, "a rotation cannot be restored: no tool takes one")),
+        ISYM_KIND_ROTATION => {
+            Err(Fault::new(ISYM_ERROR_VALUE, "a rotation cannot be restored: no tool takes one"))
+        }
         _ => Err(Fault::new(ISYM_ERROR_VALUE, format!("{kind} is no kind of symmetry"))),
     }
 }

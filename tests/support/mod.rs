@@ -6,7 +6,6 @@ use intrinsym::limits::Limits;
 use intrinsym::mesh::{Mesh, PolygonMesh, io};
 use intrinsym::options::Options;
 use intrinsym::pipeline::{Detection, Outcome};
-use intrinsym::symmetry_kind::SymmetryKind;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -187,6 +186,32 @@ pub fn rectangle(columns: usize, rows: usize, [width, height]: [f64; 2]) -> Poly
     polygon_mesh(&positions, &squares.flat_map(cut).collect::<Vec<_>>())
 }
 
+/// The surface of the cube from -1 to 1, each side in `count` times `count` squares.
+pub fn cube_of_squares(count: usize) -> PolygonMesh {
+    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    let mut index_of = BTreeMap::new();
+    for side in 0..6 {
+        let (axis, high) = (side / 2, side % 2 == 1);
+        let mut corner = |i: usize, j: usize| {
+            let mut place = [0; 3];
+            place[axis] = if high { count } else { 0 };
+            (place[(axis + 1) % 3], place[(axis + 2) % 3]) = (i, j);
+            *index_of.entry(place).or_insert_with(|| {
+                positions.push(place.map(|value| 2.0 * value as f64 / count as f64 - 1.0));
+                positions.len() as u32 - 1
+            })
+        };
+        for (i, j) in (0..count).flat_map(|i| (0..count).map(move |j| (i, j))) {
+            let mut face = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+            if !high {
+                face.reverse();
+            }
+            faces.push(face);
+        }
+    }
+    polygon_mesh(&positions, &faces)
+}
+
 fn example_path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("examples").join(name)
 }
@@ -272,9 +297,13 @@ impl Roads {
 /// What the documentation of [`Detection`] and [`Symmetry`] promises.
 pub fn assert_keeps_its_contract(mesh: &Mesh, options: &Options, found: &Detection) {
     assert_eq!(found.outcome == Outcome::Found, !found.symmetries.is_empty());
-    assert!(found.symmetries.len() <= options.symmetries);
-    let rank = |symmetry: &Symmetry| (symmetry.kind == SymmetryKind::HalfTurn, symmetry.score);
-    assert!(found.symmetries.iter().map(rank).is_sorted(), "reflections, then half turns, each best first");
+    let rotations = found.symmetries.iter().filter(|symmetry| symmetry.kind.is_rotation()).count();
+    assert!(found.symmetries.len() - rotations <= options.symmetries && rotations <= options.rotations);
+    let rank = |symmetry: &Symmetry| (symmetry.kind.place(), symmetry.score);
+    assert!(
+        found.symmetries.iter().map(rank).is_sorted(),
+        "reflections, half turns, rotations, each best first"
+    );
     assert!(found.report.eigenvalues.is_sorted() && !found.report.evidence.is_empty());
     assert_eq!((found.report.vertices, found.report.faces), (mesh.point_of_vertex.len(), mesh.face_count));
     for symmetry in &found.symmetries {

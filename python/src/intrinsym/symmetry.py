@@ -29,6 +29,10 @@ class SymmetryKind(IntEnum):
     REFLECTION = 0
     #: Keeps orientation and is its own inverse. It has no sides and no fixed curve.
     HALF_TURN = 1
+    #: EXPERIMENTAL, found only with the option ``rotations`` above 0. Keeps orientation and is the identity after
+    #: :attr:`Symmetry.order` times, three or more. No sides, no fixed curve, no partners on other shells than the largest,
+    #: and the tools that mirror refuse it.
+    ROTATION = 2
 
 
 class Merge(IntEnum):
@@ -106,8 +110,15 @@ class Symmetry:
 
     @property
     def kind(self) -> SymmetryKind:
-        """Reflection or half turn."""
+        """Reflection, half turn or rotation."""
         return SymmetryKind(self._summary.kind)
+
+    @property
+    def order(self) -> int:
+        """After how many times it is the identity: 2, or 3 and more for a rotation (experimental)."""
+        order = ctypes.c_size_t()
+        LIBRARY.isym_result_order(self._result.pointer, self._index, ctypes.byref(order))
+        return order.value
 
     @property
     def score(self) -> float:
@@ -126,7 +137,11 @@ class Symmetry:
 
     @cached_property
     def partner(self) -> NDArray[np.int32]:
-        """(vertices,) int32: the vertex that is the mirror image; -1 for a vertex that no face uses."""
+        """(vertices,) int32: the vertex that is the mirror image; -1 for a vertex that no face uses.
+
+        Of a rotation (experimental) the image: ``partner[partner]`` is not each vertex itself, and other shells than the
+        largest have -1.
+        """
         return self._read("partners", np.int32)
 
     @cached_property
