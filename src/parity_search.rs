@@ -164,7 +164,7 @@ fn extend_all(
 
 fn block_options(size: usize, sought: Sought) -> Vec<Block> {
     match (size, sought) {
-        (1, Sought::Rotations(order)) if order % 2 == 1 => vec![Block::Single(1.0)],
+        (1, Sought::Rotations(order)) if !order.is_multiple_of(2) => vec![Block::Single(1.0)],
         (1, _) => vec![Block::Single(1.0), Block::Single(-1.0)],
         (_, Sought::Involutions) => involutions_of_pair(),
         (_, Sought::Rotations(order)) => rotations_of_pair(order),
@@ -178,7 +178,7 @@ fn rotations_of_pair(order: usize) -> Vec<Block> {
         Block::Pair([[cosine as f32, sine as f32], [-sine as f32, cosine as f32]])
     };
     let mut options: Vec<Block> = (0..order).map(rotation).collect();
-    if order % 2 == 0 {
+    if order.is_multiple_of(2) {
         options.extend([1.0, -1.0].map(|sign| Block::Pair([[sign, 0.0], [0.0, -sign]])));
     }
     options

@@ -64,7 +64,9 @@ fn bar() -> PolygonMesh {
 /// The least mean distance of the partners from the images under a rotation about the z axis that generates all those of
 /// `order`.
 fn error_about_z(polygons: &PolygonMesh, symmetry: &Symmetry, order: usize) -> f64 {
-    let generators = (1..order).filter(|times| (2..=order).all(|d| times % d != 0 || order % d != 0));
+    let generators = (1..order).filter(|&times: &usize| {
+        (2..=order).all(|divisor| !times.is_multiple_of(divisor) || !order.is_multiple_of(divisor))
+    });
     let error = |times: usize| {
         let angle = TAU * times as f64 / order as f64;
         let away = |(&position, &partner): (&Vector, &i32)| {
