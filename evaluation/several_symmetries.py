@@ -97,6 +97,8 @@ def legged(length: float, width: float) -> Distance:
 
 
 CUBE_CORNERS = list(itertools.product((-1, 1), repeat=3))
+GOLDEN = (1 + np.sqrt(5)) / 2
+ICOSAHEDRON_CORNERS = [np.roll([0, a, b * GOLDEN], turn) for a, b in itertools.product((-1, 1), repeat=2) for turn in range(3)]
 SOLIDS = {
     "box 1 : 1.5 : 2": box(0.5, 0.75, 1.0),
     "square bar 1 : 1 : 4": box(0.3, 0.3, 1.2),
@@ -105,33 +107,46 @@ SOLIDS = {
     "hexagonal prism": prism(6, 0.6, 0.9),
     "octahedron": halfspaces(CUBE_CORNERS, 0.7),
     "tetrahedron": halfspaces([c for c in CUBE_CORNERS if np.prod(c) > 0], 0.4),
+    "dodecahedron": halfspaces(ICOSAHEDRON_CORNERS, 0.7),
     "table": legged(1.1, 0.7),
     "square table": legged(0.8, 0.8),
     "star of 3 arms": star(3),
     "star of 4 arms": star(4),
     "star of 5 arms": star(5),
     "star of 6 arms": star(6),
+    "star of 8 arms": star(8),
     "bent star of 4 arms": star(4, 1.0),
     "pinwheel of 2 arms": pinwheel(2),
     "pinwheel of 3 arms": pinwheel(3),
     "pinwheel of 4 arms": pinwheel(4),
     "pinwheel of 5 arms": pinwheel(5),
     "pinwheel of 6 arms": pinwheel(6),
+    "pinwheel of 8 arms": pinwheel(8),
+    "pinwheel of 12 arms": pinwheel(12),
 }
 
 
 def orthogonal_matrices() -> list[np.ndarray]:
-    """The isometries of the cube and of the prisms of 3 to 6 sides."""
+    """The isometries of the cube, of the dodecahedron and of the prisms of 3 to 6, 8 and 12 sides."""
+    fifth = Rotation.from_rotvec(2 * np.pi / 5 * np.array([0, 1, GOLDEN]) / np.hypot(1, GOLDEN)).as_matrix()
+    third = np.roll(np.eye(3), 1, axis=0)
     signed = [np.eye(3)[list(order)] * np.array(signs)[:, None]
               for order in itertools.permutations(range(3)) for signs in itertools.product((-1, 1), repeat=3)]
     turns = []
-    for angle in {2 * np.pi * part / sides for sides in (3, 4, 5, 6) for part in range(sides)}:
+    for angle in {2 * np.pi * part / sides for sides in (3, 4, 5, 6, 8, 12) for part in range(sides)}:
         turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
         turns += [turn * [1, y, z] for y, z in itertools.product((-1, 1), repeat=2)]
     found: list[np.ndarray] = []
-    for matrix in signed + turns:
-        if not any(np.allclose(matrix, other) for other in found):
-            found.append(matrix)
+
+    def add(matrices):
+        for matrix in matrices:
+            if not any(np.allclose(matrix, other) for other in found):
+                found.append(matrix)
+
+    add([-np.eye(3), fifth, third])
+    for matrix in found:  # which grows on the way, to all products
+        add([matrix @ fifth, matrix @ third, -matrix])
+    add(signed + turns)
     return found
 
 
