@@ -9,6 +9,7 @@ compares what is listed with the solid's own isometries.
 from __future__ import annotations
 
 import argparse
+import functools
 import itertools
 import json
 from collections.abc import Callable
@@ -98,7 +99,9 @@ def legged(length: float, width: float) -> Distance:
 
 CUBE_CORNERS = list(itertools.product((-1, 1), repeat=3))
 GOLDEN = (1 + np.sqrt(5)) / 2
-ICOSAHEDRON_CORNERS = [np.roll([0, a, b * GOLDEN], turn) for a, b in itertools.product((-1, 1), repeat=2) for turn in range(3)]
+ICOSAHEDRON_CORNERS = [np.roll([0, a, b * GOLDEN], turn)
+                       for a, b in itertools.product((-1, 1), repeat=2) for turn in range(3)]
+# New ones go to the end: the random turns of the others stay as they are.
 SOLIDS = {
     "box 1 : 1.5 : 2": box(0.5, 0.75, 1.0),
     "square bar 1 : 1 : 4": box(0.3, 0.3, 1.2),
@@ -107,14 +110,12 @@ SOLIDS = {
     "hexagonal prism": prism(6, 0.6, 0.9),
     "octahedron": halfspaces(CUBE_CORNERS, 0.7),
     "tetrahedron": halfspaces([c for c in CUBE_CORNERS if np.prod(c) > 0], 0.4),
-    "dodecahedron": halfspaces(ICOSAHEDRON_CORNERS, 0.7),
     "table": legged(1.1, 0.7),
     "square table": legged(0.8, 0.8),
     "star of 3 arms": star(3),
     "star of 4 arms": star(4),
     "star of 5 arms": star(5),
     "star of 6 arms": star(6),
-    "star of 8 arms": star(8),
     "bent star of 4 arms": star(4, 1.0),
     "pinwheel of 2 arms": pinwheel(2),
     "pinwheel of 3 arms": pinwheel(3),
@@ -123,9 +124,12 @@ SOLIDS = {
     "pinwheel of 6 arms": pinwheel(6),
     "pinwheel of 8 arms": pinwheel(8),
     "pinwheel of 12 arms": pinwheel(12),
+    "star of 8 arms": star(8),
+    "dodecahedron": halfspaces(ICOSAHEDRON_CORNERS, 0.7),
 }
 
 
+@functools.cache
 def orthogonal_matrices() -> list[np.ndarray]:
     """The isometries of the cube, of the dodecahedron and of the prisms of 3 to 6, 8 and 12 sides."""
     fifth = Rotation.from_rotvec(2 * np.pi / 5 * np.array([0, 1, GOLDEN]) / np.hypot(1, GOLDEN)).as_matrix()
@@ -175,7 +179,7 @@ def kind(matrix: np.ndarray) -> str:
 def same_symmetry(matrix: np.ndarray, group: list[np.ndarray]) -> frozenset[int]:
     """Which of the `group` the program lists as one: of rotations, the largest cyclic group that holds them."""
     def index(m):
-        return next(i for i, other in enumerate(group) if np.allclose(m, other))
+        return int(np.abs(np.array(group) - m).max((1, 2)).argmin())
 
     if kind(matrix) != "rotation":
         return frozenset({index(matrix)})

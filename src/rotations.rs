@@ -36,6 +36,9 @@ const PROPOSALS: usize = 6;
 /// Mean distance, in radii of the embedding, of some power of a candidate from the identity, from which finishing it is
 /// hopeless.
 const HOPELESS: f64 = 2.0 * DISTINCT;
+/// A power is the identity if it moves the points by less than this share of what any lower one does: on a surface that is
+/// nearly one of revolution some power of any turn comes near to the identity.
+const RETURN: f64 = 0.25;
 /// Maps that are finished at most, beside two for each rotation that is asked for.
 const FINISHED: usize = 8;
 /// Symmetries that are composed with each other, at most.
@@ -163,7 +166,7 @@ impl Groups<'_> {
         }
         let map = finish(self.shell, &self.target, &candidate, self.progress)?;
         let identity: Vec<u32> = (0..self.rows.len() as u32).collect();
-        let powers = powers(&map.images.partners, |power| self.is_same(power, &identity));
+        let powers = powers(&map.images.partners, |power| mean_distance(&self.rows, &identity, power));
         let of_samples = |images: &[u32]| self.at_samples(images);
         match powers.filter(|powers| powers.len() > 1 && map.judged.accepted(self.options.plausibility)) {
             Some(powers) if !self.is_known(&of_samples(&powers[0])) => {
@@ -286,15 +289,18 @@ fn words(a: &Element, b: &Element) -> Vec<Mat<f64>> {
     words
 }
 
-/// The powers of a map below the identity, the map first; `None` if none up to the largest order is the identity, or the map
-/// is.
-fn powers(partners: &[u32], is_identity: impl Fn(&[u32]) -> bool) -> Option<Vec<Vec<u32>>> {
+/// The powers of a map below the identity, the map first; `None` if none up to the largest order comes back as it must, or the
+/// map itself hardly moves anything. `way` is how far a power moves the points, on average.
+fn powers(partners: &[u32], way: impl Fn(&[u32]) -> f64) -> Option<Vec<Vec<u32>>> {
     let mut powers = vec![partners.to_vec()];
-    while powers.len() < LARGEST_ORDER {
+    let mut least = way(partners);
+    while powers.len() < LARGEST_ORDER && least > DISTINCT {
         let next = composed(&powers[powers.len() - 1], partners);
-        if is_identity(&next) {
-            return (!is_identity(partners)).then_some(powers);
+        let left = way(&next);
+        if left < DISTINCT.min(RETURN * least) {
+            return Some(powers);
         }
+        least = least.min(left);
         powers.push(next);
     }
     None
@@ -309,19 +315,28 @@ mod tests {
         (0..corners).map(|corner| (corner + by) % corners).collect()
     }
 
-    fn is_identity(partners: &[u32]) -> bool {
-        (0..).zip(partners).all(|(own, &partner)| own == partner)
+    /// Mean distance along a circle of radius about 1.
+    fn way(partners: &[u32]) -> f64 {
+        let count = partners.len() as f64;
+        let parts = |(own, &partner): (u32, &u32)| f64::from(own.abs_diff(partner)) / count;
+        (0..).zip(partners).map(parts).map(|part| part.min(1.0 - part)).sum::<f64>() / count * 6.0
     }
 
     #[test]
     fn the_order_is_the_first_power_that_is_the_identity() {
         for (corners, by, order) in [(3, 1, 3), (4, 1, 4), (4, 2, 2), (6, 2, 3), (12, 5, 12)] {
-            let powers = powers(&turned(corners, by), is_identity).expect("a rotation");
+            let powers = powers(&turned(corners, by), way).expect("a rotation");
             assert_eq!(powers.len() + 1, order, "{corners} corners by {by}");
-            assert!(is_identity(&composed(&powers[order - 2], &powers[0])), "the last is the inverse");
+            assert_eq!(
+                composed(&powers[order - 2], &powers[0]),
+                turned(corners, 0),
+                "the last is the inverse"
+            );
         }
-        assert!(powers(&turned(13, 1), is_identity).is_none());
-        assert!(powers(&turned(5, 0), is_identity).is_none());
+        assert!(powers(&turned(13, 1), way).is_none());
+        assert!(powers(&turned(5, 0), way).is_none());
+        // A turn by 2 of 7: the fourth power is off by a seventh of a circle, as near as the others' least.
+        assert_eq!(powers(&turned(7, 2), way).map(|powers| powers.len() + 1), Some(7));
     }
 
     /// A rotation of the plane by `parts` of twelve, or a reflection in the line at half that angle.

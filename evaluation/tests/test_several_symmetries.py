@@ -10,7 +10,8 @@ from evaluation.several_symmetries import SOLIDS, Map, isometries, judge, kind, 
     "name, reflections, half_turns, rotations",
     [("box 1 : 1.5 : 2", 4, 3, []), ("cube", 10, 9, [3, 3, 3, 3, 4, 4, 4]), ("tetrahedron", 6, 3, [3, 3, 3, 3]),
      ("triangular prism", 4, 3, [3]), ("table", 2, 1, []), ("star of 5 arms", 6, 5, [5]),
-     ("bent star of 4 arms", 2, 1, [4]), ("hexagonal prism", 8, 7, [6]), ("pinwheel of 3 arms", 0, 0, [3])],
+     ("bent star of 4 arms", 2, 1, [4]), ("hexagonal prism", 8, 7, [6]),
+     ("pinwheel of 3 arms", 0, 0, [3]), ("dodecahedron", 16, 15, [3] * 10 + [5] * 6)],
 )
 def test_a_solid_has_its_own_isometries(name, reflections, half_turns, rotations):
     group = isometries(SOLIDS[name])
