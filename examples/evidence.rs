@@ -35,7 +35,7 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let points = mesh.shells()[0].points.clone();
     let shell =
         PreparedShell::new(IntrinsicSurface::with_mean_curvature(&mesh.shells()[0]), &options, &progress)?;
-    let found = candidates(&shell, &signs(&shell, &options)?, 1, &options, &progress)?;
+    let found = candidates(&shell, &signs(&shell.surface, &shell.basis, &options)?, 1, &options, &progress)?;
     let Some(candidate) = found.first() else { return Ok(String::new()) };
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
     let map = finish(&shell, &target, candidate, &progress)?;

@@ -14,10 +14,12 @@ use crate::functional_map::{Projection, project};
 use crate::laplacian::IntrinsicSurface;
 use crate::mesh_descent::{MeshDescent, Seeds};
 use crate::progress::CancelToken;
+use crate::threads;
 use crate::vertex_rows::{Guide, VertexRows};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A shell with what matching on all its vertices needs; clones share it.
@@ -137,7 +139,7 @@ impl<'a> MatchTarget<'a> {
             graph: &self.graph,
             triangles: &self.surface.triangles,
             fans: &self.fans,
-            queries: &source.rows.mapped(map),
+            queries: &source.rows.mapped(map, self.threads),
             targets: &self.rows,
             columns: self.rows.columns(map.ncols(), guide),
             threads: self.threads,
@@ -152,7 +154,7 @@ impl<'a> MatchTarget<'a> {
     /// What `rows` of the vertices give at `points`.
     pub fn rows_at(&self, rows: &VertexRows, points: &[TrianglePoint]) -> VertexRows {
         let points = points.iter().map(|point| (self.corners(point), point.barycentric));
-        rows.combined(points, 0..rows.width())
+        rows.combined(points, 0..rows.width(), 1)
     }
 
     /// The corners of `point`'s triangle.
@@ -198,11 +200,20 @@ pub fn estimate(
         (target.corners(point), point.barycentric.map(|weight| weight * *mass as f32))
     };
     let columns = target.rows.columns(target_size, Guide::Eigenfunctions);
-    let pulled = target.rows.combined(images.iter().zip(source.mass).map(weighted), columns);
+    let points = images.iter().zip(source.mass).map(weighted);
+    let pulled = target.rows.combined(points, columns, target.threads);
     let (from, onto) = (source.rows.functions(source_size), pulled.functions(target_size));
-    let mut single = Mat::<f32>::zeros(source_size, target_size);
-    matmul(single.as_mut(), Accum::Replace, from.transpose(), onto, 1.0, Par::Seq);
-    let mut map = Mat::from_fn(source_size, target_size, |i, j| f64::from(single[(i, j)]));
+    let rows = |range: Range<usize>| {
+        let mut rows = Mat::<f32>::zeros(range.len(), target_size);
+        let from = from.subcols(range.start, range.len()).transpose();
+        matmul(rows.as_mut(), Accum::Replace, from, onto, 1.0, Par::Seq);
+        (range.start, rows)
+    };
+    let mut map = Mat::zeros(source_size, target_size);
+    for (first, rows) in threads::map(target.threads, threads::ranges(source_size, target.threads), rows) {
+        let rows = Mat::from_fn(rows.nrows(), target_size, |i, j| f64::from(rows[(i, j)]));
+        map.subrows_mut(first, rows.nrows()).copy_from(&rows);
+    }
     if let Some(lower) = source.gram {
         cholesky_solve(lower.submatrix(0, 0, source_size, source_size), map.as_mut());
     }

@@ -22,6 +22,7 @@ use crate::options::Options;
 use crate::progress::{CancelToken, Progress};
 use crate::proxy::Proxy;
 use crate::rotations;
+use crate::sampling::Samples;
 use crate::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, of_images, signs};
 use crate::sign_network::SignPrediction;
 use crate::symmetry_kind::SymmetryKind;
@@ -136,23 +137,29 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     progress.report("shells", 0.0)?;
     let shells = mesh.shells();
     let token = progress.token().clone();
-    let (proxy, connectivity) = threads::join(
-        options.threads,
-        || Proxy::new(&shells[0], options.proxy_vertices, options.threads),
-        || connectivity(mesh, token),
-    );
+    let solvable = || -> Result<(Option<Proxy>, IntrinsicSurface)> {
+        let proxy = Proxy::new(&shells[0], options.proxy_vertices, options.threads);
+        clock.lap("proxy");
+        let solved = proxy.as_ref().map_or(&shells[0], |proxy| &proxy.shell);
+        let needed = estimated_memory(mesh.positions.len(), solved.points.len(), options.eigenfunctions);
+        check_memory(needed, options.memory)?;
+        let surface = IntrinsicSurface::with_mean_curvature(solved);
+        clock.lap("laplacian");
+        Ok((proxy, surface))
+    };
+    let (solvable, connectivity) = threads::join(options.threads, solvable, || connectivity(mesh, token));
+    let (proxy, surface) = solvable?;
     let (connectivity, unrivalled) = connectivity?;
-    clock.lap("proxy");
-    let solved = proxy.as_ref().map_or(&shells[0], |proxy| &proxy.shell);
-    let needed = estimated_memory(mesh.positions.len(), solved.points.len(), options.eigenfunctions);
-    check_memory(needed, options.memory)?;
-    let surface = IntrinsicSurface::with_mean_curvature(solved);
-    clock.lap("laplacian");
-    let shell = PreparedShell::new(surface, options, progress)?;
-    let orbits = orbits(&shell.surface, &shell.basis);
+    clock.lap("half-edges");
+    let basis = Eigenbasis::new(&surface, options.eigenfunctions, options.threads, progress)?;
     clock.lap("eigenfunctions");
-    let signs = signs(&shell, options)?;
-    clock.lap("sign network");
+    let (samples, (orbits, signs)) = threads::join(
+        options.threads,
+        || Samples::farthest(&basis, options.samples),
+        || (orbits(&surface, &basis), signs(&surface, &basis, options)),
+    );
+    let (shell, signs) = (PreparedShell { surface, basis, samples }, signs?);
+    clock.lap("samples, signs");
     let assembler = Assembler::new(mesh, &shells, &shell, proxy.as_ref(), connectivity, options);
     let mirrored = unrivalled.and_then(|found| assembler.images_of_all(&found));
     let mirrored = mirrored.map(|images| of_images(&shell, &assembler.target, images)).transpose()?;
@@ -189,16 +196,18 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         }
         evidence += &about_rotations(maps.len() - listed, orbits.continuous);
     }
-    let mut symmetries = Vec::new();
-    for (map, kind) in &maps {
-        symmetries.push(assembler.assemble(map, *kind, progress)?);
-    }
-    clock.lap("correspondence");
-    let judging = match maps.is_empty() {
+    let judging = || match maps.is_empty() {
         true => None,
         false => JudgingMesh::of_solved(mesh, &shells[0], proxy.as_ref(), &shell, options).map(Arc::new),
     };
-    clock.lap("judging mesh");
+    let assembled = || -> Result<Vec<Symmetry>> {
+        maps.iter().map(|(map, kind)| assembler.assemble(map, *kind, progress)).collect()
+    };
+    // From a proxy images are carried back on all threads.
+    let at_once = if proxy.is_some() { 1 } else { options.threads };
+    let (symmetries, judging) = threads::join(at_once, assembled, judging);
+    let symmetries = symmetries?;
+    clock.lap("correspondence");
     progress.report("done", 1.0)?;
     let outcome = if symmetries.is_empty() { Outcome::None } else { Outcome::Found };
     let report = Report { signs, judged, evidence, seconds: clock.laps, ..Report::of(mesh) };

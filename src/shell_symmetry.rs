@@ -78,15 +78,19 @@ impl PreparedShell {
 ///
 /// # Errors
 /// [`crate::Error::Model`] or [`crate::Error::File`] if a model of the caller's own cannot be used.
-pub fn signs(shell: &PreparedShell, options: &Options) -> Result<Vec<SignPrediction>> {
-    let k = shell.basis.count().min(PREDICTED_SIGNS);
+pub fn signs(
+    surface: &IntrinsicSurface,
+    basis: &Eigenbasis,
+    options: &Options,
+) -> Result<Vec<SignPrediction>> {
+    let k = basis.count().min(PREDICTED_SIGNS);
     let mut signs = match &options.model {
         _ if options.network == 0 || k < REFERENCES => Vec::new(),
-        Some(path) => predict(&SignNetwork::from_file(path)?, shell, k)?,
-        None if cfg!(feature = "onnx") => predict(SignNetwork::shared()?, shell, k)?,
+        Some(path) => predict(&SignNetwork::from_file(path)?, surface, basis, k)?,
+        None if cfg!(feature = "onnx") => predict(SignNetwork::shared()?, surface, basis, k)?,
         None => Vec::new(),
     };
-    let known = &options.known_signs[..options.known_signs.len().min(shell.basis.count())];
+    let known = &options.known_signs[..options.known_signs.len().min(basis.count())];
     if known.iter().any(|&sign| sign != 0) {
         signs.resize(signs.len().max(known.len()), SignPrediction::UNKNOWN);
         for (sign, &known) in signs.iter_mut().zip(known).filter(|(_, known)| **known != 0) {
@@ -96,9 +100,14 @@ pub fn signs(shell: &PreparedShell, options: &Options) -> Result<Vec<SignPredict
     Ok(signs)
 }
 
-fn predict(network: &SignNetwork, shell: &PreparedShell, k: usize) -> Result<Vec<SignPrediction>> {
-    let picked = area_weighted_vertices(&shell.surface.lumped_mass, NETWORK_POINTS);
-    let functions = &shell.basis.eigenfunctions;
+fn predict(
+    network: &SignNetwork,
+    surface: &IntrinsicSurface,
+    basis: &Eigenbasis,
+    k: usize,
+) -> Result<Vec<SignPrediction>> {
+    let picked = area_weighted_vertices(&surface.lumped_mass, NETWORK_POINTS);
+    let functions = &basis.eigenfunctions;
     let rows: Vec<f64> =
         picked.iter().flat_map(|&vertex| (0..k).map(move |j| functions[(vertex, j)])).collect();
     network.predict(&rows, picked.len(), k)

@@ -3,6 +3,7 @@
 use crate::eigenbasis::Eigenbasis;
 use crate::embedded_triangles::TriangleProducts;
 use crate::laplacian::IntrinsicSurface;
+use crate::threads;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use pulp::{Arch, Simd, WithSimd};
@@ -10,6 +11,9 @@ use std::ops::Range;
 
 /// Weight of the mean curvature beside the eigenfunctions, whose squares have mean 1 each (`docs/method.md`).
 const CURVATURE_WEIGHT: f64 = 8.0;
+
+/// Rows for which a thread is started.
+const LEAST_PER_THREAD: usize = 1000;
 
 /// What images are sought by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,34 +69,51 @@ impl VertexRows {
         VertexRows { values, ..*self }
     }
 
-    /// At each of `points` (three rows and their weights) the weighted sum of the rows, of which only `columns`.
+    /// At each of `points` (three rows and their weights) the weighted sum of the rows, of which only `columns`; on at
+    /// most `threads` threads.
     pub fn combined(
         &self,
         points: impl Iterator<Item = ([u32; 3], [f32; 3])>,
         columns: Range<usize>,
+        threads: usize,
     ) -> VertexRows {
         let points: Vec<_> = points.collect();
         let curvature_columns = self.curvature_columns.clamp(columns.start, columns.end) - columns.start;
         let mut combined =
             VertexRows::zero(points.len(), curvature_columns, columns.len() - curvature_columns);
-        let out = &mut combined.values;
-        self.arch.dispatch(WeightedSums { rows: self, points: &points, columns, out });
+        combined.fill(threads, |range, out| {
+            let (points, columns) = (&points[range], columns.clone());
+            self.arch.dispatch(WeightedSums { rows: self, points, columns, out });
+        });
         combined
     }
 
-    /// The same points with their eigenfunctions under `map` (size x size): `functions * map`.
-    pub fn mapped(&self, map: &Mat<f64>) -> VertexRows {
-        let (count, size) = (self.count(), map.ncols());
-        let mut mapped = VertexRows::zero(count, self.curvature_columns, size);
-        for (out, row) in mapped.values.chunks_exact_mut(mapped.width.max(1)).zip(0..) {
-            out[..self.curvature_columns].copy_from_slice(&self.row(row)[..self.curvature_columns]);
-        }
-        let map = Mat::from_fn(map.nrows(), size, |i, j| map[(i, j)] as f32);
+    /// The same points with their eigenfunctions under `map` (size x size): `functions * map`; on at most `threads`
+    /// threads.
+    pub fn mapped(&self, map: &Mat<f64>, threads: usize) -> VertexRows {
+        let (curvature, size) = (self.curvature_columns, map.ncols());
+        let mut mapped = VertexRows::zero(self.count(), curvature, size);
         let width = mapped.width;
-        let all = MatMut::from_row_major_slice_mut(&mut mapped.values, count, width);
-        let out = all.subcols_mut(self.curvature_columns, size);
-        matmul(out, Accum::Replace, self.functions(map.nrows()), map.as_ref(), 1.0, Par::Seq);
+        let map = Mat::from_fn(map.nrows(), size, |i, j| map[(i, j)] as f32);
+        mapped.fill(threads, |range, out| {
+            for (out, row) in out.chunks_exact_mut(width.max(1)).zip(range.clone()) {
+                out[..curvature].copy_from_slice(&self.row(row)[..curvature]);
+            }
+            let from = self.functions(map.nrows()).subrows(range.start, range.len());
+            let out = MatMut::from_row_major_slice_mut(out, range.len(), width).subcols_mut(curvature, size);
+            matmul(out, Accum::Replace, from, map.as_ref(), 1.0, Par::Seq);
+        });
         mapped
+    }
+
+    /// Has `work` write the rows, range by range, on at most `threads` threads.
+    fn fill(&mut self, threads: usize, work: impl Fn(Range<usize>, &mut [f32]) + Sync) {
+        let width = self.width.max(1);
+        let at_once = self.count().div_ceil(threads.max(1)).max(LEAST_PER_THREAD);
+        let parts = self.values.chunks_mut(at_once * width).enumerate().collect();
+        threads::map(threads, parts, |(part, out): (usize, &mut [f32])| {
+            work(part * at_once..part * at_once + out.len() / width, out);
+        });
     }
 
     /// Number of points.

@@ -222,7 +222,7 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
             graph,
             triangles,
             fans: &fans,
-            queries: &target.rows.mapped(map),
+            queries: &target.rows.mapped(map, 1),
             targets: &target.rows,
             columns: target.rows.columns(map.ncols(), Guide::Eigenfunctions),
             threads: 2,
