@@ -13,6 +13,7 @@ use crate::error::Result;
 use crate::laplacian::{IntrinsicSurface, SymmetricSparse};
 use crate::progress::Progress;
 use crate::sparse_cholesky::Analysis;
+use crate::threads;
 use faer::Mat;
 use std::sync::OnceLock;
 
@@ -22,6 +23,8 @@ const SHIFT: f64 = 10.0;
 const TOLERANCE: f64 = 1e-7;
 /// Below this many vertices the dense solver is used.
 const DENSE_LIMIT: usize = 300;
+/// Columns that are written at once: a row's numbers in one cache line.
+const COLUMNS: usize = 8;
 
 /// How near to the exact eigenpairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,7 +92,7 @@ impl Eigenbasis {
         } else {
             sparse_eigenpairs(surface, count + 1, accuracy, threads, progress)?
         };
-        let mut basis = Eigenbasis::of(&pairs, count);
+        let mut basis = Eigenbasis::of(&pairs, count, threads);
         if accuracy == Accuracy::Full {
             basis.residuals = residuals(surface, &basis);
         }
@@ -112,12 +115,25 @@ impl Eigenbasis {
         let analysis = start.analysis(stiffness)?;
         let functions = start.functions.as_ref();
         let pairs = nested_iteration::continued(analysis, stiffness, mass, functions, threads, progress)?;
-        Ok(Eigenbasis::of(&pairs, count))
+        Ok(Eigenbasis::of(&pairs, count, threads))
     }
 
-    fn of(pairs: &RitzPairs, count: usize) -> Eigenbasis {
+    fn of(pairs: &RitzPairs, count: usize, threads: usize) -> Eigenbasis {
         let size = pairs.vectors.len() / pairs.width;
-        let eigenfunctions = Mat::from_fn(size, count, |i, j| pairs.vectors[i * pairs.width + j + 1]);
+        let mut eigenfunctions = Mat::zeros(size, count);
+        let (mut rest, mut parts) = (eigenfunctions.as_mut(), Vec::new());
+        for first in (0..count).step_by(COLUMNS) {
+            let (part, others) = rest.split_at_col_mut(COLUMNS.min(count - first));
+            parts.push((first, part));
+            rest = others;
+        }
+        threads::map(threads, parts, |(first, mut part)| {
+            for (i, row) in pairs.vectors.chunks_exact(pairs.width).enumerate() {
+                for (j, &value) in row[first + 1..][..part.ncols()].iter().enumerate() {
+                    part[(i, j)] = value;
+                }
+            }
+        });
         let eigenvalues = pairs.values[1..=count].iter().map(|value| value.max(0.0)).collect();
         Eigenbasis { eigenvalues, eigenfunctions, residuals: Vec::new() }
     }

@@ -77,16 +77,19 @@ impl Analysis {
         self.order.len()
     }
 
-    /// Factorises `matrix + shift * diag(diagonal)`, whose sparsity is the one analysed.
+    /// Factorises `D^-1 matrix D^-1 + shift` with the diagonal D of `scale`; the sparsity is the one analysed.
     ///
     /// # Errors
     /// [`Error::Internal`] if the sum is not positive definite.
-    pub fn factorise(&self, matrix: &SymmetricSparse, shift: f64, diagonal: &[f64]) -> Result<Factor<'_>> {
+    pub fn factorise(&self, matrix: &SymmetricSparse, shift: f64, scale: &[f64]) -> Result<Factor<'_>> {
         let size = self.size();
         let mut values = Vec::with_capacity(self.rows.len());
         for i in 0..size {
             let lower = matrix.row(i).filter(|(j, _)| *j <= i);
-            values.extend(lower.map(|(j, value)| if i == j { value + shift * diagonal[i] } else { value }));
+            values.extend(lower.map(|(j, value)| {
+                let value = value / (scale[i] * scale[j]);
+                if i == j { value + shift } else { value }
+            }));
         }
         let pattern =
             SymbolicSparseColMatRef::new_checked(size, size, &self.column_offsets, None, &self.rows);
@@ -194,6 +197,9 @@ impl WithSimd for Solve<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let lanes = REGISTERS * S::F64_LANES;
+        if self.width == lanes {
+            return solve_columns(simd, self.factor, S::as_mut_simd_f64s(self.block).0.as_chunks_mut().0);
+        }
         // Columns are solved a few at a time in a block of their own: fewer cache lines than in the wide one.
         let mut columns = vec![0.0; self.factor.analysis.size() * lanes];
         for first in (0..self.width).step_by(lanes) {
@@ -320,9 +326,9 @@ mod tests {
     fn the_solution_solves_the_system_at_any_width() {
         let matrix = grid(23);
         let size = matrix.size();
-        let diagonal: Vec<f64> = (0..size).map(|i| 1.0 + (i % 7) as f64).collect();
+        let scale: Vec<f64> = (0..size).map(|i| 1.0 + (i % 7) as f64).collect();
         let analysis = Analysis::new(&matrix).unwrap();
-        let factor = analysis.factorise(&matrix, 0.3, &diagonal).unwrap();
+        let factor = analysis.factorise(&matrix, 0.3, &scale).unwrap();
         let mut place = vec![0; size];
         analysis.order.iter().enumerate().for_each(|(at, &i)| place[i as usize] = at);
         for width in [1, 12, 16, 37] {
@@ -332,8 +338,8 @@ mod tests {
             for i in 0..size {
                 for j in 0..width {
                     let at = |row: usize| solution[place[row] * width + j];
-                    let image: f64 = matrix.row(i).map(|(k, value)| value * at(k)).sum();
-                    let missing = image + 0.3 * diagonal[i] * at(i) - right[place[i] * width + j];
+                    let image: f64 = matrix.row(i).map(|(k, value)| value / scale[k] * at(k)).sum();
+                    let missing = image / scale[i] + 0.3 * at(i) - right[place[i] * width + j];
                     assert!(missing.abs() < 1e-11, "{width}: {missing} at {i}, {j}");
                 }
             }

@@ -43,7 +43,7 @@ pub fn eigenpairs(
     let analysis = Analysis::new(stiffness)?;
     let operator = ShiftInvert::new(&analysis, stiffness, mass, super::SHIFT)?;
     progress.report("eigenfunctions", 0.1)?;
-    Ok(operator.in_vertex_order(lanczos(&operator, count, tolerance, progress)?))
+    Ok(operator.in_vertex_order(lanczos(&operator, count, tolerance, progress)?, 1))
 }
 
 fn lanczos(operator: &ShiftInvert, count: usize, tolerance: f64, progress: &Progress) -> Result<RitzPairs> {

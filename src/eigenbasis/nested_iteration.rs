@@ -52,7 +52,7 @@ pub fn eigenpairs(
 ) -> Result<RitzPairs> {
     let width = width(count);
     if pays(mass.len(), width) {
-        corrected(stiffness, mass, width, FINEST_DEGREE, threads, progress)
+        corrected(stiffness, mass, Sizes { width, kept: count }, FINEST_DEGREE, threads, progress)
     } else {
         lanczos::eigenpairs(stiffness, mass, count, LONE_TOLERANCE, progress)
     }
@@ -86,9 +86,9 @@ pub fn continued(
             *value = scale * f64::from(start[(vertex as usize, j)]);
         }
     }
-    let pairs = improve(&operator, block, width, FINEST_DEGREE, threads, progress)?;
+    let pairs = improve(&operator, block, Sizes { width, kept: width }, FINEST_DEGREE, threads, progress)?;
     progress.report("eigenfunctions", 0.4)?;
-    Ok(operator.in_vertex_order(pairs))
+    Ok(operator.in_vertex_order(pairs, threads))
 }
 
 /// Whether a mesh of `size` vertices leaves a coarse one that can hold `width` eigenpairs.
@@ -96,52 +96,70 @@ fn pays(size: usize, width: usize) -> bool {
     size > VERTICES_PER_PAIR * width
 }
 
-/// The `width` lowest eigenpairs from a coarse start.
+/// Pairs that are carried along, and how many of them are wanted.
+#[derive(Clone, Copy)]
+struct Sizes {
+    width: usize,
+    kept: usize,
+}
+
+/// The lowest eigenpairs from a coarse start.
 fn corrected(
     stiffness: &SymmetricSparse,
     mass: &[f64],
-    width: usize,
+    sizes: Sizes,
     degree: usize,
     threads: usize,
     progress: &Progress,
 ) -> Result<RitzPairs> {
+    let width = sizes.width;
     let coarse = Coarsening::new(stiffness, mass);
-    let start = if pays(coarse.mass.len(), width) {
-        corrected(&coarse.stiffness, &coarse.mass, width, 0, threads, progress)?
-    } else if coarse.mass.len() >= LEAST_PER_PAIR * width {
-        lanczos::eigenpairs(&coarse.stiffness, &coarse.mass, width, COARSE_TOLERANCE, progress)?
+    if coarse.mass.len() < LEAST_PER_PAIR * width {
+        return lanczos::eigenpairs(stiffness, mass, sizes.kept, LONE_TOLERANCE, progress);
+    }
+    let (start, analysis) = if pays(coarse.mass.len(), width) {
+        let all = Sizes { width, kept: width };
+        let start = corrected(&coarse.stiffness, &coarse.mass, all, 0, threads, progress);
+        (start, Analysis::new(stiffness))
     } else {
-        return lanczos::eigenpairs(stiffness, mass, width, LONE_TOLERANCE, progress);
+        let solve =
+            || lanczos::eigenpairs(&coarse.stiffness, &coarse.mass, width, COARSE_TOLERANCE, progress);
+        threads::join(threads, solve, || Analysis::new(stiffness))
     };
-    let analysis = Analysis::new(stiffness)?;
+    let (start, analysis) = (start?, analysis?);
     let operator = ShiftInvert::new(&analysis, stiffness, mass, SHIFT_PER_PAIR * width as f64)?;
     progress.report("eigenfunctions", 0.2)?;
-    let block = prolonged(&coarse, &start, &operator);
-    let pairs = improve(&operator, block, width, degree, threads, progress)?;
+    let block = prolonged(&coarse, &start, &operator, threads);
+    let pairs = improve(&operator, block, sizes, degree, threads, progress)?;
     progress.report("eigenfunctions", 0.4)?;
-    Ok(operator.in_vertex_order(pairs))
+    Ok(operator.in_vertex_order(pairs, threads))
 }
 
 /// Coarse functions at the fine vertices, times the square root of the mass, in the order of elimination.
-fn prolonged(coarse: &Coarsening, start: &RitzPairs, operator: &ShiftInvert) -> Vec<f64> {
+fn prolonged(coarse: &Coarsening, start: &RitzPairs, operator: &ShiftInvert, threads: usize) -> Vec<f64> {
     let width = start.width;
     let mut block = vec![0.0; operator.size() * width];
-    for ((row, &vertex), scale) in block.chunks_exact_mut(width).zip(operator.order()).zip(operator.scale()) {
-        for &(j, value) in coarse.prolongation.row(vertex as usize) {
-            let from = &start.vectors[j as usize * width..][..width];
-            for (sum, entry) in row.iter_mut().zip(from) {
-                *sum += scale * value * entry;
+    let at_once = operator.size().div_ceil(threads.max(1)).max(1);
+    let rows = operator.order().chunks(at_once).zip(operator.scale().chunks(at_once));
+    let parts = block.chunks_mut(at_once * width).zip(rows).collect();
+    threads::map(threads, parts, |(out, (order, scale)): (&mut [f64], (&[u32], &[f64]))| {
+        for ((row, &vertex), scale) in out.chunks_exact_mut(width).zip(order).zip(scale) {
+            for &(j, value) in coarse.prolongation.row(vertex as usize) {
+                let from = &start.vectors[j as usize * width..][..width];
+                for (sum, entry) in row.iter_mut().zip(from) {
+                    *sum += scale * value * entry;
+                }
             }
         }
-    }
+    });
     block
 }
 
-/// Damps what lies beyond the block's eigenpairs, then one inverse iteration, then the Ritz pairs.
+/// Damps what lies beyond the block's eigenpairs, then one inverse iteration, then the lowest Ritz pairs.
 fn improve(
     operator: &ShiftInvert,
     mut block: Vec<f64>,
-    width: usize,
+    Sizes { width, kept }: Sizes,
     degree: usize,
     threads: usize,
     progress: &Progress,
@@ -174,14 +192,17 @@ fn improve(
     let products = threads::map(threads, vec![x, y], |right| symmetric_product(y, right));
     let [energy, gram] = <[_; 2]>::try_from(products).expect("two products");
     let (values, coefficients) = generalised_eigen(energy, gram)?;
+    let coefficients = coefficients.subcols(0, kept);
     let mut vectors = block;
+    vectors.truncate(operator.size() * kept);
     let rows_at_once = operator.size().div_ceil(4 * threads.max(1)).max(1);
-    let parts = vectors.chunks_mut(rows_at_once * width).zip(image.chunks(rows_at_once * width)).collect();
+    let parts = vectors.chunks_mut(rows_at_once * kept).zip(image.chunks(rows_at_once * width)).collect();
     threads::map(threads, parts, |(out, y): (&mut [f64], &[f64])| {
-        let out = MatMut::from_row_major_slice_mut(out, y.len() / width, width);
-        matmul(out, Accum::Replace, rows(y, width), coefficients.as_ref(), 1.0, Par::Seq);
+        let out = MatMut::from_row_major_slice_mut(out, y.len() / width, kept);
+        matmul(out, Accum::Replace, rows(y, width), coefficients, 1.0, Par::Seq);
     });
-    Ok(RitzPairs { values: values.iter().map(|value| value - operator.shift).collect(), vectors, width })
+    let values = values[..kept].iter().map(|value| value - operator.shift).collect();
+    Ok(RitzPairs { values, vectors, width: kept })
 }
 
 /// `T(B) x` and `B T(B) x` of a panel x, with the Chebyshev polynomial T of `degree` on `[0, 1 / bound]`: Y. Saad,

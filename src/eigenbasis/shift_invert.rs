@@ -1,4 +1,5 @@
-//! `B = sqrt(M) (K + shift M)^-1 sqrt(M)` of a stiffness K and a lumped mass M, whose largest eigenpairs are sought.
+//! `B = sqrt(M) (K + shift M)^-1 sqrt(M) = (M^-1/2 K M^-1/2 + shift)^-1` of a stiffness K and a lumped mass M, whose
+//! largest eigenpairs are sought.
 //!
 //! If `B y = y / (eigenvalue + shift)`, then `phi = y / sqrt(M)` solves `K phi = eigenvalue M phi`.
 
@@ -6,6 +7,7 @@ use super::RitzPairs;
 use crate::error::Result;
 use crate::laplacian::SymmetricSparse;
 use crate::sparse_cholesky::{Analysis, Factor};
+use crate::threads;
 
 /// The operator, its rows in the order of elimination.
 pub struct ShiftInvert<'a> {
@@ -27,8 +29,9 @@ impl<'a> ShiftInvert<'a> {
         mass: &[f64],
         shift: f64,
     ) -> Result<Self> {
-        let factor = analysis.factorise(stiffness, shift, mass)?;
-        let scale = analysis.order.iter().map(|&i| mass[i as usize].sqrt()).collect();
+        let roots: Vec<f64> = mass.iter().map(|mass| mass.sqrt()).collect();
+        let factor = analysis.factorise(stiffness, shift, &roots)?;
+        let scale = analysis.order.iter().map(|&i| roots[i as usize]).collect();
         Ok(ShiftInvert { factor, scale, shift })
     }
 
@@ -49,28 +52,26 @@ impl<'a> ShiftInvert<'a> {
 
     /// Replaces `block` (size x width, row by row) by B times it.
     pub fn apply(&self, block: &mut [f64], width: usize) {
-        self.scale_rows(block, width);
         self.factor.solve(block, width);
-        self.scale_rows(block, width);
     }
 
-    /// The functions at the vertices, from scaled vectors in the order of elimination.
-    pub fn in_vertex_order(&self, pairs: RitzPairs) -> RitzPairs {
+    /// The functions at the vertices, from scaled vectors in the order of elimination; on at most `threads` threads.
+    pub fn in_vertex_order(&self, pairs: RitzPairs, threads: usize) -> RitzPairs {
+        let mut place = vec![0; self.size()];
+        for (row, &vertex) in self.order().iter().enumerate() {
+            place[vertex as usize] = row;
+        }
         let mut vectors = vec![0.0; pairs.vectors.len()];
-        for ((row, &vertex), scale) in
-            pairs.vectors.chunks_exact(pairs.width).zip(self.order()).zip(&self.scale)
-        {
-            let to = &mut vectors[vertex as usize * pairs.width..][..pairs.width];
-            for (value, entry) in to.iter_mut().zip(row) {
-                *value = entry / scale;
+        let at_once = self.size().div_ceil(threads.max(1)).max(1);
+        let parts = vectors.chunks_mut(at_once * pairs.width).zip(place.chunks(at_once)).collect();
+        threads::map(threads, parts, |(out, places): (&mut [f64], &[usize])| {
+            for (out, &row) in out.chunks_exact_mut(pairs.width).zip(places) {
+                let scale = self.scale[row];
+                for (value, entry) in out.iter_mut().zip(&pairs.vectors[row * pairs.width..]) {
+                    *value = entry / scale;
+                }
             }
-        }
+        });
         RitzPairs { vectors, ..pairs }
-    }
-
-    fn scale_rows(&self, block: &mut [f64], width: usize) {
-        for (row, scale) in block.chunks_exact_mut(width).zip(&self.scale) {
-            row.iter_mut().for_each(|value| *value *= scale);
-        }
     }
 }
