@@ -157,9 +157,12 @@ pub fn finish(
 ) -> Result<ShellSymmetry> {
     let refiner = SampleRefiner::new(&shell.samples);
     let map = refiner.refine(candidate.map.clone(), &POLISH_SIZES, target.projection())?;
-    let points = SpreadPoints::new(target, REFINED_POINTS)?;
-    let seeds = points.seeds(&shell.samples, &refiner.partners(&map));
-    let (few, all, count) = (points.sources(), target.vertices(), shell.basis.count());
+    let count = shell.basis.count();
+    let points = SpreadPoints::new(target, REFINED_POINTS, count)?;
+    let samples = &shell.samples.vertices;
+    let images = refiner.partners(&map).into_iter().map(|sample| samples[sample as usize]);
+    let seeds = points.seeds(samples, images);
+    let (few, all) = (points.sources(), target.vertices());
     let refine = |points: &Sources, map, seeds: &[(u32, u32)], size, guide| {
         full_refinement::refine(target, points, map, seeds, &[size], guide, progress.token())
     };

@@ -9,7 +9,7 @@ use crate::adjacency::{Adjacency, nearest_seeds};
 use crate::dense::{gram_cholesky, product};
 use crate::error::Result;
 use crate::full_refinement::{MatchTarget, Sources};
-use crate::sampling::{Samples, area_weighted_vertices};
+use crate::sampling::area_weighted_vertices;
 use crate::vertex_rows::VertexRows;
 use faer::Mat;
 
@@ -27,11 +27,11 @@ pub struct SpreadPoints {
 }
 
 impl SpreadPoints {
-    /// About `count` points of a connected shell. O(vertices + count x eigenfunctions^2).
+    /// About `count` points of a connected shell, for maps of at most `size`. O(vertices + count x size^2).
     ///
     /// # Errors
     /// [`crate::Error::Internal`] if the eigenfunctions are not finite.
-    pub fn new(shell: &MatchTarget, count: usize) -> Result<SpreadPoints> {
+    pub fn new(shell: &MatchTarget, count: usize, size: usize) -> Result<SpreadPoints> {
         let surface = shell.surface;
         let mut vertices: Vec<u32> = area_weighted_vertices(&surface.lumped_mass, count)
             .into_iter()
@@ -50,20 +50,16 @@ impl SpreadPoints {
             everywhere.graph.of(vertex as usize).iter().map(move |&next| (point(vertex), point(next)))
         });
         let graph = Adjacency::new(vertices.len(), across);
-        let functions = &shell.basis.eigenfunctions;
+        let functions = shell.basis.eigenfunctions.subcols(0, size);
         let value = |i: usize, j: usize| functions[(vertices[i] as usize, j)];
         let rooted = Mat::from_fn(vertices.len(), functions.ncols(), |i, j| mass[i].sqrt() * value(i, j));
         let gram = gram_cholesky(product(rooted.transpose(), rooted.as_ref()).as_ref())?;
         Ok(SpreadPoints { rows: shell.rows.at(&vertices), vertices, mass, graph, gram, nearest })
     }
 
-    /// The points nearest to samples with the vertices that these are sent to: a start for all points.
-    ///
-    /// `partners` are indices of samples.
-    pub fn seeds(&self, samples: &Samples, partners: &[u32]) -> Vec<(u32, u32)> {
-        let point = |vertex: &u32| self.nearest[*vertex as usize];
-        let image = |partner: &u32| samples.vertices[*partner as usize];
-        samples.vertices.iter().map(point).zip(partners.iter().map(image)).collect()
+    /// The points that stand for some `vertices`, with the `images` of these: a start for all points.
+    pub fn seeds(&self, vertices: &[u32], images: impl Iterator<Item = u32>) -> Vec<(u32, u32)> {
+        vertices.iter().map(|vertex| self.nearest[*vertex as usize]).zip(images).collect()
     }
 
     /// The points as those whose images are sought.

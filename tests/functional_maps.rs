@@ -313,7 +313,7 @@ fn refinement_leaves_the_true_map_in_place() {
 fn a_map_refined_on_few_points_is_that_of_all_vertices() {
     let shape = Shape::quadruped();
     let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
-    let points = SpreadPoints::new(&target, 1500).unwrap();
+    let points = SpreadPoints::new(&target, 1500, shape.basis.count()).unwrap();
     let area: f64 = points.mass.iter().sum();
     assert!(points.vertices.len() > 1200 && points.vertices.is_sorted());
     assert!((area - shape.surface.lumped_mass.iter().sum::<f64>()).abs() < 1e-9, "{area}");
@@ -329,8 +329,7 @@ fn a_map_refined_on_few_points_is_that_of_all_vertices() {
     assert!(apart < 0.05 * size, "{apart} of {size}");
     // From samples' partners every point has a guess at hand.
     let samples = Samples::farthest(&shape.basis, 300);
-    let itself: Vec<u32> = (0..300).collect();
-    for (point, vertex) in points.seeds(&samples, &itself) {
+    for (point, vertex) in points.seeds(&samples.vertices, samples.vertices.iter().copied()) {
         let places = [points.vertices[point as usize], vertex].map(|v| shape.shell.positions[v as usize]);
         assert!(distance(places[0], places[1]) < 6.0 * shape.surface.mean_edge_length());
     }
@@ -341,7 +340,7 @@ fn a_map_grows_to_all_eigenfunctions_with_curvature_and_without() {
     let mut shape = Shape::quadruped();
     let grown = |shape: &Shape| {
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
-        let points = SpreadPoints::new(&target, 1500).unwrap();
+        let points = SpreadPoints::new(&target, 1500, shape.basis.count()).unwrap();
         let truth = images_of(shape, &points, |vertex| shape.truth[vertex as usize]);
         let (map, grown) = grow(&target, &points, &shape.true_map(50), &truth, &Progress::default()).unwrap();
         assert_eq!((map.nrows(), map.ncols()), (shape.basis.count(), shape.basis.count()));
@@ -356,7 +355,7 @@ fn a_map_grows_to_all_eigenfunctions_with_curvature_and_without() {
     assert!(!shape.surface.mean_curvature.is_empty());
     let with = grown(&shape);
     let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
-    let points = SpreadPoints::new(&target, 1500).unwrap();
+    let points = SpreadPoints::new(&target, 1500, shape.basis.count()).unwrap();
     let mismatch = |images: &VertexImages| curvature_mismatch(&target, &points, images);
     let elsewhere = images_of(&shape, &points, |vertex| (vertex + 700) % shape.truth.len() as u32);
     assert_eq!(mismatch(&images_of(&shape, &points, |vertex| vertex)), 0.0, "the identity");
