@@ -202,8 +202,12 @@ impl WithSimd for SquaredDistance<'_> {
             let difference = simd.sub_f32s(*a, *b);
             sums[0] = simd.mul_add_e_f32s(difference, difference, sums[0]);
         }
-        let rest: f32 = left_rest.iter().zip(right_rest).map(|(a, b)| (a - b) * (a - b)).sum();
-        simd.reduce_sum_f32s(simd.add_f32s(sums[0], sums[1])) + rest
+        if !left_rest.is_empty() {
+            let difference =
+                simd.sub_f32s(simd.partial_load_f32s(left_rest), simd.partial_load_f32s(right_rest));
+            sums[1] = simd.mul_add_e_f32s(difference, difference, sums[1]);
+        }
+        simd.reduce_sum_f32s(simd.add_f32s(sums[0], sums[1]))
     }
 }
 
@@ -221,22 +225,28 @@ impl WithSimd for Products<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> TriangleProducts {
         let mut sums = [simd.splat_f32s(0.0); 6];
-        let [a, b, c] = self.corners;
-        for first in (0..self.query.len()).step_by(S::F32_LANES) {
-            let last = self.query.len().min(first + S::F32_LANES);
-            let from = simd.partial_load_f32s(&a[first..last]);
-            let to_query = simd.sub_f32s(simd.partial_load_f32s(&self.query[first..last]), from);
-            let to_b = simd.sub_f32s(simd.partial_load_f32s(&b[first..last]), from);
-            let to_c = simd.sub_f32s(simd.partial_load_f32s(&c[first..last]), from);
-            sums[0] = simd.mul_add_e_f32s(to_query, to_query, sums[0]);
-            sums[1] = simd.mul_add_e_f32s(to_query, to_b, sums[1]);
-            sums[2] = simd.mul_add_e_f32s(to_query, to_c, sums[2]);
-            sums[3] = simd.mul_add_e_f32s(to_b, to_b, sums[3]);
-            sums[4] = simd.mul_add_e_f32s(to_b, to_c, sums[4]);
-            sums[5] = simd.mul_add_e_f32s(to_c, to_c, sums[5]);
+        let rows = [self.query, self.corners[0], self.corners[1], self.corners[2]];
+        let [query, a, b, c] = rows.map(S::as_simd_f32s);
+        for i in 0..query.0.len() {
+            add_products(simd, &mut sums, [query.0[i], a.0[i], b.0[i], c.0[i]]);
+        }
+        if !query.1.is_empty() {
+            let tails = [query.1, a.1, b.1, c.1].map(|tail| simd.partial_load_f32s(tail));
+            add_products(simd, &mut sums, tails);
         }
         let sum = |index: usize| simd.reduce_sum_f32s(sums[index]);
         TriangleProducts { own: sum(0), along: [sum(1), sum(2)], edges: [sum(3), sum(4), sum(5)] }
+    }
+}
+
+/// Adds some columns of the query and the corners.
+#[inline(always)]
+fn add_products<S: Simd>(simd: S, sums: &mut [S::f32s; 6], [query, a, b, c]: [S::f32s; 4]) {
+    let (to_query, to_b, to_c) = (simd.sub_f32s(query, a), simd.sub_f32s(b, a), simd.sub_f32s(c, a));
+    let pairs =
+        [(to_query, to_query), (to_query, to_b), (to_query, to_c), (to_b, to_b), (to_b, to_c), (to_c, to_c)];
+    for (sum, (left, right)) in sums.iter_mut().zip(pairs) {
+        *sum = simd.mul_add_e_f32s(left, right, *sum);
     }
 }
 
