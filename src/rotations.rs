@@ -39,8 +39,9 @@ const HOPELESS: f64 = 2.0 * DISTINCT;
 /// A power is the identity if it moves the points by less than this share of what any lower one does: on a surface that is
 /// nearly one of revolution some power of any turn comes near to the identity.
 const RETURN: f64 = 0.25;
-/// Maps that are finished at most, beside two for each rotation that is asked for.
-const FINISHED: usize = 8;
+/// So many maps that were finished in vain in a row end the search; and it finds no more than so many, beside two for each
+/// rotation that is asked for.
+const IN_VAIN: usize = 8;
 /// Symmetries that are composed with each other, at most.
 const MOST_COMPOSED: usize = 40;
 
@@ -75,6 +76,7 @@ pub fn find(
         best,
         found: Vec::new(),
         refused: Vec::new(),
+        in_vain: 0,
     };
     for candidate in groups.search()? {
         groups.consider(candidate)?;
@@ -119,6 +121,8 @@ struct Groups<'a> {
     found: Vec<Rotation>,
     /// Images of the samples under the candidates that were finished in vain.
     refused: Vec<Vec<u32>>,
+    /// How many of them since the last one that was found.
+    in_vain: usize,
 }
 
 impl Groups<'_> {
@@ -158,7 +162,8 @@ impl Groups<'_> {
         let may_be = candidate.score.is_of(SymmetryKind::HalfTurn)
             && !candidate.score.is_identity()
             && candidate.score.isometry() < self.best + GAP
-            && self.found.len() + self.refused.len() < FINISHED + 2 * self.options.rotations
+            && self.in_vain < IN_VAIN
+            && self.found.len() < IN_VAIN + 2 * self.options.rotations
             && !self.is_known(&images)
             && self.is_nearly_cyclic(&candidate.partners);
         if !may_be {
@@ -178,10 +183,12 @@ impl Groups<'_> {
                 });
                 found.push(Rotation { map, powers });
                 (self.found, self.best) = (found, self.best.min(candidate.score.isometry()));
+                self.in_vain = 0;
                 Ok(true)
             }
             _ => {
                 self.refused.push(images);
+                self.in_vain += 1;
                 Ok(false)
             }
         }
@@ -198,6 +205,7 @@ impl Groups<'_> {
         let of_rotation = |rotation: &Rotation| Element { map: leading(&rotation.map), reverses: false };
         let mut elements: Vec<Element> = involutions.iter().map(of_involution).collect();
         elements.extend(self.found.iter().map(of_rotation));
+        self.in_vain = 0;
         let mut later = 1;
         while later < elements.len().min(MOST_COMPOSED) {
             for earlier in 0..later {
