@@ -4,16 +4,12 @@
 //! they commute. A search finds some of a solid's symmetries; what they generate is the rest, or much of it.
 
 use crate::candidate_score::Scorer;
-use crate::candidates::{
-    CANDIDATE_SAMPLES, CANDIDATE_SIZE, Candidate, DISTINCT, GAP, doubts, mean_distance, parities,
-};
-use crate::eigenbasis::Eigenbasis;
+use crate::candidates::{CANDIDATE_SIZE, Candidate, DISTINCT, GAP, doubts, mean_distance};
 use crate::error::Result;
 use crate::functional_map::Projection;
-use crate::laplacian::IntrinsicSurface;
+use crate::progress::Progress;
 use crate::refinement::SampleRefiner;
-use crate::sampling::{Samples, spread_rows};
-use crate::sign_network::SignPrediction;
+use crate::sampling::spread_rows;
 
 /// Rounds of refinement of a composition.
 pub(crate) const ROUNDS: usize = 3;
@@ -27,20 +23,18 @@ const COMPOSED_GAP: f64 = 0.75 * GAP;
 /// samples; those that are new are refined and scored.
 ///
 /// # Errors
-/// [`crate::Error::Internal`] if a decomposition fails.
+/// [`crate::Error::Cancelled`]; [`crate::Error::Internal`] if a decomposition fails.
 pub fn complete(
-    surface: &IntrinsicSurface,
-    basis: &Eigenbasis,
-    samples: &Samples,
-    signs: &[SignPrediction],
+    refiner: &SampleRefiner,
+    scorer: &Scorer,
+    eigenvalues: &[f64],
     mut found: Vec<Candidate>,
     rivals: &[Candidate],
     most: usize,
+    progress: &Progress,
 ) -> Result<Vec<Candidate>> {
-    let samples = samples.prefix(CANDIDATE_SAMPLES);
-    let refiner = SampleRefiner::new(&samples);
-    let scorer = Scorer::new(surface, basis, &refiner, parities(signs));
-    let rows = spread_rows(&samples, &basis.eigenvalues);
+    let samples = refiner.samples;
+    let rows = spread_rows(samples, eigenvalues);
     let best = found.iter().map(|candidate| candidate.score.isometry()).fold(f64::INFINITY, f64::min);
     let is_good = |candidate: &Candidate| candidate.score.isometry() < best + COMPOSED_GAP;
     let is_new = |partners: &[u32], known: &[Candidate]| {
@@ -52,6 +46,7 @@ pub fn complete(
     let mut later = 1;
     while later < found.len() {
         for earlier in 0..later {
+            progress.check()?;
             if !is_good(&found[earlier]) || !is_good(&found[later]) {
                 continue;
             }

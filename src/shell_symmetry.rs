@@ -2,7 +2,7 @@
 
 use crate::acceptance::Judgement;
 use crate::candidate_score::{Score, Scorer};
-use crate::candidates::{self, CANDIDATE_SIZE, Candidate};
+use crate::candidates::{self, CANDIDATE_SAMPLES, CANDIDATE_SIZE, Candidate, parities};
 use crate::compositions;
 use crate::displacement::mean_displacement;
 use crate::eigenbasis::Eigenbasis;
@@ -135,7 +135,11 @@ pub fn candidates(
     let mut kept = of_kind(SymmetryKind::Reflection);
     if most > 1 {
         kept.extend(of_kind(SymmetryKind::HalfTurn));
-        kept = compositions::complete(surface, basis, samples, signs, kept, &found, 3 * most)?;
+        let few = samples.prefix(CANDIDATE_SAMPLES);
+        let refiner = SampleRefiner::new(&few);
+        let scorer = Scorer::new(surface, basis, &refiner, parities(signs));
+        kept =
+            compositions::complete(&refiner, &scorer, &basis.eigenvalues, kept, &found, 3 * most, progress)?;
         kept.sort_by(|a, b| {
             let scores = a.score.total_of_kind().total_cmp(&b.score.total_of_kind());
             a.score.kind().cmp(&b.score.kind()).then(scores)
