@@ -33,13 +33,11 @@ pub fn detection(input: &Path, mesh: &Mesh, detection: &Detection) -> String {
             symmetry.mean_confidence,
             100.0 * symmetry.exact_share
         );
-        let length = curve_length(mesh, &symmetry.fixed_curve);
-        let _ = writeln!(
-            text,
-            "    fixed curve {:.6} long, in {}",
-            length,
-            counted(symmetry.fixed_curve.len(), "piece")
-        );
+        if symmetry.kind == SymmetryKind::Reflection {
+            let length = curve_length(mesh, &symmetry.fixed_curve);
+            let pieces = counted(symmetry.fixed_curve.len(), "piece");
+            let _ = writeln!(text, "    fixed curve {length:.6} long, in {pieces}");
+        }
     }
     if detection.symmetries.is_empty() {
         let hint = if report.judged.is_some() { " (--plausibility 0 gives the best map)" } else { "" };
