@@ -60,12 +60,15 @@ def test_an_exception_of_the_callback_comes_out_unchanged(quadruped):
 
 @pytest.mark.skipif(not hasattr(signal, "SIGINT"), reason="needs signals")
 def test_control_c_stops_a_call_without_callback(quadruped):
+    # A process that was started in the background may have been told to ignore it.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     timer = threading.Timer(0.05, signal.raise_signal, [signal.SIGINT])
     timer.start()
     with pytest.raises(KeyboardInterrupt):
         while True:
             quadruped.detect()
     timer.join()
+    signal.signal(signal.SIGINT, before)
 
 
 def test_threads_side_by_side_give_the_answer_of_one(quadruped, symmetry):
