@@ -6,7 +6,7 @@
 //! so that equal steps look equally large. Confidence fades to grey.
 
 use crate::correspondence::Symmetry;
-use crate::mesh::vector::Vector;
+use crate::mesh::vector::{Vector, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE};
 
 /// What a pair has in common: the middle of the two positions, and half their distance; and what the images of a vertex under
@@ -46,18 +46,23 @@ pub fn pair_colours(mesh: &Mesh, symmetry: &Symmetry) -> Vec<[u8; 3]> {
 }
 
 fn common_of_pair(mesh: &Mesh, symmetry: &Symmetry, vertex: usize) -> Option<Common> {
-    let next = |vertex: &usize| usize::try_from(symmetry.partner[*vertex]).ok();
-    let orbit = std::iter::successors(Some(vertex), next).take(symmetry.kind.order());
-    let points: Vec<u32> = orbit.map(|vertex| mesh.point_of_vertex[vertex]).collect();
-    if points.contains(&NONE) || points.len() < symmetry.kind.order() {
-        return None;
+    let place = |vertex: usize| {
+        let point = mesh.point_of_vertex[vertex];
+        (point != NONE).then(|| mesh.positions[point as usize])
+    };
+    let distance = |a: Vector, b: Vector| squared_norm(subtract(a, b)).sqrt();
+    let (order, first) = (symmetry.kind.order(), place(vertex)?);
+    let (mut image, mut last, mut sum, mut around) = (vertex, first, first, 0.0);
+    for _ in 1..order {
+        image = usize::try_from(symmetry.partner[image]).ok()?;
+        let next = place(image)?;
+        around += distance(last, next);
+        sum = std::array::from_fn(|k| sum[k] + next[k]);
+        last = next;
     }
-    let places: Vec<Vector> = points.iter().map(|&point| mesh.positions[point as usize]).collect();
-    let count = places.len() as f64;
-    let middle = |k: usize| places.iter().map(|place| place[k]).sum::<f64>() / count;
-    let distance = |(a, b): (&Vector, &Vector)| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt();
-    let around = places.iter().zip(places.iter().cycle().skip(1)).map(distance).sum::<f64>();
-    Some([middle(0), middle(1), middle(2), around / count / 2.0])
+    around += distance(last, first);
+    let [x, y, z] = sum.map(|value| value / order as f64);
+    Some([x, y, z, around / order as f64 / 2.0])
 }
 
 /// The three directions of largest variance, by power iteration with deflation.
