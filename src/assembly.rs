@@ -7,12 +7,16 @@ use crate::embedded_triangles::TrianglePoint;
 use crate::fixed_curve::EdgeCrossing;
 use crate::full_refinement::VertexImages;
 use crate::mesh::{Mesh, NONE, Shell};
+use crate::mirrored_vertices::MirroredVertices;
 use crate::symmetry_kind::SymmetryKind;
 
 /// Largest mean of `|ln(length of an edge / length of its image)|`, weighted by length, on a shell whose
 /// bijection by connectivity is taken. A posed figure has 0.06, a sphere's own symmetry on a lump modelled
 /// from it 0.2 to 0.3.
 const LARGEST_STRETCH: f64 = 0.15;
+
+/// Least confidence of a pair of mirrored vertices (`docs/method.md`).
+const CONFIDENCE_IF_MIRRORED: f32 = 0.99;
 
 /// Least size of the odd function beside an exact fixed curve.
 const SMALLEST_ODD: f64 = 1e-6;
@@ -98,6 +102,19 @@ impl PointMap {
             }
         }
         self.make_odd(mesh);
+    }
+
+    /// Replaces the images of shells whose vertices are mirrored.
+    pub fn replace_by_vertices(&mut self, found: &MirroredVertices) {
+        let odd = self.odd.clone();
+        for (point, &partner) in found.partner.iter().enumerate().filter(|(_, partner)| **partner != NONE) {
+            self.partner[point] = partner;
+            self.image[point] = found.image[point];
+            if found.paired[point] {
+                self.confidence[point] = self.confidence[point].max(CONFIDENCE_IF_MIRRORED);
+                self.odd[point] = 0.5 * (odd[point] - odd[partner as usize]);
+            }
+        }
     }
 
     /// `odd <- (odd - odd of the partner) / 2` where the bijection is exact: 0 on its fixed points. Each

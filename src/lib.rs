@@ -55,6 +55,7 @@ pub mod limits;
 pub mod mesh;
 pub mod mesh_descent;
 pub mod mirror_tools;
+pub mod mirrored_vertices;
 pub mod options;
 pub mod pair_colour;
 pub mod parity_search;

@@ -18,6 +18,7 @@ use crate::laplacian::IntrinsicSurface;
 use crate::limits::{check_memory, estimated_memory};
 use crate::mesh::half_edges::HalfEdges;
 use crate::mesh::{Attachment, Mesh, NONE, RepairReport, Shell, attach};
+use crate::mirrored_vertices;
 use crate::options::Options;
 use crate::progress::{CancelToken, Progress};
 use crate::proxy::Proxy;
@@ -365,8 +366,16 @@ impl<'a> Assembler<'a> {
         }
         progress.report("connectivity", 0.97)?;
         let exact = self.connectivity.find(&map.partner, &map.confidence, kind, progress)?;
+        let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
+        let mirrored = match kind.is_rotation() {
+            true => None,
+            false => mirrored_vertices::find(self.mesh, estimate, exact.as_ref(), kind, progress)?,
+        };
         if let Some(found) = exact {
             map.replace_by_connectivity(self.mesh, &found);
+        }
+        if let Some(found) = mirrored {
+            map.replace_by_vertices(&found);
         }
         let curve = match kind {
             SymmetryKind::Reflection => zero_set(&self.mesh.triangles, &map.odd),

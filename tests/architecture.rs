@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 51] = [
+const ORDER: [&str; 52] = [
     "error",
     "options",
     "limits",
@@ -45,6 +45,7 @@ const ORDER: [&str; 51] = [
     "fixed_curve",
     "correspondence",
     "automorphism",
+    "mirrored_vertices",
     "surface_walk",
     "proxy",
     "judging_mesh",

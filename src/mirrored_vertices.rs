@@ -1,0 +1,234 @@
+//! Where vertices are mirrored but edges are not: quads that were cut into triangles along any of their diagonals.
+//!
+//! Which diagonal a program takes hangs on the order of corners, or on which is shorter in a pose, so a mesh modelled
+//! symmetrically loses its mirrored connectivity when it is triangulated, and [`crate::automorphism`] has little then. But its
+//! vertices are still each other's mirror images. Call two vertices *close* if an edge joins them or the flip of one edge
+//! would: the corners of a quad are all close, however it is cut, so the mirror images of joined vertices are close. A pairing
+//! with this property is sought near an estimate, as graphs that share most of their edges are matched: by
+//! percolation (L. Yartseva, M. Grossglauser, "On the performance of percolation graph matching", 2013; [`percolation`]).
+//!
+//! It starts where the estimate, moved by about an edge, sends the vertices around one onto vertices, and takes first
+//! what fits best: parts that a pose leaves rigid. Between independent triangulations it finds pairs, too, but few that fit so well
+//! as those of mirrored vertices; this decides. The images of vertices that are not paired are moved as those around them were.
+
+mod percolation;
+mod places;
+
+use crate::adjacency::Adjacency;
+use crate::automorphism::Automorphism;
+use crate::embedded_triangles::{Fans, TrianglePoint};
+use crate::error::Result;
+use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::{Mesh, NONE};
+use crate::progress::Progress;
+use crate::symmetry_kind::SymmetryKind;
+use percolation::{MISFITS, Pairing};
+use places::Places;
+
+/// Shells with fewer vertices have too little to tell a pairing from chance; those with more are not made of quads by hand.
+const SMALLEST_SHELL: usize = 24;
+const LARGEST_SHELL: usize = 250_000;
+/// Regions of a shell that are searched for starts, vertices looked at in each, and starts taken from each.
+const REGIONS: usize = 64;
+const LOOKS: usize = 16;
+const STARTS: usize = 3;
+/// Vertices looked at in each region, and starts tried, to see whether it is worth while.
+const FIRST_LOOKS: usize = 3;
+const FIRST_STARTS: usize = 24;
+/// Largest mean distance between the moved estimate and vertices, in edges, at a start, and of a vertex that it pairs.
+const START_MISS: f64 = 0.2;
+const VERTEX_MISS: f64 = 0.3;
+/// Largest misfit of a good pair, and least share of the vertices of a shell that have one. Independent
+/// triangulations have up to 0.11, grids of voxels 0.18, mirrored vertices 0.39 or more.
+const GOOD: f64 = 0.015;
+const GOOD_SHARE: f64 = 0.3;
+/// A shell of which connectivity pairs such a share is left to it.
+const MOSTLY_PAIRED: f64 = 0.98;
+
+/// An estimated map of the points of a mesh.
+#[derive(Clone, Copy)]
+pub struct Estimate<'a> {
+    /// Partner of each point, or [`NONE`].
+    pub partner: &'a [u32],
+    /// Where the image lies, where there is a partner.
+    pub image: &'a [TrianglePoint],
+}
+
+/// Images on the shells whose vertices are mirrored.
+#[derive(Debug, Clone)]
+pub struct MirroredVertices {
+    /// Partner of each point; [`NONE`] on other shells.
+    pub partner: Vec<u32>,
+    /// Where the image lies, where there is a partner.
+    pub image: Vec<TrianglePoint>,
+    /// Whether the point and its partner are each other's; others have the estimate, moved.
+    pub paired: Vec<bool>,
+}
+
+/// Pairs mirrored vertices.
+///
+/// Shells are left out that cannot be oriented, have fewer than 24 or more than 250,000 vertices, or of which `connectivity` pairs
+/// as many vertices. `None` if no shell is left. O(points log points).
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn find(
+    mesh: &Mesh,
+    estimate: Estimate,
+    connectivity: Option<&Automorphism>,
+    kind: SymmetryKind,
+    progress: &Progress,
+) -> Result<Option<MirroredVertices>> {
+    let by_connectivity = |point: u32| connectivity.is_some_and(|found| found.partner[point as usize] != NONE);
+    let mut shells = vec![Vec::new(); mesh.shell_count];
+    for point in (0..mesh.positions.len() as u32).filter(|&point| estimate.partner[point as usize] != NONE) {
+        shells[mesh.shell_of_point[point as usize] as usize].push(point);
+    }
+    let count_paired = |points: &[u32]| points.iter().filter(|&&point| by_connectivity(point)).count();
+    let open = |(shell, points): (usize, Vec<u32>)| {
+        let known = count_paired(&points);
+        let wanted = mesh.shell_orientable[shell]
+            && (SMALLEST_SHELL..=LARGEST_SHELL).contains(&points.len())
+            && (known as f64) < MOSTLY_PAIRED * points.len() as f64;
+        wanted.then_some((points, known))
+    };
+    let shells: Vec<_> = shells.into_iter().enumerate().filter_map(open).collect();
+    if shells.is_empty() {
+        return Ok(None);
+    }
+    let fans = Fans::new(mesh.positions.len(), &mesh.triangles);
+    let (edges, close) = (edges(mesh), close(mesh, &fans));
+    let mut is_open = vec![false; mesh.positions.len()];
+    shells.iter().flat_map(|(points, _)| points).for_each(|&point| is_open[point as usize] = true);
+    let mut pairing = Pairing::new(mesh, &edges, &close, kind, is_open);
+    let mut places = Places::new(mesh, &estimate);
+    let mut mirrored = Vec::new();
+    for (points, known) in &shells {
+        pair_shell(&mut pairing, &places, points, progress)?;
+        let paired = points.iter().filter(|&&point| pairing.image[point as usize] != NONE).count();
+        if has_enough(&pairing, points) && paired > *known {
+            places.correct(&pairing, points);
+            mirrored.extend(points);
+        } else {
+            pairing.forget(points);
+        }
+    }
+    Ok((!mirrored.is_empty()).then(|| places.images(&pairing, &fans, &mirrored)))
+}
+
+/// Whether enough vertices of a shell have a pair that fits well.
+fn has_enough(pairing: &Pairing, points: &[u32]) -> bool {
+    let image = |point: u32| pairing.image[point as usize];
+    let is_good = |&&point: &&u32| image(point) != NONE && pairing.misfit(point, image(point)) <= GOOD;
+    points.iter().filter(is_good).count() as f64 >= GOOD_SHARE * points.len() as f64
+}
+
+/// Pairs what percolation reaches from the starts on a shell.
+fn pair_shell(pairing: &mut Pairing, places: &Places, points: &[u32], progress: &Progress) -> Result<()> {
+    let mut first = starts(pairing, places, points, FIRST_LOOKS);
+    first.sort_by(|a, b| a.miss.total_cmp(&b.miss));
+    first.truncate(FIRST_STARTS);
+    if tried(pairing, first, progress)?.first().is_none_or(|(misfit, _)| *misfit > GOOD) {
+        return Ok(());
+    }
+    let starts = starts(pairing, places, points, LOOKS);
+    let tried = tried(pairing, starts, progress)?;
+    for limit in MISFITS {
+        progress.check()?;
+        if limit > GOOD && !has_enough(pairing, points) {
+            return Ok(());
+        }
+        for (_, start) in tried.iter().take_while(|(misfit, _)| *misfit <= limit) {
+            if pairing.image[start.pairs[0].0 as usize] == NONE {
+                pairing.grow_from(&start.pairs, limit);
+            }
+        }
+        pairing.grow_into(points, limit);
+    }
+    pairing.drop_contradicted(points);
+    Ok(())
+}
+
+/// The starts from which enough grows, with the misfits there; the best first.
+fn tried(pairing: &mut Pairing, starts: Vec<Start>, progress: &Progress) -> Result<Vec<(f64, Start)>> {
+    let mut tried = Vec::new();
+    for start in starts {
+        progress.check()?;
+        tried.extend(pairing.misfit_from(&start.pairs).map(|misfit| (misfit, start)));
+    }
+    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
+    Ok(tried)
+}
+
+/// Points joined by an edge.
+fn edges(mesh: &Mesh) -> Adjacency {
+    let sides = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
+    let both = |(a, b): (u32, u32)| [(a, b), (b, a)];
+    Adjacency::new(mesh.positions.len(), mesh.triangles.iter().flat_map(sides).flat_map(both))
+}
+
+/// Points joined by an edge, or by the edge that would replace the one between two triangles.
+fn close(mesh: &Mesh, fans: &Fans) -> Adjacency {
+    let pairs = mesh.triangles.iter().zip(&fans.behind).flat_map(|(&triangle, &behind)| {
+        (0..3).flat_map(move |k| {
+            let across = (behind[k] != NONE).then(|| mesh.triangles[behind[k] as usize]);
+            let opposite = across.and_then(|other| other.into_iter().find(|point| !triangle.contains(point)));
+            let (corner, next) = (triangle[k], triangle[(k + 1) % 3]);
+            let far = opposite.unwrap_or(corner);
+            [(corner, next), (next, corner), (corner, far), (far, corner)]
+        })
+    });
+    Adjacency::new(mesh.positions.len(), pairs)
+}
+
+/// A vertex around which the moved estimate meets vertices.
+struct Start {
+    /// Mean distance from them, in edges.
+    miss: f64,
+    /// The pairs that this gives, the vertex in the middle first.
+    pairs: Vec<(u32, u32)>,
+}
+
+/// The best starts in every region of a shell.
+fn starts(pairing: &Pairing, places: &Places, points: &[u32], looks: usize) -> Vec<Start> {
+    let mut starts = Vec::new();
+    for region in points.chunks(points.len().div_ceil(REGIONS)) {
+        let looked_at = region.iter().step_by(region.len().div_ceil(looks));
+        let found = looked_at.map(|&vertex| starts_at(pairing, places, vertex)).filter(|found| !found.is_empty());
+        starts.extend(found.min_by(|a, b| a[0].miss.total_cmp(&b[0].miss)).unwrap_or_default());
+    }
+    starts
+}
+
+/// The best starts at one vertex: the estimate is moved so that it sends the vertex to one near its image.
+fn starts_at(pairing: &Pairing, places: &Places, vertex: u32) -> Vec<Start> {
+    let mesh = pairing.mesh;
+    let at = places.position[vertex as usize];
+    let near = pairing.close.of(vertex as usize).iter().filter(|&&near| places.vertex[near as usize] != NONE);
+    let around: Vec<_> = near.map(|&near| (near, subtract(places.position[near as usize], at))).collect();
+    let middle = places.vertex[vertex as usize];
+    let mut found = Vec::new();
+    for &centre in pairing.close.of(middle as usize).iter().chain([&middle]) {
+        let origin = mesh.positions[centre as usize];
+        let ring = pairing.within_two(centre);
+        let edge = pairing.mean_length(centre);
+        let mut start = Start { miss: 0.0, pairs: vec![(vertex, centre)] };
+        for &(near, offset) in &around {
+            let wanted: Vector = std::array::from_fn(|axis| origin[axis] + offset[axis]);
+            let distance = |&point: &u32| squared_norm(subtract(mesh.positions[point as usize], wanted));
+            let nearest = ring.iter().map(|point| (distance(point), *point)).min_by(|a, b| a.0.total_cmp(&b.0));
+            let Some((distance, image)) = nearest else { continue };
+            let miss = distance.sqrt() / edge;
+            start.miss += miss.min(1.0) / around.len() as f64;
+            if miss < VERTEX_MISS {
+                start.pairs.push((near, image));
+            }
+        }
+        if start.miss < START_MISS {
+            found.push(start);
+        }
+    }
+    found.sort_by(|a, b| a.miss.total_cmp(&b.miss));
+    found.truncate(STARTS);
+    found
+}
