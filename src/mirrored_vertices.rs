@@ -8,9 +8,12 @@
 //! percolation (L. Yartseva, M. Grossglauser, "On the performance of percolation graph matching", 2013; [`percolation`]).
 //!
 //! It starts where the estimate, moved by about an edge, sends the vertices around one onto vertices, and takes first
-//! what fits best: parts that a pose leaves rigid. Between independent triangulations it finds pairs, too, but few that fit so well
-//! as those of mirrored vertices; this decides. The images of vertices that are not paired are moved as those around them were.
+//! what fits best: parts that a pose leaves rigid. Between independent triangulations it finds pairs, too, but few that fit so
+//! well as those of mirrored vertices; and where both are regular grids, which fit each other anywhere, the pairs are turned
+//! against the estimate, as one grid is against the mirror image of the other ([`agreement`]). These two decide. The images of
+//! vertices that are not paired are moved as those around them were.
 
+mod agreement;
 mod percolation;
 mod places;
 
@@ -22,6 +25,7 @@ use crate::mesh::vector::{Vector, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE};
 use crate::progress::Progress;
 use crate::symmetry_kind::SymmetryKind;
+use agreement::{GOOD, agrees_in_turn, has_enough};
 use percolation::{MISFITS, Pairing};
 use places::Places;
 
@@ -38,10 +42,6 @@ const FIRST_STARTS: usize = 24;
 /// Largest mean distance between the moved estimate and vertices, in edges, at a start, and of a vertex that it pairs.
 const START_MISS: f64 = 0.2;
 const VERTEX_MISS: f64 = 0.3;
-/// Largest misfit of a good pair, and least share of the vertices of a shell that have one. Independent
-/// triangulations have up to 0.11, grids of voxels 0.18, mirrored vertices 0.39 or more.
-const GOOD: f64 = 0.015;
-const GOOD_SHARE: f64 = 0.3;
 /// A shell of which connectivity pairs such a share is left to it.
 const MOSTLY_PAIRED: f64 = 0.98;
 
@@ -79,7 +79,8 @@ pub fn find(
     kind: SymmetryKind,
     progress: &Progress,
 ) -> Result<Option<MirroredVertices>> {
-    let by_connectivity = |point: u32| connectivity.is_some_and(|found| found.partner[point as usize] != NONE);
+    let by_connectivity =
+        |point: u32| connectivity.is_some_and(|found| found.partner[point as usize] != NONE);
     let mut shells = vec![Vec::new(); mesh.shell_count];
     for point in (0..mesh.positions.len() as u32).filter(|&point| estimate.partner[point as usize] != NONE) {
         shells[mesh.shell_of_point[point as usize] as usize].push(point);
@@ -106,7 +107,7 @@ pub fn find(
     for (points, known) in &shells {
         pair_shell(&mut pairing, &places, points, progress)?;
         let paired = points.iter().filter(|&&point| pairing.image[point as usize] != NONE).count();
-        if has_enough(&pairing, points) && paired > *known {
+        if paired > *known && has_enough(&pairing, points) && agrees_in_turn(&pairing, &places, points) {
             places.correct(&pairing, points);
             mirrored.extend(points);
         } else {
@@ -114,13 +115,6 @@ pub fn find(
         }
     }
     Ok((!mirrored.is_empty()).then(|| places.images(&pairing, &fans, &mirrored)))
-}
-
-/// Whether enough vertices of a shell have a pair that fits well.
-fn has_enough(pairing: &Pairing, points: &[u32]) -> bool {
-    let image = |point: u32| pairing.image[point as usize];
-    let is_good = |&&point: &&u32| image(point) != NONE && pairing.misfit(point, image(point)) <= GOOD;
-    points.iter().filter(is_good).count() as f64 >= GOOD_SHARE * points.len() as f64
 }
 
 /// Pairs what percolation reaches from the starts on a shell.
@@ -194,7 +188,8 @@ fn starts(pairing: &Pairing, places: &Places, points: &[u32], looks: usize) -> V
     let mut starts = Vec::new();
     for region in points.chunks(points.len().div_ceil(REGIONS)) {
         let looked_at = region.iter().step_by(region.len().div_ceil(looks));
-        let found = looked_at.map(|&vertex| starts_at(pairing, places, vertex)).filter(|found| !found.is_empty());
+        let found =
+            looked_at.map(|&vertex| starts_at(pairing, places, vertex)).filter(|found| !found.is_empty());
         starts.extend(found.min_by(|a, b| a[0].miss.total_cmp(&b[0].miss)).unwrap_or_default());
     }
     starts
@@ -216,7 +211,8 @@ fn starts_at(pairing: &Pairing, places: &Places, vertex: u32) -> Vec<Start> {
         for &(near, offset) in &around {
             let wanted: Vector = std::array::from_fn(|axis| origin[axis] + offset[axis]);
             let distance = |&point: &u32| squared_norm(subtract(mesh.positions[point as usize], wanted));
-            let nearest = ring.iter().map(|point| (distance(point), *point)).min_by(|a, b| a.0.total_cmp(&b.0));
+            let nearest =
+                ring.iter().map(|point| (distance(point), *point)).min_by(|a, b| a.0.total_cmp(&b.0));
             let Some((distance, image)) = nearest else { continue };
             let miss = distance.sqrt() / edge;
             start.miss += miss.min(1.0) / around.len() as f64;

@@ -35,7 +35,7 @@ pub(super) struct Pairing<'a> {
     pub close: &'a Adjacency,
     kind: SymmetryKind,
     /// Two orthonormal directions along the surface at each point.
-    tangents: Vec<[Vector; 2]>,
+    pub tangents: Vec<[Vector; 2]>,
     /// Whether a point may be paired and is not.
     open: Vec<bool>,
     /// Image of each point, or [`NONE`]; its own inverse.
@@ -151,7 +151,8 @@ impl<'a> Pairing<'a> {
         squared_norm(self.offset(a, b)).sqrt()
     }
 
-    fn offset(&self, from: u32, to: u32) -> Vector {
+    /// The vector from one point to another.
+    pub fn offset(&self, from: u32, to: u32) -> Vector {
         subtract(self.mesh.positions[to as usize], self.mesh.positions[from as usize])
     }
 

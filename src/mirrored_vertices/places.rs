@@ -20,8 +20,11 @@ pub(super) struct Places {
 impl Places {
     pub fn new(mesh: &Mesh, estimate: &Estimate) -> Places {
         let position = |inside: &TrianglePoint| {
-            let corners = mesh.triangles[inside.triangle as usize].map(|corner| mesh.positions[corner as usize]);
-            std::array::from_fn(|axis| (0..3).map(|k| f64::from(inside.barycentric[k]) * corners[k][axis]).sum())
+            let corners =
+                mesh.triangles[inside.triangle as usize].map(|corner| mesh.positions[corner as usize]);
+            std::array::from_fn(|axis| {
+                (0..3).map(|k| f64::from(inside.barycentric[k]) * corners[k][axis]).sum()
+            })
         };
         Places { vertex: estimate.partner.to_vec(), position: estimate.image.iter().map(position).collect() }
     }
@@ -40,7 +43,8 @@ impl Places {
         }
         while !front.is_empty() {
             let around = front.iter().flat_map(|&point| pairing.edges.of(point as usize));
-            let is_next = |&point: &u32| moved[point as usize].is_none() && self.vertex[point as usize] != NONE;
+            let is_next =
+                |&point: &u32| moved[point as usize].is_none() && self.vertex[point as usize] != NONE;
             let mut next: Vec<u32> = around.copied().filter(is_next).collect();
             next.sort_unstable();
             next.dedup();
