@@ -10,10 +10,10 @@ use crate::mesh::vector::{dot, subtract};
 pub(super) const GOOD: f64 = 0.015;
 const GOOD_SHARE: f64 = 0.3;
 /// Largest median, over good pairs, of the angle (radians) by which the pairs around one are turned against the estimate.
-/// Mirrored vertices have up to 1.8 degrees, regular grids 7 to 10.
-const LARGEST_TURN: f64 = 4.0 / 180.0 * std::f64::consts::PI;
+/// Mirrored vertices have up to 2.3 degrees, regular grids 4 to 16.
+const LARGEST_TURN: f64 = 3.0 / 180.0 * std::f64::consts::PI;
 /// Rounds in which turns are averaged with those of neighbours: the estimate is wavy from vertex to vertex.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 40;
 
 /// Whether enough vertices of a shell have a good pair.
 pub(super) fn has_enough(pairing: &Pairing, points: &[u32]) -> bool {
