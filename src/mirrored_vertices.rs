@@ -105,7 +105,10 @@ pub fn find(
     let mut places = Places::new(mesh, &estimate);
     let mut mirrored = Vec::new();
     for (points, known) in &shells {
-        pair_shell(&mut pairing, &places, points, progress)?;
+        // A shell that changes places with an earlier one is paired with it.
+        if points.iter().all(|&point| pairing.image[point as usize] == NONE) {
+            pair_shell(&mut pairing, &places, points, progress)?;
+        }
         let paired = points.iter().filter(|&&point| pairing.image[point as usize] != NONE).count();
         if paired > *known && has_enough(&pairing, points) && agrees_in_turn(&pairing, &places, points) {
             places.correct(&pairing, points);
@@ -143,12 +146,17 @@ fn pair_shell(pairing: &mut Pairing, places: &Places, points: &[u32], progress: 
     Ok(())
 }
 
-/// The starts from which enough grows, with the misfits there; the best first.
+/// The starts from which enough grows, with the misfits there; the best first. Where one fits perfectly the next ones at the
+/// same vertex are left out.
 fn tried(pairing: &mut Pairing, starts: Vec<Start>, progress: &Progress) -> Result<Vec<(f64, Start)>> {
-    let mut tried = Vec::new();
+    let mut tried: Vec<(f64, Start)> = Vec::new();
     for start in starts {
         progress.check()?;
-        tried.extend(pairing.misfit_from(&start.pairs).map(|misfit| (misfit, start)));
+        let is_settled =
+            |(misfit, last): &(f64, Start)| *misfit <= MISFITS[0] && last.pairs[0].0 == start.pairs[0].0;
+        if !tried.last().is_some_and(is_settled) {
+            tried.extend(pairing.misfit_from(&start.pairs).map(|misfit| (misfit, start)));
+        }
     }
     tried.sort_by(|a, b| a.0.total_cmp(&b.0));
     Ok(tried)
