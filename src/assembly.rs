@@ -3,9 +3,10 @@
 use crate::automorphism::Automorphism;
 use crate::companions::Companion;
 use crate::correspondence::{EdgePoint, Polyline, SurfacePoint, Symmetry};
-use crate::embedded_triangles::TrianglePoint;
-use crate::fixed_curve::EdgeCrossing;
+use crate::embedded_triangles::{Fans, TrianglePoint};
+use crate::fixed_curve::{EdgeCrossing, dissolve_specks};
 use crate::full_refinement::VertexImages;
+use crate::mesh::vector::triangle_area;
 use crate::mesh::{Mesh, NONE, Shell};
 use crate::mirrored_vertices::MirroredVertices;
 use crate::symmetry_kind::SymmetryKind;
@@ -105,7 +106,7 @@ impl PointMap {
     }
 
     /// Replaces the images of shells whose vertices are mirrored.
-    pub fn replace_by_vertices(&mut self, found: &MirroredVertices) {
+    pub fn replace_by_vertices(&mut self, mesh: &Mesh, found: &MirroredVertices) {
         let odd = self.odd.clone();
         for (point, &partner) in found.partner.iter().enumerate().filter(|(_, partner)| **partner != NONE) {
             self.partner[point] = partner;
@@ -115,6 +116,17 @@ impl PointMap {
                 self.odd[point] = 0.5 * (odd[point] - odd[partner as usize]);
             }
         }
+        let mut mass = vec![0.0; self.odd.len()];
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|point| mesh.positions[point as usize]);
+            triangle.iter().for_each(|&point| mass[point as usize] += triangle_area(a, b, c) / 3.0);
+        }
+        let fans = Fans::new(mass.len(), &mesh.triangles);
+        let around = |point: usize| {
+            let triangles = fans.of(point as u32).iter();
+            triangles.flat_map(|&triangle| mesh.triangles[triangle as usize])
+        };
+        dissolve_specks(around, &mass, &mut self.odd);
     }
 
     /// `odd <- (odd - odd of the partner) / 2` where the bijection is exact: 0 on its fixed points. Each

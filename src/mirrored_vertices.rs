@@ -17,7 +17,7 @@ mod agreement;
 mod percolation;
 mod places;
 
-use crate::adjacency::Adjacency;
+use crate::adjacency::{Adjacency, nearest_seeds};
 use crate::automorphism::Automorphism;
 use crate::embedded_triangles::{Fans, TrianglePoint};
 use crate::error::Result;
@@ -33,15 +33,20 @@ use places::Places;
 const SMALLEST_SHELL: usize = 24;
 const LARGEST_SHELL: usize = 250_000;
 /// Regions of a shell that are searched for starts, vertices looked at in each, and starts taken from each.
-const REGIONS: usize = 64;
+const REGIONS: usize = 80;
 const LOOKS: usize = 16;
-const STARTS: usize = 3;
-/// Vertices looked at in each region, and starts tried, to see whether it is worth while.
-const FIRST_LOOKS: usize = 3;
+const STARTS: usize = 4;
+/// Vertices tried, the best, to see whether it is worth while.
 const FIRST_STARTS: usize = 24;
+/// Largest share of good trials that fit at another place nearly as well: up to 0.34 on bodies, most on a cube of squares.
+const LARGEST_AMBIGUOUS_SHARE: f64 = 0.35;
+/// Misfits below this are as good as each other.
+const TIE: f64 = 1e-6;
 /// Largest mean distance between the moved estimate and vertices, in edges, at a start, and of a vertex that it pairs.
 const START_MISS: f64 = 0.2;
 const VERTEX_MISS: f64 = 0.3;
+/// What moving the estimate by an edge costs a start, in miss: on a grid all fit, and the nearer are likelier.
+const SHIFT: f64 = 0.02;
 /// A shell of which connectivity pairs such a share is left to it.
 const MOSTLY_PAIRED: f64 = 0.98;
 
@@ -106,11 +111,12 @@ pub fn find(
     let mut mirrored = Vec::new();
     for (points, known) in &shells {
         // A shell that changes places with an earlier one is paired with it.
+        let regions = regions(&pairing, points);
         if points.iter().all(|&point| pairing.image[point as usize] == NONE) {
-            pair_shell(&mut pairing, &places, points, progress)?;
+            pair_shell(&mut pairing, &places, points, &regions, progress)?;
         }
         let paired = points.iter().filter(|&&point| pairing.image[point as usize] != NONE).count();
-        if paired > *known && has_enough(&pairing, points) && agrees_in_turn(&pairing, &places, points) {
+        if paired > *known && has_enough(&pairing, points) && agrees_in_turn(&pairing, &places, &regions) {
             places.correct(&pairing, points);
             mirrored.extend(points);
         } else {
@@ -121,23 +127,34 @@ pub fn find(
 }
 
 /// Pairs what percolation reaches from the starts on a shell.
-fn pair_shell(pairing: &mut Pairing, places: &Places, points: &[u32], progress: &Progress) -> Result<()> {
-    let mut first = starts(pairing, places, points, FIRST_LOOKS);
-    first.sort_by(|a, b| a.miss.total_cmp(&b.miss));
-    first.truncate(FIRST_STARTS);
-    if tried(pairing, first, progress)?.first().is_none_or(|(misfit, _)| *misfit > GOOD) {
+fn pair_shell(
+    pairing: &mut Pairing,
+    places: &Places,
+    points: &[u32],
+    regions: &[Vec<u32>],
+    progress: &Progress,
+) -> Result<()> {
+    let mut starts = starts(pairing, places, regions);
+    starts.sort_by(|a, b| a[0].miss.total_cmp(&b[0].miss));
+    let rest = starts.split_off(FIRST_STARTS.min(starts.len()));
+    let mut tried = Vec::new();
+    try_all(pairing, starts, &mut tried, progress)?;
+    if tried.iter().all(|trial| trial.misfit > GOOD) {
         return Ok(());
     }
-    let starts = starts(pairing, places, points, LOOKS);
-    let tried = tried(pairing, starts, progress)?;
+    try_all(pairing, rest, &mut tried, progress)?;
+    if is_ambiguous(&tried) {
+        return Ok(());
+    }
+    tried.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
     for limit in MISFITS {
         progress.check()?;
         if limit > GOOD && !has_enough(pairing, points) {
             return Ok(());
         }
-        for (_, start) in tried.iter().take_while(|(misfit, _)| *misfit <= limit) {
-            if pairing.image[start.pairs[0].0 as usize] == NONE {
-                pairing.grow_from(&start.pairs, limit);
+        for trial in tried.iter().filter(|trial| trial.misfit <= limit) {
+            if pairing.image[trial.start.pairs[0].0 as usize] == NONE {
+                pairing.grow_from(&trial.start.pairs, limit);
             }
         }
         pairing.grow_into(points, limit);
@@ -146,20 +163,47 @@ fn pair_shell(pairing: &mut Pairing, places: &Places, points: &[u32], progress: 
     Ok(())
 }
 
-/// The starts from which enough grows, with the misfits there; the best first. Where one fits perfectly the next ones at the
-/// same vertex are left out.
-fn tried(pairing: &mut Pairing, starts: Vec<Start>, progress: &Progress) -> Result<Vec<(f64, Start)>> {
-    let mut tried: Vec<(f64, Start)> = Vec::new();
-    for start in starts {
+/// A start from which enough grew when it was tried.
+struct Trial {
+    start: Start,
+    /// Mean misfit of what grew.
+    misfit: f64,
+    /// Its ratio to that of another start at the same vertex, the better one for the best: 1 all over a flat grid, which fits
+    /// itself anywhere, and small where a place is like no other (as features are matched by D. Lowe, "Distinctive Image
+    /// Features from Scale-Invariant Keypoints", 2004).
+    ambiguity: f64,
+}
+
+/// Whether the shell is a grid that fits itself at many places, so that starts say little about which is the right one.
+fn is_ambiguous(tried: &[Trial]) -> bool {
+    let good = || tried.iter().filter(|trial| trial.misfit <= GOOD && trial.ambiguity <= 1.0);
+    let ambiguous = good().filter(|trial| trial.ambiguity > 0.5).count();
+    ambiguous as f64 > LARGEST_AMBIGUOUS_SHARE * good().count() as f64
+}
+
+/// Tries starts, those at one vertex after each other, and adds those from which enough grows.
+fn try_all(
+    pairing: &mut Pairing,
+    starts: Vec<Vec<Start>>,
+    tried: &mut Vec<Trial>,
+    progress: &Progress,
+) -> Result<()> {
+    for at_vertex in starts {
         progress.check()?;
-        let is_settled =
-            |(misfit, last): &(f64, Start)| *misfit <= MISFITS[0] && last.pairs[0].0 == start.pairs[0].0;
-        if !tried.last().is_some_and(is_settled) {
-            tried.extend(pairing.misfit_from(&start.pairs).map(|misfit| (misfit, start)));
+        let grown = |start: Start| {
+            let misfit = pairing.misfit_from(&start.pairs)?;
+            Some(Trial { start, misfit, ambiguity: 0.0 })
+        };
+        let mut trials: Vec<Trial> = at_vertex.into_iter().filter_map(grown).collect();
+        trials.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
+        let misfits: Vec<f64> = trials.iter().map(|trial| trial.misfit.max(TIE)).collect();
+        for (place, trial) in trials.iter_mut().enumerate() {
+            let other = if place == 0 { misfits.get(1) } else { misfits.first() };
+            trial.ambiguity = other.map_or(0.0, |other| misfits[place] / other);
         }
+        tried.extend(trials);
     }
-    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(tried)
+    Ok(())
 }
 
 /// Points joined by an edge.
@@ -191,14 +235,25 @@ struct Start {
     pairs: Vec<(u32, u32)>,
 }
 
+/// Parts of a shell: the points nearest to seeds that are spread over their numbers.
+fn regions(pairing: &Pairing, points: &[u32]) -> Vec<Vec<u32>> {
+    let seeds: Vec<u32> = points.iter().copied().step_by(points.len().div_ceil(REGIONS)).collect();
+    let around = |point: u32| pairing.edges.of(point as usize).iter().copied();
+    let nearest = nearest_seeds(pairing.image.len(), &seeds, around);
+    let mut regions = vec![Vec::new(); seeds.len()];
+    let reached = points.iter().filter(|&&point| nearest[point as usize] != NONE);
+    reached.for_each(|&point| regions[nearest[point as usize] as usize].push(point));
+    regions
+}
+
 /// The best starts in every region of a shell.
-fn starts(pairing: &Pairing, places: &Places, points: &[u32], looks: usize) -> Vec<Start> {
+fn starts(pairing: &Pairing, places: &Places, regions: &[Vec<u32>]) -> Vec<Vec<Start>> {
     let mut starts = Vec::new();
-    for region in points.chunks(points.len().div_ceil(REGIONS)) {
-        let looked_at = region.iter().step_by(region.len().div_ceil(looks));
+    for region in regions {
+        let looked_at = region.iter().step_by(region.len().div_ceil(LOOKS));
         let found =
             looked_at.map(|&vertex| starts_at(pairing, places, vertex)).filter(|found| !found.is_empty());
-        starts.extend(found.min_by(|a, b| a[0].miss.total_cmp(&b[0].miss)).unwrap_or_default());
+        starts.extend(found.min_by(|a, b| a[0].miss.total_cmp(&b[0].miss)));
     }
     starts
 }
@@ -224,15 +279,19 @@ fn starts_at(pairing: &Pairing, places: &Places, vertex: u32) -> Vec<Start> {
             let Some((distance, image)) = nearest else { continue };
             let miss = distance.sqrt() / edge;
             start.miss += miss.min(1.0) / around.len() as f64;
+            if start.miss >= START_MISS {
+                break;
+            }
             if miss < VERTEX_MISS {
                 start.pairs.push((near, image));
             }
         }
         if start.miss < START_MISS {
-            found.push(start);
+            let shift = squared_norm(subtract(origin, at)).sqrt() / edge;
+            found.push((start.miss + SHIFT * shift, start));
         }
     }
-    found.sort_by(|a, b| a.miss.total_cmp(&b.miss));
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(STARTS);
-    found
+    found.into_iter().map(|(_, start)| start).collect()
 }

@@ -375,7 +375,7 @@ impl<'a> Assembler<'a> {
             map.replace_by_connectivity(self.mesh, &found);
         }
         if let Some(found) = mirrored {
-            map.replace_by_vertices(&found);
+            map.replace_by_vertices(self.mesh, &found);
         }
         let curve = match kind {
             SymmetryKind::Reflection => zero_set(&self.mesh.triangles, &map.odd),

@@ -9,11 +9,8 @@ use crate::mesh::vector::{dot, subtract};
 /// triangulations have up to 0.11, grids of voxels 0.18, mirrored vertices 0.39 or more; regular grids of triangles 0.5 to 0.6.
 pub(super) const GOOD: f64 = 0.015;
 const GOOD_SHARE: f64 = 0.3;
-/// Largest median, over good pairs, of the angle (radians) by which the pairs around one are turned against the estimate.
-/// Mirrored vertices have up to 2.3 degrees, regular grids 4 to 16.
-const LARGEST_TURN: f64 = 3.0 / 180.0 * std::f64::consts::PI;
-/// Rounds in which turns are averaged with those of neighbours: the estimate is wavy from vertex to vertex.
-const ROUNDS: usize = 40;
+/// Largest turns (degrees) of the given percents of the good pairs against the estimate.
+const LARGEST_TURNS: [(usize, f64); 2] = [(50, 2.8), (75, 5.0)];
 
 /// Whether enough vertices of a shell have a good pair.
 pub(super) fn has_enough(pairing: &Pairing, points: &[u32]) -> bool {
@@ -25,26 +22,24 @@ fn is_good(pairing: &Pairing, point: u32) -> bool {
     image != NONE && pairing.misfit(point, image) <= GOOD
 }
 
-/// Whether the good pairs of a shell, of which there is one, are turned as the estimate is. O(points of the mesh).
-pub(super) fn agrees_in_turn(pairing: &Pairing, places: &Places, points: &[u32]) -> bool {
-    let mut turns = vec![[0.0; 2]; places.position.len()];
-    let good: Vec<u32> = points.iter().copied().filter(|&point| is_good(pairing, point)).collect();
-    for &point in &good {
-        turns[point as usize] = turn(pairing, places, point);
+/// Whether the good pairs of a shell, of which there is one, are turned as the estimate is. The estimate is wavy from vertex
+/// to vertex, so turns are averaged over each of its `regions`.
+pub(super) fn agrees_in_turn(pairing: &Pairing, places: &Places, regions: &[Vec<u32>]) -> bool {
+    let mut angles = Vec::new();
+    for region in regions {
+        let good = region.iter().filter(|point| is_good(pairing, **point));
+        let (mut count, mut sum) = (0, [0.0; 2]);
+        for &point in good {
+            let turn = turn(pairing, places, point);
+            (count, sum) = (count + 1, [sum[0] + turn[0], sum[1] + turn[1]]);
+        }
+        angles.extend(std::iter::repeat_n(sum[1].atan2(sum[0]).abs(), count));
     }
-    for _ in 0..ROUNDS {
-        let mean = |&point: &u32| {
-            let around = pairing.edges.of(point as usize).iter().chain([&point]);
-            let sum = around.fold([0.0; 2], |sum, &near| [0, 1].map(|k| sum[k] + turns[near as usize][k]));
-            unit(sum)
-        };
-        let next: Vec<[f64; 2]> = good.iter().map(mean).collect();
-        good.iter().zip(next).for_each(|(&point, turn)| turns[point as usize] = turn);
-    }
-    let angle = |&point: &u32| turns[point as usize][1].atan2(turns[point as usize][0]).abs();
-    let mut angles: Vec<f64> = good.iter().map(angle).collect();
-    let middle = angles.len() / 2;
-    *angles.select_nth_unstable_by(middle, f64::total_cmp).1 <= LARGEST_TURN
+    let quantile = |share: usize, angles: &mut Vec<f64>| {
+        let place = angles.len() * share / 100;
+        *angles.select_nth_unstable_by(place, f64::total_cmp).1
+    };
+    LARGEST_TURNS.iter().all(|&(share, largest)| quantile(share, &mut angles).to_degrees() <= largest)
 }
 
 /// Cosine and sine of the angle, in the tangent plane at its image, by which the pairs around a point are turned against the
