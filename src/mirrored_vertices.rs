@@ -146,7 +146,7 @@ fn pair_shell(
     if is_ambiguous(&tried) {
         return Ok(());
     }
-    tried.sort_by(|a, b| a.misfit.total_cmp(&b.misfit));
+    tried.sort_by(|a, b| a.ambiguity.total_cmp(&b.ambiguity).then(a.misfit.total_cmp(&b.misfit)));
     for limit in MISFITS {
         progress.check()?;
         if limit > GOOD && !has_enough(pairing, points) {

@@ -173,6 +173,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         None => search(&shell, &assembler.target, &signs, options, progress, &mut clock)?,
     };
     let (judged, mut evidence) = verdict(maps.first().map(|(map, _)| map), options.plausibility);
+    let best = maps.first().cloned();
     retain_symmetries(&mut maps, options.plausibility);
     if let Some(map) = mirrored {
         evidence += "; its connectivity admits one reflection";
@@ -180,6 +181,14 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
             evidence += ", and that is the answer";
             maps.push((map, SymmetryKind::Reflection));
         }
+    }
+    // One that is refused, but not by far.
+    let nearly = |(map, _): &(ShellSymmetry, _)| map.judged.accepted(options.plausibility.div_ceil(2));
+    if let Some((map, kind)) = best.filter(nearly).filter(|_| maps.is_empty())
+        && assembler.mirrors_vertices(&map, kind, progress)?
+    {
+        evidence += "; but vertices are each other's mirror images near it, and that is the answer";
+        maps.push((map, kind));
     }
     if orbits.continuous {
         evidence += FAMILY;
@@ -382,6 +391,20 @@ impl<'a> Assembler<'a> {
             SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => Vec::new(),
         };
         Ok(symmetry(self.mesh, &map, curve, Summary { kind, score: found.score.total() }))
+    }
+
+    /// Whether vertices of the largest shell are mirrored, though edges need not be, near a map.
+    fn mirrors_vertices(
+        &self,
+        found: &ShellSymmetry,
+        kind: SymmetryKind,
+        progress: &Progress,
+    ) -> Result<bool> {
+        let mut map = PointMap::empty(self.mesh);
+        let count = found.images.partners.len();
+        self.insert_largest(&mut map, &found.images, &vec![0.0; count], &vec![0.0; count]);
+        let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
+        Ok(mirrored_vertices::find(self.mesh, estimate, None, kind, progress)?.is_some())
     }
 
     /// Enters the largest shell's images, confidence and odd function, carried back from the proxy if there is one.
