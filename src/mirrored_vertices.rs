@@ -9,9 +9,9 @@
 //!
 //! It starts where the estimate, moved by about an edge, sends the vertices around one onto vertices, and takes first
 //! what fits best: parts that a pose leaves rigid. Between independent triangulations it finds pairs, too, but few that fit so
-//! well as those of mirrored vertices; and where both are regular grids, which fit each other anywhere, the pairs are turned
-//! against the estimate, as one grid is against the mirror image of the other ([`agreement`]). These two decide. The images of
-//! vertices that are not paired are moved as those around them were.
+//! well as those of mirrored vertices. Regular grids fit each other anywhere: starts at one vertex that fit equally well tell them,
+//! and pairs that are turned against the estimate, as one grid is against the mirror image of another ([`agreement`]). These
+//! three decide. The images of vertices that are not paired are moved as those around them were.
 
 mod agreement;
 mod percolation;
@@ -73,7 +73,8 @@ pub struct MirroredVertices {
 /// Pairs mirrored vertices.
 ///
 /// Shells are left out that cannot be oriented, have fewer than 24 or more than 250,000 vertices, or of which `connectivity` pairs
-/// as many vertices. `None` if no shell is left. O(points log points).
+/// as many vertices; and those of which fewer than three of ten vertices fit, or whose grid fits itself at other places as well.
+/// `None` if no shell is left. O(points log points).
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
