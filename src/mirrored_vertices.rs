@@ -27,7 +27,7 @@ use crate::progress::Progress;
 use crate::symmetry_kind::SymmetryKind;
 use agreement::{GOOD, agrees_in_turn, has_enough};
 use percolation::{MISFITS, Pairing};
-use places::Places;
+use places::{Places, descend};
 
 /// Shells with fewer vertices have too little to tell a pairing from chance; those with more are not made of quads by hand.
 const SMALLEST_SHELL: usize = 24;
@@ -269,16 +269,12 @@ fn starts_at(pairing: &Pairing, places: &Places, vertex: u32) -> Vec<Start> {
     let mut found = Vec::new();
     for &centre in pairing.close.of(middle as usize).iter().chain([&middle]) {
         let origin = mesh.positions[centre as usize];
-        let ring = pairing.within_two(centre);
         let edge = pairing.mean_length(centre);
         let mut start = Start { miss: 0.0, pairs: vec![(vertex, centre)] };
         for &(near, offset) in &around {
             let wanted: Vector = std::array::from_fn(|axis| origin[axis] + offset[axis]);
-            let distance = |&point: &u32| squared_norm(subtract(mesh.positions[point as usize], wanted));
-            let nearest =
-                ring.iter().map(|point| (distance(point), *point)).min_by(|a, b| a.0.total_cmp(&b.0));
-            let Some((distance, image)) = nearest else { continue };
-            let miss = distance.sqrt() / edge;
+            let image = descend(pairing, centre, wanted);
+            let miss = squared_norm(subtract(mesh.positions[image as usize], wanted)).sqrt() / edge;
             start.miss += miss.min(1.0) / around.len() as f64;
             if start.miss >= START_MISS {
                 break;

@@ -149,16 +149,6 @@ impl<'a> Pairing<'a> {
         near.iter().map(|&other| self.length(point, other)).sum::<f64>() / near.len().max(1) as f64
     }
 
-    /// Points within two steps to close ones.
-    pub fn within_two(&self, point: u32) -> Vec<u32> {
-        let near = self.close.of(point as usize);
-        let mut all = near.to_vec();
-        all.extend(near.iter().flat_map(|&other| self.close.of(other as usize)));
-        all.sort_unstable();
-        all.dedup();
-        all
-    }
-
     fn length(&self, a: u32, b: u32) -> f64 {
         squared_norm(self.offset(a, b)).sqrt()
     }

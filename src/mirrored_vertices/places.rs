@@ -97,7 +97,7 @@ fn correction(pairing: &Pairing, moved: &[Option<Vector>], point: u32) -> (Vecto
 }
 
 /// The vertex nearest to a position that is reached from `vertex` along edges, always nearer.
-fn descend(pairing: &Pairing, mut vertex: u32, position: Vector) -> u32 {
+pub(super) fn descend(pairing: &Pairing, mut vertex: u32, position: Vector) -> u32 {
     let distance = |vertex: u32| squared_norm(subtract(pairing.mesh.positions[vertex as usize], position));
     loop {
         let near = pairing.edges.of(vertex as usize).iter().copied();
