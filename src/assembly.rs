@@ -6,7 +6,7 @@ use crate::correspondence::{EdgePoint, Polyline, SurfacePoint, Symmetry};
 use crate::embedded_triangles::{Fans, TrianglePoint};
 use crate::fixed_curve::{EdgeCrossing, dissolve_specks};
 use crate::full_refinement::VertexImages;
-use crate::mesh::vector::triangle_area;
+use crate::mesh::vector::point_areas;
 use crate::mesh::{Mesh, NONE, Shell};
 use crate::mirrored_vertices::MirroredVertices;
 use crate::symmetry_kind::SymmetryKind;
@@ -116,11 +116,7 @@ impl PointMap {
                 self.odd[point] = 0.5 * (odd[point] - odd[partner as usize]);
             }
         }
-        let mut mass = vec![0.0; self.odd.len()];
-        for triangle in &mesh.triangles {
-            let [a, b, c] = triangle.map(|point| mesh.positions[point as usize]);
-            triangle.iter().for_each(|&point| mass[point as usize] += triangle_area(a, b, c) / 3.0);
-        }
+        let mass = point_areas(&mesh.positions, &mesh.triangles);
         let fans = Fans::new(mass.len(), &mesh.triangles);
         let around = |point: usize| {
             let triangles = fans.of(point as u32).iter();

@@ -36,8 +36,6 @@ const LARGEST_SHELL: usize = 250_000;
 const REGIONS: usize = 80;
 const LOOKS: usize = 16;
 const STARTS: usize = 4;
-/// Vertices tried, the best, to see whether it is worth while.
-const FIRST_STARTS: usize = 24;
 /// Largest share of good trials that fit at another place nearly as well: up to 0.34 on bodies, most on a cube of squares.
 const LARGEST_AMBIGUOUS_SHARE: f64 = 0.35;
 /// Misfits below this are as good as each other.
@@ -135,16 +133,8 @@ fn pair_shell(
     regions: &[Vec<u32>],
     progress: &Progress,
 ) -> Result<()> {
-    let mut starts = starts(pairing, places, regions);
-    starts.sort_by(|a, b| a[0].miss.total_cmp(&b[0].miss));
-    let rest = starts.split_off(FIRST_STARTS.min(starts.len()));
-    let mut tried = Vec::new();
-    try_all(pairing, starts, &mut tried, progress)?;
-    if tried.iter().all(|trial| trial.misfit > GOOD) {
-        return Ok(());
-    }
-    try_all(pairing, rest, &mut tried, progress)?;
-    if is_ambiguous(&tried) {
+    let mut tried = trials(pairing, starts(pairing, places, regions), progress)?;
+    if tried.iter().all(|trial| trial.misfit > GOOD) || is_ambiguous(&tried) {
         return Ok(());
     }
     tried.sort_by(|a, b| a.ambiguity.total_cmp(&b.ambiguity).then(a.misfit.total_cmp(&b.misfit)));
@@ -182,13 +172,9 @@ fn is_ambiguous(tried: &[Trial]) -> bool {
     ambiguous as f64 > LARGEST_AMBIGUOUS_SHARE * good().count() as f64
 }
 
-/// Tries starts, those at one vertex after each other, and adds those from which enough grows.
-fn try_all(
-    pairing: &mut Pairing,
-    starts: Vec<Vec<Start>>,
-    tried: &mut Vec<Trial>,
-    progress: &Progress,
-) -> Result<()> {
+/// Tries starts, those at one vertex after each other: those from which enough grows.
+fn trials(pairing: &mut Pairing, starts: Vec<Vec<Start>>, progress: &Progress) -> Result<Vec<Trial>> {
+    let mut tried = Vec::new();
     for at_vertex in starts {
         progress.check()?;
         let grown = |start: Start| {
@@ -204,7 +190,7 @@ fn try_all(
         }
         tried.extend(trials);
     }
-    Ok(())
+    Ok(tried)
 }
 
 /// Points joined by an edge.

@@ -10,7 +10,7 @@ use crate::adjacency::nearest_seeds;
 use crate::embedded_triangles::TrianglePoint;
 use crate::fixed_curve::dissolve_specks;
 use crate::full_refinement::VertexImages;
-use crate::mesh::vector::{Vector, squared_norm, subtract, triangle_area};
+use crate::mesh::vector::{Vector, point_areas, squared_norm, subtract};
 use crate::mesh::{NONE, Shell};
 use crate::surface_walk::SurfaceWalk;
 use crate::threads;
@@ -138,11 +138,7 @@ impl<'a> Proxy<'a> {
     /// crease, parts of the wrong sign may appear; small ones are dissolved.
     pub fn carry_odd(&self, odd: &[f64]) -> Vec<f64> {
         let mut carried = self.carry_values(odd);
-        let mut mass = vec![0.0; carried.len()];
-        for triangle in &self.fine.triangles {
-            let [a, b, c] = triangle.map(|vertex| self.fine.positions[vertex as usize]);
-            triangle.iter().for_each(|&vertex| mass[vertex as usize] += triangle_area(a, b, c) / 3.0);
-        }
+        let mass = point_areas(&self.fine.positions, &self.fine.triangles);
         dissolve_specks(|vertex| self.walk.around(vertex as u32), &mass, &mut carried);
         carried
     }

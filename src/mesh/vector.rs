@@ -30,3 +30,13 @@ pub fn triangle_area(a: Vector, b: Vector, c: Vector) -> f64 {
     let area = 0.5 * squared_norm(cross(ab, ac)).sqrt();
     if area <= 8.0 * f64::EPSILON * longest { 0.0 } else { area }
 }
+
+/// The area that each point stands for: a third of every triangle around it.
+pub fn point_areas(positions: &[Vector], triangles: &[[u32; 3]]) -> Vec<f64> {
+    let mut areas = vec![0.0; positions.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|point| positions[point as usize]);
+        triangle.iter().for_each(|&point| areas[point as usize] += triangle_area(a, b, c) / 3.0);
+    }
+    areas
+}
