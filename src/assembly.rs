@@ -116,13 +116,31 @@ impl PointMap {
                 self.odd[point] = 0.5 * (odd[point] - odd[partner as usize]);
             }
         }
-        let mass = point_areas(&mesh.positions, &mesh.triangles);
-        let fans = Fans::new(mass.len(), &mesh.triangles);
-        let around = |point: usize| {
-            let triangles = fans.of(point as u32).iter();
-            triangles.flat_map(|&triangle| mesh.triangles[triangle as usize])
-        };
-        dissolve_specks(around, &mass, &mut self.odd);
+        self.dissolve_specks(mesh, found);
+    }
+
+    /// Small parts on the wrong side, on each shell whose vertices are mirrored by itself: another's halves may be as small.
+    fn dissolve_specks(&mut self, mesh: &Mesh, found: &MirroredVertices) {
+        let areas = point_areas(&mesh.positions, &mesh.triangles);
+        let fans = Fans::new(areas.len(), &mesh.triangles);
+        let mut shells = vec![Vec::new(); mesh.shell_count];
+        let mut local = vec![NONE; areas.len()];
+        for point in (0..areas.len()).filter(|&point| found.partner[point] != NONE) {
+            let shell = &mut shells[mesh.shell_of_point[point] as usize];
+            local[point] = shell.len() as u32;
+            shell.push(point);
+        }
+        for points in shells.iter().filter(|points| !points.is_empty()) {
+            let around = |index: usize| {
+                let triangles = fans.of(points[index] as u32).iter();
+                let corners = triangles.flat_map(|&triangle| mesh.triangles[triangle as usize]);
+                corners.map(|corner| local[corner as usize]).filter(|&near| near != NONE)
+            };
+            let mass: Vec<f64> = points.iter().map(|&point| areas[point]).collect();
+            let mut odd: Vec<f64> = points.iter().map(|&point| self.odd[point]).collect();
+            dissolve_specks(around, &mass, &mut odd);
+            points.iter().zip(odd).for_each(|(&point, odd)| self.odd[point] = odd);
+        }
     }
 
     /// `odd <- (odd - odd of the partner) / 2` where the bijection is exact: 0 on its fixed points. Each

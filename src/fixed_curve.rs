@@ -48,7 +48,7 @@ pub fn odd_function(surface: &IntrinsicSurface, basis: &Eigenbasis, images: &Ver
 }
 
 /// Gives connected parts of one sign that have less than `SPECK` of the area the other sign, the one around them:
-/// on the curve the movement is all noise. The largest part of each sign stays, and what no edge joins to others. O(n).
+/// on the curve the movement is all noise. The largest part of each sign stays. O(n).
 ///
 /// `neighbours` may name a vertex more than once; `mass` is the area that each vertex stands for.
 pub fn dissolve_specks<N: IntoIterator<Item = u32>>(
@@ -64,21 +64,17 @@ pub fn dissolve_specks<N: IntoIterator<Item = u32>>(
             continue;
         }
         let mut part = vec![start];
-        let (mut next, mut has_border) = (0, false);
+        let mut next = 0;
         while next < part.len() {
             for other in neighbours(part[next]) {
                 let other = other as usize;
-                if positive[other] != positive[start] {
-                    has_border = true;
-                } else if !std::mem::replace(&mut visited[other], true) {
+                if positive[other] == positive[start] && !std::mem::replace(&mut visited[other], true) {
                     part.push(other);
                 }
             }
             next += 1;
         }
-        if has_border {
-            parts.push((part.iter().map(|&vertex| mass[vertex]).sum::<f64>(), part));
-        }
+        parts.push((part.iter().map(|&vertex| mass[vertex]).sum::<f64>(), part));
     }
     let sign = |part: &[usize]| positive[part[0]];
     let largest = |side: bool| {

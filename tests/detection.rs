@@ -234,6 +234,25 @@ fn connectivity_that_admits_several_reflections_is_no_evidence_against_the_shape
 }
 
 #[test]
+fn small_shells_keep_their_sides_beside_a_body_whose_vertices_are_mirrored() {
+    let quads = example("human_shells");
+    let mesh = validated(&quads);
+    let [exact, cut] = [&quads, &with_random_diagonals(&quads)]
+        .map(|polygons| detected(&validated(polygons), &Options::default()).symmetries.swap_remove(0).side);
+    let product = |vertex: usize| i32::from(exact[vertex] * cut[vertex]);
+    let sign = (0..exact.len()).map(product).sum::<i32>().signum();
+    let shell = |vertex: usize| mesh.shell_of_point[mesh.point_of_vertex[vertex] as usize];
+    let largest = mesh.shells()[0].points[0];
+    let small = (0..exact.len()).filter(|&vertex| shell(vertex) != mesh.shell_of_point[largest as usize]);
+    let (mut agree, mut all) = (0, 0);
+    for vertex in small.filter(|&vertex| product(vertex) != 0) {
+        (agree, all) = (agree + i32::from(product(vertex) == sign), all + 1);
+    }
+    println!("{agree} of {all} agree");
+    assert!(all > 300 && agree * 10 > all * 9, "{agree} of {all}");
+}
+
+#[test]
 fn a_map_that_mirrors_vertices_needs_half_the_plausibility() {
     let certain = Options { plausibility: 100, ..Options::default() };
     let outcome = |mesh: &PolygonMesh| {

@@ -6,7 +6,7 @@ use crate::mesh::NONE;
 use crate::mesh::vector::{dot, subtract};
 
 /// Largest misfit of a good pair, and least share of the vertices of a shell that have one. Independent
-/// triangulations have up to 0.11, grids of voxels 0.18, mirrored vertices 0.39 or more; regular grids of triangles 0.5 to 0.6.
+/// triangulations have up to 0.11, grids of voxels 0.18, mirrored vertices 0.34 or more; regular grids of triangles 0.5 to 0.6.
 pub(super) const GOOD: f64 = 0.015;
 const GOOD_SHARE: f64 = 0.3;
 /// Largest turns (degrees) of the given percents of the good pairs against the estimate.
