@@ -66,6 +66,7 @@ pub mod progress;
 pub mod proxy;
 pub mod refinement;
 pub mod report;
+pub mod rigid_parts;
 pub mod rotations;
 pub mod sampling;
 pub mod shell_symmetry;

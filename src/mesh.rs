@@ -10,6 +10,7 @@ pub mod io;
 pub mod openmesh;
 mod orient;
 mod polygons;
+pub mod rotation;
 mod shells;
 mod triangulate;
 mod validate;

@@ -22,6 +22,7 @@ use crate::mirrored_vertices;
 use crate::options::Options;
 use crate::progress::{CancelToken, Progress};
 use crate::proxy::Proxy;
+use crate::rigid_parts;
 use crate::rotations;
 use crate::sampling::Samples;
 use crate::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, of_images, signs};
@@ -368,7 +369,8 @@ impl<'a> Assembler<'a> {
         let mut map = PointMap::empty(self.mesh);
         let trust = Evidence::new(&self.target, found, kind.order()).confidence();
         let odd = self.odd(found);
-        self.insert_largest(&mut map, &found.images, &trust, &odd);
+        let images = self.fitted(&found.images, kind, progress)?;
+        self.insert_largest(&mut map, &images, &trust, &odd);
         // Other shells are paired, and under a rotation they come in threes or more.
         if self.shells.len() > 1 && !kind.is_rotation() {
             self.add_companions(&mut map, found, &trust, &odd, progress)?;
@@ -405,6 +407,12 @@ impl<'a> Assembler<'a> {
         self.insert_largest(&mut map, &found.images, &vec![0.0; count], &vec![0.0; count]);
         let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
         Ok(mirrored_vertices::find(self.mesh, estimate, None, kind, progress)?.is_some())
+    }
+
+    /// Images that follow the rigid parts of the largest shell.
+    fn fitted(&self, images: &VertexImages, kind: SymmetryKind, progress: &Progress) -> Result<VertexImages> {
+        let shell = self.proxy.map_or(&self.shells[0], |proxy| &proxy.shell);
+        rigid_parts::fit(shell, images, kind, self.target.threads(), progress.token())
     }
 
     /// Enters the largest shell's images, confidence and odd function, carried back from the proxy if there is one.

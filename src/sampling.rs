@@ -5,6 +5,7 @@
 //! on the pose. Each prefix of the samples is itself a farthest-point sampling.
 
 use crate::eigenbasis::Eigenbasis;
+use crate::mesh::vector::Vector;
 use faer::Mat;
 
 /// Coordinates of the embedding that spreads the samples.
@@ -75,6 +76,13 @@ pub fn area_weighted_vertices(mass: &[f64], count: usize) -> Vec<usize> {
     let last = mass.len().saturating_sub(1);
     picked.resize(if mass.is_empty() { 0 } else { count }, last);
     picked
+}
+
+/// Farthest points in space, or all if there are no more than `count`. O(positions x count) at worst.
+pub fn farthest_in_space(positions: &[Vector], count: usize) -> Vec<u32> {
+    let point = |position: &Vector| std::array::from_fn(|j| position.get(j).map_or(0.0, |&x| x as f32));
+    let points: Vec<Point> = positions.iter().map(point).collect();
+    farthest_points(&points, count.min(points.len())).into_iter().map(|i| i as u32).collect()
 }
 
 /// Samples in the spread embedding, scaled to a root mean square radius of 1.

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 52] = [
+const ORDER: [&str; 53] = [
     "error",
     "options",
     "limits",
@@ -47,6 +47,7 @@ const ORDER: [&str; 52] = [
     "automorphism",
     "mirrored_vertices",
     "surface_walk",
+    "rigid_parts",
     "proxy",
     "judging_mesh",
     "assembly",

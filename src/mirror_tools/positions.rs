@@ -7,10 +7,11 @@
 //! carried whole; what is as large as a limb's pose stays.
 
 use super::Mirroring;
-use super::frames::{Frames, images, turned};
+use super::frames::{Frames, images};
 use crate::correspondence::Symmetry;
 use crate::error::{Error, Result};
 use crate::laplacian::IntrinsicSurface;
+use crate::mesh::rotation::turned;
 use crate::mesh::vector::{Vector, subtract};
 use crate::mesh::{Mesh, NONE, Shell};
 use crate::progress::Progress;

@@ -1,0 +1,243 @@
+//! The finished map, where the surface around a vertex is the mirror image of that around the other as it stands in space.
+//!
+//! A pose bends few places; between them hands, heads and thighs keep their shape. There space says more than the
+//! surface alone: the map of a few hundred eigenfunctions is right to about a percent of the surface's size, and a rigid motion
+//! with reflection, fitted to how it moves a whole part, averages that error out. The motion is then fitted to the surface itself: each
+//! point comes to lie on the tangent plane of the nearest point (Y. Chen, G. Medioni, "Object modelling by registration of multiple range
+//! images", 1992). What the surface leaves open, as a slide along a limb, stays as the map says. Each vertex follows the
+//! motions of the parts it is in, the more the better they fit, but none that is far from what the map says of it: where a joint bends the map
+//! stays. That is how this differs from fitting the whole surface as rigidly as possible, which drifts there (`docs/method.md`).
+
+mod motion;
+
+use crate::adjacency::Adjacency;
+use crate::embedded_triangles::TrianglePoint;
+use crate::error::Result;
+use crate::full_refinement::VertexImages;
+use crate::mesh::Shell;
+use crate::mesh::vector::{Vector, cross, point_areas, squared_norm, subtract};
+use crate::progress::CancelToken;
+use crate::sampling::{area_weighted_vertices, farthest_in_space};
+use crate::surface_walk::SurfaceWalk;
+use crate::symmetry_kind::SymmetryKind;
+use crate::threads;
+use motion::{Fit, Motion, Oriented, Place};
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// Parts in all; their middles are spread over the shell.
+const PARTS: usize = 200;
+/// Radius of a part along edges, in sqrt(area).
+const RADIUS: f64 = 0.1;
+/// Points of a part that its motion is fitted to.
+const FITTED_POINTS: usize = 80;
+/// A motion that leaves the surface by this much, in sqrt(area), counts half.
+const LEAVE: f64 = 0.0015;
+/// One that is this far from the map at a vertex counts a quarter there.
+const STRAY: f64 = 0.05;
+/// A turn of the normal by one radian is as unlike as this distance, in sqrt(area).
+const TURN: f64 = 0.06;
+/// Weight of the map itself.
+const MAP_WEIGHT: f64 = 0.02;
+/// Vertices that one thread takes at a time.
+const CHUNK: usize = 2048;
+
+/// The vertices around one, the motion that mirrors them, and how much it counts at each.
+struct Part {
+    members: Vec<(u32, f64)>,
+    fit: Fit,
+}
+
+/// A vertex and a way to it along edges; the shorter way is the greater.
+#[derive(PartialEq)]
+struct Reached {
+    distance: f64,
+    vertex: u32,
+}
+
+impl Eq for Reached {}
+
+impl Ord for Reached {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.distance.total_cmp(&self.distance).then(other.vertex.cmp(&self.vertex))
+    }
+}
+
+impl PartialOrd for Reached {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// A shell and its map.
+struct Mapped<'a> {
+    shell: &'a Shell,
+    graph: Adjacency,
+    walk: SurfaceWalk<'a>,
+    areas: Vec<f64>,
+    /// Unit normals of the vertices.
+    normals: Vec<Vector>,
+    partners: &'a [u32],
+    /// Positions of the images.
+    images: Vec<Vector>,
+    mirrored: bool,
+}
+
+/// Moves the images of an oriented shell's vertices to where the rigid parts put them.
+///
+/// Images of a shell that is not oriented, or has no area, stay. O(vertices x parts at each, some 25).
+///
+/// # Errors
+/// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+pub fn fit(
+    shell: &Shell,
+    images: &VertexImages,
+    kind: SymmetryKind,
+    threads: usize,
+    token: &CancelToken,
+) -> Result<VertexImages> {
+    if !shell.orientable || shell.scale == 0.0 {
+        return Ok(images.clone());
+    }
+    let mapped = Mapped::new(shell, images, kind);
+    let part = |middle: u32| {
+        token.check()?;
+        mapped.part(middle)
+    };
+    let middles = farthest_in_space(&shell.positions, PARTS);
+    let parts = threads::map(threads, middles, part).into_iter().collect::<Result<Vec<Part>>>()?;
+    let goals = mapped.goals(&parts);
+    let project = |range: std::ops::Range<usize>| -> Vec<(u32, TrianglePoint)> {
+        range.map(|vertex| mapped.walk.nearest(goals[vertex], images.partners[vertex])).collect()
+    };
+    let ranges = threads::ranges(goals.len(), goals.len().div_ceil(CHUNK));
+    let (partners, points) = threads::map(threads, ranges, project).into_iter().flatten().unzip();
+    Ok(VertexImages { partners, points })
+}
+
+impl<'a> Mapped<'a> {
+    fn new(shell: &'a Shell, images: &'a VertexImages, kind: SymmetryKind) -> Mapped<'a> {
+        let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
+        Mapped {
+            shell,
+            graph: Adjacency::new(shell.positions.len(), shell.triangles.iter().flat_map(sides)),
+            walk: SurfaceWalk::new(&shell.positions, &shell.triangles),
+            areas: point_areas(&shell.positions, &shell.triangles),
+            normals: normals(shell),
+            partners: &images.partners,
+            images: images.points.iter().map(|point| at(shell, point, &shell.positions)).collect(),
+            mirrored: kind == SymmetryKind::Reflection,
+        }
+    }
+
+    /// The part around a vertex: what is joined to it within the radius.
+    fn part(&self, middle: u32) -> Result<Part> {
+        let members = self.members(middle);
+        let areas: Vec<f64> = members.iter().map(|&(vertex, _)| self.areas[vertex as usize]).collect();
+        let picked = area_weighted_vertices(&areas, FITTED_POINTS).into_iter().map(|index| members[index]);
+        let place = |(vertex, weight): (u32, f64)| Place {
+            own: Oriented {
+                position: self.shell.positions[vertex as usize],
+                normal: self.normals[vertex as usize],
+            },
+            image: self.images[vertex as usize],
+            partner: self.partners[vertex as usize],
+            weight,
+        };
+        let places: Vec<Place> = picked.map(place).filter(|place| place.weight > 0.0).collect();
+        let start = Motion::between(&places, self.mirrored);
+        let fit = start.onto(&places, RADIUS, LEAVE, |goal, start| self.alike(goal, start))?;
+        Ok(Part { members, fit })
+    }
+
+    /// The vertex most like `goal` in place and normal, sought downhill from `start`.
+    fn alike(&self, goal: Oriented, start: u32) -> (u32, Oriented) {
+        let at = |vertex: u32| Oriented {
+            position: self.shell.positions[vertex as usize],
+            normal: self.normals[vertex as usize],
+        };
+        let unlike = |vertex: u32| {
+            let there = at(vertex);
+            let turned = squared_norm(subtract(there.normal, goal.normal));
+            squared_norm(subtract(there.position, goal.position)) + TURN * TURN * turned
+        };
+        let (mut best, mut least) = (start, unlike(start));
+        loop {
+            let from = best;
+            for &near in self.graph.of(from as usize) {
+                let near_unlike = unlike(near);
+                if near_unlike < least {
+                    (best, least) = (near, near_unlike);
+                }
+            }
+            if best == from {
+                return (best, at(best));
+            }
+        }
+    }
+
+    /// Vertices with their weights, which fall to 0 at the radius.
+    fn members(&self, middle: u32) -> Vec<(u32, f64)> {
+        let mut members = Vec::new();
+        let mut nearest = vec![f64::INFINITY; self.areas.len()];
+        nearest[middle as usize] = 0.0;
+        let mut queue = BinaryHeap::from([Reached { distance: 0.0, vertex: middle }]);
+        while let Some(Reached { distance, vertex }) = queue.pop() {
+            if distance > nearest[vertex as usize] {
+                continue;
+            }
+            members.push((vertex, (1.0 - distance * distance / (RADIUS * RADIUS)).powi(2)));
+            let from = self.shell.positions[vertex as usize];
+            for &near in self.graph.of(vertex as usize) {
+                let edge = subtract(self.shell.positions[near as usize], from);
+                let distance = distance + squared_norm(edge).sqrt();
+                if distance < RADIUS && distance < nearest[near as usize] {
+                    nearest[near as usize] = distance;
+                    queue.push(Reached { distance, vertex: near });
+                }
+            }
+        }
+        members
+    }
+
+    /// Where each vertex's image should lie: the mean of what its parts and the map say.
+    fn goals(&self, parts: &[Part]) -> Vec<Vector> {
+        let mut sums = vec![([0.0; 3], MAP_WEIGHT); self.images.len()];
+        for Part { members, fit } in parts {
+            let trust = 1.0 / (1.0 + (fit.left / LEAVE).powi(4));
+            for &(vertex, weight) in members {
+                let (position, image) = (self.shell.positions[vertex as usize], self.images[vertex as usize]);
+                let stray = squared_norm(subtract(fit.start.of(position), image)) / (STRAY * STRAY);
+                let weight = trust * weight / (1.0 + stray).powi(2);
+                let moved = subtract(fit.motion.of(position), image);
+                let (sum, all) = &mut sums[vertex as usize];
+                (0..3).for_each(|axis| sum[axis] += weight * moved[axis]);
+                *all += weight;
+            }
+        }
+        let goal = |(&image, (sum, all)): (&Vector, ([f64; 3], f64))| {
+            std::array::from_fn(|axis| image[axis] + sum[axis] / all)
+        };
+        self.images.iter().zip(sums).map(goal).collect()
+    }
+}
+
+/// What the vertices' vectors are at a point inside a triangle.
+fn at(shell: &Shell, point: &TrianglePoint, vectors: &[Vector]) -> Vector {
+    let corners = shell.triangles[point.triangle as usize].map(|corner| vectors[corner as usize]);
+    std::array::from_fn(|axis| (0..3).map(|k| f64::from(point.barycentric[k]) * corners[k][axis]).sum())
+}
+
+/// Unit normals of the vertices, triangles weighted by area.
+fn normals(shell: &Shell) -> Vec<Vector> {
+    let mut normals = vec![[0.0; 3]; shell.positions.len()];
+    for triangle in &shell.triangles {
+        let [a, b, c] = triangle.map(|corner| shell.positions[corner as usize]);
+        let normal = cross(subtract(b, a), subtract(c, a));
+        for &corner in triangle {
+            (0..3).for_each(|axis| normals[corner as usize][axis] += normal[axis]);
+        }
+    }
+    let unit = |normal: Vector| normal.map(|x| x / squared_norm(normal).sqrt().max(f64::MIN_POSITIVE));
+    normals.into_iter().map(unit).collect()
+}

@@ -1,0 +1,208 @@
+//! A rigid motion, with reflection or without, fitted to how points are mapped and then to the surface they are mapped to.
+
+use crate::dense::{cholesky_solve, gram_cholesky};
+use crate::error::Result;
+use crate::mesh::rotation::{Matrix, nearest_rotation, scaled, turned};
+use crate::mesh::vector::{Vector, cross, dot, squared_norm, subtract};
+use faer::Mat;
+
+/// Rounds of the robust fit to the map, and the distance, in sqrt(area), at which an image counts half in it.
+const ROBUST_ROUNDS: usize = 3;
+const ROBUST: f64 = 0.02;
+/// Rounds of the fit to the surface.
+const SURFACE_ROUNDS: usize = 5;
+/// How far, in sqrt(area), the map is off where the surface leaves a motion open.
+const MAP_ERROR: f64 = 0.01;
+/// How many of a part's points tell something of their own.
+const INDEPENDENT: f64 = 30.0;
+/// A point counts half at this many times the distance of interest from the surface.
+const OUTLIER: f64 = 2.5;
+
+/// A point of the surface with its unit normal.
+#[derive(Clone, Copy)]
+pub(super) struct Oriented {
+    pub position: Vector,
+    pub normal: Vector,
+}
+
+/// A point of a part and its image under the map.
+pub(super) struct Place {
+    pub own: Oriented,
+    pub image: Vector,
+    /// A vertex near the image.
+    pub partner: u32,
+    pub weight: f64,
+}
+
+/// `x -> turn x + shift`.
+#[derive(Clone, Copy)]
+pub(super) struct Motion {
+    turn: Matrix,
+    shift: Vector,
+}
+
+/// A motion fitted to the surface, and what is left.
+pub(super) struct Fit {
+    /// The motion fitted to the map.
+    pub start: Motion,
+    /// The motion fitted to the surface.
+    pub motion: Motion,
+    /// Root mean square distance of the points from the surface, in sqrt(area).
+    pub left: f64,
+}
+
+impl Motion {
+    /// The motion nearest to what the map does; images far from it count little.
+    pub fn between(places: &[Place], mirrored: bool) -> Motion {
+        let mut weights: Vec<f64> = places.iter().map(|place| place.weight).collect();
+        let mut motion = Motion::nearest(places, &weights, mirrored);
+        for _ in 1..ROBUST_ROUNDS {
+            for (weight, place) in weights.iter_mut().zip(places) {
+                let off = squared_norm(subtract(motion.of(place.own.position), place.image));
+                *weight = place.weight / (1.0 + off / (ROBUST * ROBUST));
+            }
+            motion = Motion::nearest(places, &weights, mirrored);
+        }
+        motion
+    }
+
+    fn nearest(places: &[Place], weights: &[f64], mirrored: bool) -> Motion {
+        let middle = mean(places.iter().map(|place| place.own.position), weights);
+        let image_middle = mean(places.iter().map(|place| place.image), weights);
+        let mut covariance = Matrix::default();
+        for (place, weight) in places.iter().zip(weights) {
+            let (from, to) = (subtract(place.own.position, middle), subtract(place.image, image_middle));
+            for row in 0..3 {
+                (0..3).for_each(|column| covariance[row][column] += weight * to[row] * from[column]);
+            }
+        }
+        let sign = if mirrored { -1.0 } else { 1.0 };
+        let turn = scaled(nearest_rotation(&scaled(covariance, sign)), sign);
+        Motion { turn, shift: subtract(image_middle, turned(&turn, middle)) }
+    }
+
+    /// Where a point goes.
+    pub fn of(&self, position: Vector) -> Vector {
+        let turned = turned(&self.turn, position);
+        std::array::from_fn(|axis| turned[axis] + self.shift[axis])
+    }
+
+    /// Where a point of the surface goes, and its normal.
+    fn of_oriented(&self, own: Oriented) -> Oriented {
+        Oriented { position: self.of(own.position), normal: turned(&self.turn, own.normal) }
+    }
+
+    /// Fits the motion to the surface, of which `alike` gives the vertex most like a point, sought from another vertex.
+    /// `noise` is how far the surface may be off.
+    pub fn onto(
+        self,
+        places: &[Place],
+        radius: f64,
+        noise: f64,
+        alike: impl Fn(Oriented, u32) -> (u32, Oriented),
+    ) -> Result<Fit> {
+        let mut motion = self;
+        let mut near: Vec<u32> = places.iter().map(|place| place.partner).collect();
+        for _ in 0..SURFACE_ROUNDS {
+            motion = motion.towards(&self, places, &mut near, radius, noise, &alike)?;
+        }
+        let (mut squares, mut weights) = (0.0, 0.0);
+        for (place, near) in places.iter().zip(near) {
+            let goal = motion.of_oriented(place.own);
+            let gap = gap(goal.position, alike(goal, near).1);
+            squares += place.weight * gap * gap;
+            weights += place.weight;
+        }
+        Ok(Fit { start: self, motion, left: (squares / weights).sqrt() })
+    }
+
+    /// One Gauss-Newton step to the tangent planes of the vertices most like the points, held back towards `start`.
+    fn towards(
+        &self,
+        start: &Motion,
+        places: &[Place],
+        near: &mut [u32],
+        lever: f64,
+        noise: f64,
+        alike: impl Fn(Oriented, u32) -> (u32, Oriented),
+    ) -> Result<Motion> {
+        let all: f64 = places.iter().map(|place| place.weight).sum();
+        let weights: Vec<f64> = places.iter().map(|place| place.weight).collect();
+        let middle = mean(places.iter().map(|place| self.of(place.own.position)), &weights);
+        let mut normal_equations = Step::default();
+        for (place, near) in places.iter().zip(near) {
+            let goal = self.of_oriented(place.own);
+            let (vertex, there) = alike(goal, *near);
+            *near = vertex;
+            let offset = subtract(goal.position, middle).map(|x| x / lever);
+            let gap = gap(goal.position, there);
+            let facing = dot(there.normal, goal.normal).clamp(0.0, 1.0);
+            let outlier = gap / (OUTLIER * noise);
+            let weight = INDEPENDENT / all * place.weight * facing / (1.0 + outlier * outlier);
+            normal_equations.add(offset, there.normal, gap, weight / (noise * noise));
+            let strayed = subtract(goal.position, start.of(place.own.position));
+            for axis in 0..3 {
+                let along = std::array::from_fn(|k| f64::from(u8::from(k == axis)));
+                normal_equations.add(
+                    offset,
+                    along,
+                    strayed[axis],
+                    place.weight / all / (MAP_ERROR * MAP_ERROR),
+                );
+            }
+        }
+        let [turn, shift] = normal_equations.solve()?;
+        let [x, y, z] = turn.map(|angle| angle / lever);
+        let turn = nearest_rotation(&[[1.0, -z, y], [z, 1.0, -x], [-y, x, 1.0]]);
+        let from_middle = turned(&turn, subtract(self.shift, middle));
+        Ok(Motion {
+            turn: product(&turn, &self.turn),
+            shift: std::array::from_fn(|axis| from_middle[axis] + middle[axis] + shift[axis]),
+        })
+    }
+}
+
+/// Normal equations of a small turn about the middle, in units of the lever, and a shift.
+#[derive(Default)]
+struct Step {
+    matrix: [[f64; 6]; 6],
+    right: [f64; 6],
+}
+
+impl Step {
+    /// A point at `offset` from the middle should move along `direction` by `-gap`.
+    fn add(&mut self, offset: Vector, direction: Vector, gap: f64, weight: f64) {
+        let ([a, b, c], [d, e, f]) = (cross(offset, direction), direction);
+        let row = [a, b, c, d, e, f];
+        for i in 0..6 {
+            self.right[i] -= weight * gap * row[i];
+            (0..6).for_each(|j| self.matrix[i][j] += weight * row[i] * row[j]);
+        }
+    }
+
+    /// The turn and the shift.
+    fn solve(&self) -> Result<[Vector; 2]> {
+        let lower = gram_cholesky(Mat::from_fn(6, 6, |i, j| self.matrix[i][j]).as_ref())?;
+        let mut step = Mat::from_fn(6, 1, |i, _| self.right[i]);
+        cholesky_solve(lower.as_ref(), step.as_mut());
+        Ok([0, 3].map(|first| std::array::from_fn(|axis| step[(first + axis, 0)])))
+    }
+}
+
+/// How far a position is above the tangent plane of a point.
+fn gap(position: Vector, there: Oriented) -> f64 {
+    dot(there.normal, subtract(position, there.position))
+}
+
+fn mean(positions: impl Iterator<Item = Vector>, weights: &[f64]) -> Vector {
+    let mut sum = [0.0; 3];
+    for (position, weight) in positions.zip(weights) {
+        (0..3).for_each(|axis| sum[axis] += weight * position[axis]);
+    }
+    let all: f64 = weights.iter().sum();
+    sum.map(|x| x / all)
+}
+
+fn product(a: &Matrix, b: &Matrix) -> Matrix {
+    a.map(|row| std::array::from_fn(|column| (0..3).map(|k| row[k] * b[k][column]).sum()))
+}
