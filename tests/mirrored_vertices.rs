@@ -44,7 +44,7 @@ impl Map {
         kind: SymmetryKind,
     ) -> Option<MirroredVertices> {
         let estimate = Estimate { partner: &self.partner, image: &self.image };
-        let found = find(mesh, estimate, known, kind, &Progress::default()).unwrap();
+        let found = find(mesh, estimate, known, kind, 1, &Progress::default()).unwrap();
         if let Some(found) = &found {
             assert_keeps_its_contract(mesh, found);
         }
@@ -201,5 +201,5 @@ fn it_can_be_cancelled() {
     token.cancel();
     let progress = Progress::new(None, token);
     let estimate = Estimate { partner: &map.partner, image: &map.image };
-    assert!(matches!(find(&mesh, estimate, None, Reflection, &progress), Err(Error::Cancelled)));
+    assert!(matches!(find(&mesh, estimate, None, Reflection, 2, &progress), Err(Error::Cancelled)));
 }
