@@ -107,5 +107,9 @@ mod tests {
         let graph = Adjacency::new(4, edges.into_iter());
         let rows: Vec<&[u32]> = (0..graph.count()).map(|point| graph.of(point)).collect();
         assert_eq!(rows, [&[1u32, 2][..], &[0], &[0], &[]]);
+        let graph =
+            Adjacency::from_rows(3, |point, row| row.extend([2, 1, 2].iter().filter(|&&to| to > point)));
+        let rows: Vec<&[u32]> = (0..graph.count()).map(|point| graph.of(point)).collect();
+        assert_eq!(rows, [&[1u32, 2][..], &[2], &[]]);
     }
 }

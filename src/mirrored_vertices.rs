@@ -42,9 +42,9 @@ const LARGEST_AMBIGUOUS_SHARE: f64 = 0.35;
 const TIE: f64 = 1e-6;
 /// A shell of which connectivity pairs such a share is left to it.
 const MOSTLY_PAIRED: f64 = 0.98;
-
-/// Shells with such a part of the points are worked on by several threads, and no more than so many shells have it.
-const FEW: usize = 8;
+/// Shells with at least this part of a mesh's points are tried on several threads: each takes a copy of the pairing, so that there must
+/// not be many such shells.
+const PART_FOR_THREADS: usize = 8;
 
 /// An estimated map of the points of a mesh.
 #[derive(Clone, Copy)]
@@ -108,13 +108,13 @@ pub fn find(
     let mut pairing = Pairing::new(&around, kind, is_open);
     let mut places = Places::new(mesh, &estimate);
     let mut mirrored = Vec::new();
-    // Each further thread copies the pairing: shells that share a mesh with many go without.
-    let threads_for = |points: &[u32]| if points.len() * FEW >= mesh.positions.len() { threads } else { 1 };
+    let is_large = |points: &[u32]| PART_FOR_THREADS * points.len() >= mesh.positions.len();
     for (points, known) in &shells {
         // A shell that changes places with an earlier one is paired with it.
         let regions = regions.of(points);
         if points.iter().all(|&point| pairing.image[point as usize] == NONE) {
-            pair_shell(&mut pairing, &places, points, &regions, threads_for(points), progress)?;
+            let threads = if is_large(points) { threads } else { 1 };
+            pair_shell(&mut pairing, &places, points, &regions, threads, progress)?;
             pairing.end_growth();
         }
         let paired = points.iter().filter(|&&point| pairing.image[point as usize] != NONE).count();

@@ -36,16 +36,16 @@ pub(super) struct Pairing<'a> {
     open: Vec<bool>,
     /// Image of each point, or [`NONE`]; its own inverse.
     pub image: Vec<u32>,
-    /// Those of pairs that were open when they were voted for.
+    /// Those of pairs that were open when the votes came.
     votes: Votes,
     /// Pairs with enough votes; some are out of date.
     queue: BinaryHeap<Ballot>,
     /// Those that did not fit.
     deferred: Vec<Ballot>,
-    /// What was last sought around each point: the number of a search for rivals.
-    seen: Vec<u32>,
+    /// Searches for rivals so far, and the last one that came upon each point.
     searches: u32,
-    /// What is around the points at hand, kept for its room.
+    seen: Vec<u32>,
+    /// What is around the points at hand; lists that keep their room.
     open_near: Vec<OpenNear>,
     paired_near: Vec<PairedNear>,
 }
@@ -81,8 +81,8 @@ impl<'a> Pairing<'a> {
             votes: Votes::new(count),
             queue: BinaryHeap::new(),
             deferred: Vec::new(),
-            seen: vec![0; count],
             searches: 0,
+            seen: vec![0; count],
             open_near: Vec::new(),
             paired_near: Vec::new(),
         }
@@ -136,7 +136,7 @@ impl<'a> Pairing<'a> {
         }
     }
 
-    /// Takes back all votes.
+    /// Takes back all votes: nothing grows on from what is paired.
     pub fn end_growth(&mut self) {
         self.votes.clear();
         self.queue.clear();
@@ -217,7 +217,7 @@ impl<'a> Pairing<'a> {
         entered
     }
 
-    /// Whether a pair has at most this misfit, keeps all edges close and has no rival.
+    /// Whether a pair has a misfit up to `limit`, keeps all edges to paired neighbours close, and nothing open fits better.
     fn fits(&mut self, a: u32, b: u32, limit: f64) -> bool {
         let mut near = std::mem::take(&mut self.paired_near);
         near.clear();
@@ -250,12 +250,11 @@ impl<'a> Pairing<'a> {
                 continue;
             }
             for &rival in around.close.of(other as usize) {
-                let last = std::mem::replace(&mut self.seen[rival as usize], self.searches);
-                if last != self.searches
-                    && rival != image
-                    && self.is_open(rival)
-                    && self.misfit_of(near.iter().copied(), rival) < misfit
-                {
+                if !self.is_open(rival) || rival == image {
+                    continue;
+                }
+                let last_search = std::mem::replace(&mut self.seen[rival as usize], self.searches);
+                if last_search < self.searches && self.misfit_of(near.iter().copied(), rival) < misfit {
                     return true;
                 }
             }

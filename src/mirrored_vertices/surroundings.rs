@@ -21,17 +21,16 @@ impl<'a> Surroundings<'a> {
     /// O(points + triangles log degree).
     pub fn new(mesh: &'a Mesh, fans: &Fans) -> Self {
         let count = mesh.positions.len();
-        let joined = |point: u32, row: &mut Vec<u32>| {
+        let edges = Adjacency::from_rows(count, |point, row| {
             for &triangle in fans.of(point) {
                 row.extend(mesh.triangles[triangle as usize].iter().filter(|&&corner| corner != point));
             }
-        };
-        let close = |point: u32, row: &mut Vec<u32>| {
-            joined(point, row);
+        });
+        let close = Adjacency::from_rows(count, |point, row| {
+            row.extend(edges.of(point as usize));
             row.extend(fans.of(point).iter().filter_map(|&triangle| across(mesh, fans, triangle, point)));
-        };
-        let edges = Adjacency::from_rows(count, joined);
-        Surroundings { mesh, edges, close: Adjacency::from_rows(count, close), tangents: tangents(mesh) }
+        });
+        Surroundings { mesh, edges, close, tangents: tangents(mesh) }
     }
 
     /// Mean length from a point to those close to it.
