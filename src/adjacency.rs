@@ -42,6 +42,23 @@ impl Adjacency {
         distinct
     }
 
+    /// From the neighbours of each of `count` points, which `fill` adds to an empty list; duplicates are left out.
+    /// O(points + neighbours log degree).
+    pub fn from_rows(count: usize, mut fill: impl FnMut(u32, &mut Vec<u32>)) -> Adjacency {
+        let mut found = Adjacency { offsets: vec![0], neighbours: Vec::new() };
+        let mut row = Vec::new();
+        for point in 0..count as u32 {
+            row.clear();
+            fill(point, &mut row);
+            row.sort_unstable();
+            row.dedup();
+            found.neighbours.extend_from_slice(&row);
+            found.offsets.push(found.neighbours.len() as u32);
+        }
+        found.neighbours.shrink_to_fit();
+        found
+    }
+
     /// Number of points.
     pub fn count(&self) -> usize {
         self.offsets.len().saturating_sub(1)
@@ -90,5 +107,9 @@ mod tests {
         let graph = Adjacency::new(4, edges.into_iter());
         let rows: Vec<&[u32]> = (0..graph.count()).map(|point| graph.of(point)).collect();
         assert_eq!(rows, [&[1u32, 2][..], &[0], &[0], &[]]);
+        let graph =
+            Adjacency::from_rows(3, |point, row| row.extend([2, 1, 2].iter().filter(|&&to| to > point)));
+        let rows: Vec<&[u32]> = (0..graph.count()).map(|point| graph.of(point)).collect();
+        assert_eq!(rows, [&[1u32, 2][..], &[2], &[]]);
     }
 }

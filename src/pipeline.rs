@@ -186,7 +186,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     // One that is refused, but not by far.
     let nearly = |(map, _): &(ShellSymmetry, _)| map.judged.accepted(options.plausibility.div_ceil(2));
     if let Some((map, kind)) = best.filter(nearly).filter(|_| maps.is_empty())
-        && assembler.mirrors_vertices(&map, kind, progress)?
+        && assembler.mirrors_vertices(&map, kind, options.threads, progress)?
     {
         evidence += "; but vertices are each other's mirror images near it, and that is the answer";
         maps.push((map, kind));
@@ -211,11 +211,14 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         true => None,
         false => JudgingMesh::of_solved(mesh, &shells[0], proxy.as_ref(), &shell, options).map(Arc::new),
     };
-    let assembled = || -> Result<Vec<Symmetry>> {
-        maps.iter().map(|(map, kind)| assembler.assemble(map, *kind, progress)).collect()
+    // From a proxy images are carried back on all threads; otherwise one of them is the judging mesh's.
+    let (at_once, own) = match proxy.is_some() {
+        true => (1, options.threads),
+        false => (options.threads, options.threads.saturating_sub(1)),
     };
-    // From a proxy images are carried back on all threads.
-    let at_once = if proxy.is_some() { 1 } else { options.threads };
+    let assembled = || -> Result<Vec<Symmetry>> {
+        maps.iter().map(|(map, kind)| assembler.assemble(map, *kind, own, progress)).collect()
+    };
     let (symmetries, judging) = threads::join(at_once, assembled, judging);
     let symmetries = symmetries?;
     clock.lap("correspondence");
@@ -365,7 +368,13 @@ impl<'a> Assembler<'a> {
         Assembler { mesh, shells, shell, proxy, target, attachments, connectivity }
     }
 
-    fn assemble(&self, found: &ShellSymmetry, kind: SymmetryKind, progress: &Progress) -> Result<Symmetry> {
+    fn assemble(
+        &self,
+        found: &ShellSymmetry,
+        kind: SymmetryKind,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<Symmetry> {
         let mut map = PointMap::empty(self.mesh);
         let trust = Evidence::new(&self.target, found, kind.order()).confidence();
         let odd = self.odd(found);
@@ -380,7 +389,7 @@ impl<'a> Assembler<'a> {
         let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
         let mirrored = match kind.is_rotation() {
             true => None,
-            false => mirrored_vertices::find(self.mesh, estimate, exact.as_ref(), kind, progress)?,
+            false => mirrored_vertices::find(self.mesh, estimate, exact.as_ref(), kind, threads, progress)?,
         };
         if let Some(found) = exact {
             map.replace_by_connectivity(self.mesh, &found);
@@ -400,13 +409,14 @@ impl<'a> Assembler<'a> {
         &self,
         found: &ShellSymmetry,
         kind: SymmetryKind,
+        threads: usize,
         progress: &Progress,
     ) -> Result<bool> {
         let mut map = PointMap::empty(self.mesh);
         let count = found.images.partners.len();
         self.insert_largest(&mut map, &found.images, &vec![0.0; count], &vec![0.0; count]);
         let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
-        Ok(mirrored_vertices::find(self.mesh, estimate, None, kind, progress)?.is_some())
+        Ok(mirrored_vertices::find(self.mesh, estimate, None, kind, threads, progress)?.is_some())
     }
 
     /// Images that follow the rigid parts of the largest shell.

@@ -43,12 +43,22 @@ impl Map {
         known: Option<&Automorphism>,
         kind: SymmetryKind,
     ) -> Option<MirroredVertices> {
-        let estimate = Estimate { partner: &self.partner, image: &self.image };
-        let found = find(mesh, estimate, known, kind, &Progress::default()).unwrap();
+        let found = self.paired_on(1, mesh, known, kind);
         if let Some(found) = &found {
             assert_keeps_its_contract(mesh, found);
         }
         found
+    }
+
+    fn paired_on(
+        &self,
+        threads: usize,
+        mesh: &Mesh,
+        known: Option<&Automorphism>,
+        kind: SymmetryKind,
+    ) -> Option<MirroredVertices> {
+        let estimate = Estimate { partner: &self.partner, image: &self.image };
+        find(mesh, estimate, known, kind, threads, &Progress::default()).unwrap()
     }
 }
 
@@ -110,8 +120,10 @@ fn nearly_all_vertices_of_quads_cut_at_random_are_paired_with_the_right_ones() {
     let found = map.paired(&mesh, None, Reflection).unwrap();
     let (paired, right) = shares(&mesh, &truth, &found);
     assert!(paired > 0.95 && right > 0.95, "{paired} {right}");
-    let again = map.paired(&mesh, None, Reflection).unwrap();
-    assert_eq!((found.partner, found.image), (again.partner, again.image));
+    for threads in [2, 5, 64] {
+        let again = map.paired_on(threads, &mesh, None, Reflection).unwrap();
+        assert_eq!((&found.partner, &found.image), (&again.partner, &again.image), "{threads} threads");
+    }
 }
 
 #[test]
@@ -201,5 +213,5 @@ fn it_can_be_cancelled() {
     token.cancel();
     let progress = Progress::new(None, token);
     let estimate = Estimate { partner: &map.partner, image: &map.image };
-    assert!(matches!(find(&mesh, estimate, None, Reflection, &progress), Err(Error::Cancelled)));
+    assert!(matches!(find(&mesh, estimate, None, Reflection, 2, &progress), Err(Error::Cancelled)));
 }

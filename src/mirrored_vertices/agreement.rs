@@ -46,13 +46,13 @@ pub(super) fn agrees_in_turn(pairing: &Pairing, places: &Places, regions: &[Vec<
 /// estimate there.
 fn turn(pairing: &Pairing, places: &Places, point: u32) -> [f64; 2] {
     let image = pairing.image[point as usize];
-    let along = |offset| pairing.tangents[image as usize].map(|axis| dot(axis, offset));
+    let along = |offset| pairing.around.tangents[image as usize].map(|axis| dot(axis, offset));
     let mut sum = [0.0; 2];
-    for &near in pairing.close.of(point as usize) {
+    for &near in pairing.around.close.of(point as usize) {
         let near_image = pairing.image[near as usize];
         if near_image != NONE {
             let estimated = subtract(places.position[near as usize], places.position[point as usize]);
-            let ([x, y], [u, v]) = (along(estimated), along(pairing.offset(image, near_image)));
+            let ([x, y], [u, v]) = (along(estimated), along(pairing.around.offset(image, near_image)));
             sum = [sum[0] + x * u + y * v, sum[1] + x * v - y * u];
         }
     }

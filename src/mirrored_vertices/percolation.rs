@@ -4,9 +4,10 @@
 //! nothing else that is free fits better to where these neighbours lie. Contradictions never arise then but from the pairs of a start:
 //! where two growths do not fit together vertices between them stay free.
 
-use crate::adjacency::Adjacency;
-use crate::mesh::vector::{Vector, cross, dot, squared_norm, subtract};
-use crate::mesh::{Mesh, NONE};
+use super::surroundings::Surroundings;
+use super::votes::Votes;
+use crate::mesh::NONE;
+use crate::mesh::vector::{Vector, dot, subtract};
 use crate::symmetry_kind::SymmetryKind;
 use std::collections::BinaryHeap;
 
@@ -26,49 +27,64 @@ const LEAST_VOTES: i32 = 27;
 type Ballot = (i32, u32, u32);
 
 /// The pairing under construction, and the votes.
+#[derive(Clone)]
 pub(super) struct Pairing<'a> {
-    /// The mesh whose points are paired.
-    pub mesh: &'a Mesh,
-    /// Points joined by an edge.
-    pub edges: &'a Adjacency,
-    /// Points joined by an edge or by one flip.
-    pub close: &'a Adjacency,
+    /// What is around the points that are paired.
+    pub around: &'a Surroundings<'a>,
     kind: SymmetryKind,
-    /// Two orthonormal directions along the surface at each point.
-    pub tangents: Vec<[Vector; 2]>,
     /// Whether a point may be paired and is not.
     open: Vec<bool>,
     /// Image of each point, or [`NONE`]; its own inverse.
     pub image: Vec<u32>,
-    /// Per lower point of a pair the higher ones and their votes.
-    votes: Vec<Vec<(u32, i32)>>,
+    /// Those of pairs that were open when the votes came.
+    votes: Votes,
     /// Pairs with enough votes; some are out of date.
     queue: BinaryHeap<Ballot>,
     /// Those that did not fit.
     deferred: Vec<Ballot>,
+    /// Searches for rivals so far, and the last one that came upon each point.
+    searches: u32,
+    seen: Vec<u32>,
+    /// What is around the points at hand; lists that keep their room.
+    open_near: Vec<OpenNear>,
+    paired_near: Vec<PairedNear>,
+}
+
+/// A paired point close to another one.
+#[derive(Clone, Copy)]
+struct PairedNear {
+    /// Where it lies in the tangent plane of the other, and the square of its distance there.
+    place: [f64; 2],
+    square: f64,
+    /// The position of its image.
+    image: Vector,
+}
+
+/// An open point close to another one.
+#[derive(Clone)]
+struct OpenNear {
+    point: u32,
+    log_length: f64,
+    /// Whether an edge joins the two.
+    is_edge: bool,
 }
 
 impl<'a> Pairing<'a> {
     /// Nothing is paired yet.
-    pub fn new(
-        mesh: &'a Mesh,
-        edges: &'a Adjacency,
-        close: &'a Adjacency,
-        kind: SymmetryKind,
-        open: Vec<bool>,
-    ) -> Self {
-        let count = mesh.positions.len();
+    pub fn new(around: &'a Surroundings<'a>, kind: SymmetryKind, open: Vec<bool>) -> Self {
+        let count = open.len();
         Pairing {
-            mesh,
-            edges,
-            close,
+            around,
             kind,
-            tangents: tangents(mesh),
             open,
             image: vec![NONE; count],
-            votes: vec![Vec::new(); count],
+            votes: Votes::new(count),
             queue: BinaryHeap::new(),
             deferred: Vec::new(),
+            searches: 0,
+            seen: vec![0; count],
+            open_near: Vec::new(),
+            paired_near: Vec::new(),
         }
     }
 
@@ -82,8 +98,9 @@ impl<'a> Pairing<'a> {
 
     /// Grows on from all pairs around `points`.
     pub fn grow_into(&mut self, points: &[u32], limit: f64) {
-        for &low in points {
-            let ballots = self.votes[low as usize].iter().map(|&(high, votes)| (votes, low, high));
+        for &low in points.iter().filter(|&&point| self.open[point as usize]) {
+            let open = self.votes.with(low).filter(|&(high, _)| self.open[high as usize]);
+            let ballots = open.map(|(high, votes)| (votes, low, high));
             self.queue.extend(ballots.filter(|&(votes, ..)| votes >= LEAST_VOTES));
         }
         self.percolate(limit, usize::MAX);
@@ -101,36 +118,29 @@ impl<'a> Pairing<'a> {
         let misfits = entered.iter().map(|&point| self.misfit(point, self.image[point as usize]));
         let misfit = misfits.sum::<f64>() / entered.len() as f64;
         let enough = entered.len() >= SMALLEST_TRIAL;
-        self.undo_trial(&entered);
-        self.queue.clear();
-        self.deferred.clear();
+        self.forget(&entered);
+        self.end_growth();
         enough.then_some(misfit)
     }
 
-    /// Takes back all pairs, those of `points`, and all votes, which all are theirs: faster than vote by vote.
-    fn undo_trial(&mut self, points: &[u32]) {
-        for &point in points {
-            for end in [point, self.image[point as usize]] {
-                self.image[end as usize] = NONE;
-                self.open[end as usize] = true;
-                let close = self.close;
-                close.of(end as usize).iter().for_each(|&near| self.votes[near as usize].clear());
-            }
-        }
-    }
-
-    /// Takes back the pairs of `points`.
+    /// Takes back the pairs of `points`, not their votes.
     pub fn forget(&mut self, points: &[u32]) {
         for &point in points {
             let image = self.image[point as usize];
             if image != NONE {
-                self.vote(point, image, -1);
                 for end in [point, image] {
                     self.image[end as usize] = NONE;
                     self.open[end as usize] = true;
                 }
             }
         }
+    }
+
+    /// Takes back all votes: nothing grows on from what is paired.
+    pub fn end_growth(&mut self) {
+        self.votes.clear();
+        self.queue.clear();
+        self.deferred.clear();
     }
 
     /// Takes back pairs that do not keep all edges to paired neighbours close.
@@ -141,21 +151,6 @@ impl<'a> Pairing<'a> {
         };
         let contradicted: Vec<u32> = points.iter().filter(contradicted).copied().collect();
         self.forget(&contradicted);
-    }
-
-    /// Mean length from a point to those close to it.
-    pub fn mean_length(&self, point: u32) -> f64 {
-        let near = self.close.of(point as usize);
-        near.iter().map(|&other| self.length(point, other)).sum::<f64>() / near.len().max(1) as f64
-    }
-
-    fn length(&self, a: u32, b: u32) -> f64 {
-        squared_norm(self.offset(a, b)).sqrt()
-    }
-
-    /// The vector from one point to another.
-    pub fn offset(&self, from: u32, to: u32) -> Vector {
-        subtract(self.mesh.positions[to as usize], self.mesh.positions[from as usize])
     }
 
     fn is_open(&self, point: u32) -> bool {
@@ -174,36 +169,29 @@ impl<'a> Pairing<'a> {
         if open {
             (self.image[a as usize], self.image[b as usize]) = (b, a);
             (self.open[a as usize], self.open[b as usize]) = (false, false);
-            self.vote(a, b, 1);
+            self.vote(a, b);
         }
         open
     }
 
-    /// Points close to one, with the logarithm of the distance and whether an edge joins them.
-    fn around(&self, point: u32) -> Vec<(u32, f64, bool)> {
-        let edges = self.edges.of(point as usize);
-        let close = self.close.of(point as usize).iter();
-        let entry = |&near: &u32| (near, self.length(point, near).ln(), edges.binary_search(&near).is_ok());
-        close.map(entry).collect()
-    }
-
-    /// Adds the votes of a pair for those around it, or takes them back (`sign` is -1).
-    fn vote(&mut self, a: u32, b: u32, sign: i32) {
-        let around_b = self.around(b);
-        for (near_a, length_a, is_edge_a) in self.around(a) {
-            for &(near_b, length_b, is_edge_b) in &around_b {
+    /// Adds the votes of a pair for those open pairs that are around it.
+    fn vote(&mut self, a: u32, b: u32) {
+        self.open_near.clear();
+        self.open_near.extend(open_around(self.around, &self.open, b));
+        for near_a in open_around(self.around, &self.open, a) {
+            for near_b in &self.open_near {
                 // The pair of a point with itself counts each of its neighbours' pairs once.
-                if a == b && near_a > near_b || !is_edge_a && !is_edge_b {
+                if a == b && near_a.point > near_b.point || !near_a.is_edge && !near_b.is_edge {
                     continue;
                 }
-                let stretch = (length_b - length_a) / STRETCH;
-                let times = if near_a == near_b && a != b { 2.0 } else { 1.0 };
+                let stretch = (near_b.log_length - near_a.log_length) / STRETCH;
+                let times = if near_a.point == near_b.point && a != b { 2.0 } else { 1.0 };
                 let vote = (VOTE * times / (1.0 + stretch * stretch) + 0.5) as i32;
                 // Lengths of 0 make this 0, too.
                 if vote > 0 {
-                    let (low, high) = (near_a.min(near_b), near_a.max(near_b));
-                    let votes = add(&mut self.votes[low as usize], high, sign * vote);
-                    if sign > 0 && votes >= LEAST_VOTES && self.is_open(low) && self.is_open(high) {
+                    let (low, high) = (near_a.point.min(near_b.point), near_a.point.max(near_b.point));
+                    let votes = self.votes.add(low, high, vote);
+                    if votes >= LEAST_VOTES {
                         self.queue.push((votes, low, high));
                     }
                 }
@@ -217,9 +205,7 @@ impl<'a> Pairing<'a> {
         while entered.len() < most {
             let Some(ballot) = self.queue.pop() else { break };
             let (votes, low, high) = ballot;
-            let list = &self.votes[low as usize];
-            let is_current = list.iter().any(|&(other, now)| other == high && now == votes);
-            if !is_current || !self.is_open(low) || !self.is_open(high) {
+            if !self.is_open(low) || !self.is_open(high) || self.votes.of(low, high) != votes {
                 continue;
             }
             if self.fits(low, high, limit) && self.enter(low, high) {
@@ -231,55 +217,89 @@ impl<'a> Pairing<'a> {
         entered
     }
 
-    fn fits(&self, a: u32, b: u32, limit: f64) -> bool {
-        let misfit = self.misfit(a, b);
-        misfit <= limit
-            && self.keeps_edges(a, b)
-            && self.keeps_edges(b, a)
-            && !self.has_rival(a, b, misfit)
-            && !self.has_rival(b, a, misfit)
+    /// Whether a pair has a misfit up to `limit`, keeps all edges to paired neighbours close, and nothing open fits better.
+    fn fits(&mut self, a: u32, b: u32, limit: f64) -> bool {
+        let mut near = std::mem::take(&mut self.paired_near);
+        near.clear();
+        near.extend(self.paired_around(a));
+        let misfit = self.misfit_of(near.iter().copied(), b);
+        let mut fits = misfit <= limit && self.keeps_edges(a, b) && self.keeps_edges(b, a);
+        fits = fits && !self.has_rival(a, &near, b, misfit);
+        if fits {
+            near.clear();
+            near.extend(self.paired_around(b));
+            fits = !self.has_rival(b, &near, a, misfit);
+        }
+        self.paired_near = near;
+        fits
     }
 
     /// Whether the images of all paired neighbours of `point` are close to `image`.
     fn keeps_edges(&self, point: u32, image: u32) -> bool {
-        let close = self.close.of(image as usize);
+        let close = self.around.close.of(image as usize);
         self.images_around(point).all(|other| close.binary_search(&other).is_ok())
     }
 
-    /// Whether another open point fits better as the image of `point`.
-    fn has_rival(&self, point: u32, image: u32, misfit: f64) -> bool {
-        let around = self.images_around(point).flat_map(|other| self.close.of(other as usize));
-        let mut rivals: Vec<u32> =
-            around.copied().filter(|&rival| rival != image && self.is_open(rival)).collect();
-        rivals.sort_unstable();
-        rivals.dedup();
-        rivals.into_iter().any(|rival| self.misfit(point, rival) < misfit)
+    /// Whether another open point fits better as the image of `point`, which has these around it.
+    fn has_rival(&mut self, point: u32, near: &[PairedNear], image: u32, misfit: f64) -> bool {
+        self.searches += 1;
+        let around = self.around;
+        for &neighbour in around.edges.of(point as usize) {
+            let other = self.image[neighbour as usize];
+            if other == NONE {
+                continue;
+            }
+            for &rival in around.close.of(other as usize) {
+                if !self.is_open(rival) || rival == image {
+                    continue;
+                }
+                let last_search = std::mem::replace(&mut self.seen[rival as usize], self.searches);
+                if last_search < self.searches && self.misfit_of(near.iter().copied(), rival) < misfit {
+                    return true;
+                }
+            }
+        }
+        false
     }
 
     /// Images of the paired neighbours of `point`.
     fn images_around(&self, point: u32) -> impl Iterator<Item = u32> + '_ {
-        let images = self.edges.of(point as usize).iter().map(|&near| self.image[near as usize]);
+        let images = self.around.edges.of(point as usize).iter().map(|&near| self.image[near as usize]);
         images.filter(|&image| image != NONE)
+    }
+
+    /// Paired points close to one.
+    fn paired_around(&self, point: u32) -> impl Iterator<Item = PairedNear> + '_ {
+        let axes = self.around.tangents[point as usize];
+        let paired = move |near: u32, image: u32| {
+            let offset = self.around.offset(point, near);
+            let [x, y] = axes.map(|axis| dot(axis, offset));
+            let image = self.around.mesh.positions[image as usize];
+            PairedNear { place: [x, y], square: x * x + y * y, image }
+        };
+        let pairs =
+            self.around.close.of(point as usize).iter().map(|&near| (near, self.image[near as usize]));
+        pairs.filter(|&(_, image)| image != NONE).map(move |(near, image)| paired(near, image))
     }
 
     /// How badly the paired points close to `a` lie as their images do around `b`, turned at will, and mirrored if that is the
     /// kind: 0 for exactly so, 1 for no resemblance.
     pub fn misfit(&self, a: u32, b: u32) -> f64 {
-        let along = |from: u32, to: u32| {
-            let offset = self.offset(from, to);
-            self.tangents[from as usize].map(|axis| dot(axis, offset))
-        };
+        self.misfit_of(self.paired_around(a), b)
+    }
+
+    /// The misfit of `image` to what is paired around a point.
+    fn misfit_of(&self, around: impl Iterator<Item = PairedNear>, image: u32) -> f64 {
+        let position = self.around.mesh.positions[image as usize];
+        let axes = self.around.tangents[image as usize];
         let (mut squares, mut products) = (0.0, [0.0, 0.0]);
-        for &near in self.close.of(a as usize) {
-            let image = self.image[near as usize];
-            if image == NONE {
-                continue;
-            }
-            let ([x, y], [u, mut v]) = (along(a, near), along(b, image));
+        for near in around {
+            let offset = subtract(near.image, position);
+            let ([x, y], [u, mut v]) = (near.place, axes.map(|axis| dot(axis, offset)));
             if self.kind == SymmetryKind::Reflection {
                 v = -v;
             }
-            squares += x * x + y * y + u * u + v * v;
+            squares += near.square + u * u + v * v;
             products[0] += x * u + y * v;
             products[1] += y * u - x * v;
         }
@@ -288,32 +308,16 @@ impl<'a> Pairing<'a> {
     }
 }
 
-/// Adds `value` to the entry of `key`, which may be new; the sum.
-fn add(list: &mut Vec<(u32, i32)>, key: u32, value: i32) -> i32 {
-    let at = list.iter().position(|&(other, _)| other == key).unwrap_or_else(|| {
-        list.push((key, 0));
-        list.len() - 1
-    });
-    list[at].1 += value;
-    list[at].1
-}
-
-/// Two orthonormal directions in the tangent plane of each point.
-fn tangents(mesh: &Mesh) -> Vec<[Vector; 2]> {
-    let mut normals = vec![[0.0; 3]; mesh.positions.len()];
-    for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(|point| mesh.positions[point as usize]);
-        let normal = cross(subtract(b, a), subtract(c, a));
-        for &point in triangle {
-            (0..3).for_each(|axis| normals[point as usize][axis] += normal[axis]);
-        }
-    }
-    let unit = |v: Vector| v.map(|x| x / squared_norm(v).sqrt().max(f64::MIN_POSITIVE));
-    let frame = |&normal: &Vector| {
-        let smallest = (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0);
-        let axis = std::array::from_fn(|k| f64::from(u8::from(k == smallest)));
-        let first = unit(cross(normal, axis));
-        [first, unit(cross(normal, first))]
-    };
-    normals.iter().map(frame).collect()
+/// Open points close to one.
+fn open_around<'a>(
+    around: &'a Surroundings,
+    open: &'a [bool],
+    point: u32,
+) -> impl Iterator<Item = OpenNear> + 'a {
+    let mut edges = around.edges.of(point as usize).iter().peekable();
+    around.close.of(point as usize).iter().filter_map(move |near| {
+        let is_edge = edges.next_if_eq(&near).is_some();
+        let entry = || OpenNear { point: *near, log_length: around.length(point, *near).ln(), is_edge };
+        open[*near as usize].then(entry)
+    })
 }

@@ -1,6 +1,7 @@
 //! Where images are thought to be: the estimate, and after pairing the estimate moved.
 
 use super::percolation::Pairing;
+use super::surroundings::Surroundings;
 use super::{Estimate, MirroredVertices};
 use crate::embedded_triangles::{Fans, TrianglePoint, TriangleProducts, nearest_in_triangle};
 use crate::mesh::vector::{Vector, dot, squared_norm, subtract};
@@ -15,6 +16,8 @@ pub(super) struct Places {
     pub vertex: Vec<u32>,
     /// Its position.
     pub position: Vec<Vector>,
+    /// How far it was moved, if it was.
+    moved: Vec<Option<Vector>>,
 }
 
 impl Places {
@@ -26,34 +29,39 @@ impl Places {
                 (0..3).map(|k| f64::from(inside.barycentric[k]) * corners[k][axis]).sum()
             })
         };
-        Places { vertex: estimate.partner.to_vec(), position: estimate.image.iter().map(position).collect() }
+        Places {
+            vertex: estimate.partner.to_vec(),
+            position: estimate.image.iter().map(position).collect(),
+            moved: vec![None; estimate.image.len()],
+        }
     }
 
     /// Sends paired points to their partners, and moves the images of others on their shell as those around them were
     /// moved, less and less with every edge.
     pub fn correct(&mut self, pairing: &Pairing, points: &[u32]) {
-        let mut moved: Vec<Option<Vector>> = vec![None; self.vertex.len()];
         let mut front: Vec<u32> = points.to_vec();
         front.retain(|&point| pairing.image[point as usize] != NONE);
         for &point in &front {
             let image = pairing.image[point as usize];
-            let place = pairing.mesh.positions[image as usize];
-            moved[point as usize] = Some(subtract(place, self.position[point as usize]));
+            let place = pairing.around.mesh.positions[image as usize];
+            self.moved[point as usize] = Some(subtract(place, self.position[point as usize]));
             (self.vertex[point as usize], self.position[point as usize]) = (image, place);
         }
         while !front.is_empty() {
-            let around = front.iter().flat_map(|&point| pairing.edges.of(point as usize));
+            let around = front.iter().flat_map(|&point| pairing.around.edges.of(point as usize));
             let is_next =
-                |&point: &u32| moved[point as usize].is_none() && self.vertex[point as usize] != NONE;
+                |&point: &u32| self.moved[point as usize].is_none() && self.vertex[point as usize] != NONE;
             let mut next: Vec<u32> = around.copied().filter(is_next).collect();
             next.sort_unstable();
             next.dedup();
-            let corrections: Vec<_> = next.iter().map(|&point| correction(pairing, &moved, point)).collect();
+            let corrections: Vec<_> =
+                next.iter().map(|&point| correction(pairing, &self.moved, point)).collect();
             for (&point, (correction, neighbour)) in next.iter().zip(corrections) {
-                moved[point as usize] = Some(correction);
+                self.moved[point as usize] = Some(correction);
                 let place = &mut self.position[point as usize];
                 (0..3).for_each(|axis| place[axis] += correction[axis]);
-                self.vertex[point as usize] = descend(pairing, self.vertex[neighbour as usize], *place);
+                self.vertex[point as usize] =
+                    descend(pairing.around, self.vertex[neighbour as usize], *place);
             }
             front = next;
         }
@@ -72,10 +80,10 @@ impl Places {
             let vertex = self.vertex[point as usize];
             let paired = pairing.image[point as usize] != NONE;
             let image = match paired {
-                true => at_vertex(pairing.mesh, fans, vertex),
-                false => nearest_around(pairing.mesh, fans, vertex, self.position[point as usize]),
+                true => at_vertex(pairing.around.mesh, fans, vertex),
+                false => nearest_around(pairing.around.mesh, fans, vertex, self.position[point as usize]),
             };
-            let corners = pairing.mesh.triangles[image.triangle as usize];
+            let corners = pairing.around.mesh.triangles[image.triangle as usize];
             found.partner[point as usize] = corners[image.heaviest()];
             found.image[point as usize] = image;
             found.paired[point as usize] = paired;
@@ -87,7 +95,7 @@ impl Places {
 /// Mean correction of the neighbours that have one, decayed, and one of them.
 fn correction(pairing: &Pairing, moved: &[Option<Vector>], point: u32) -> (Vector, u32) {
     let (mut sum, mut count, mut neighbour) = ([0.0; 3], 0.0, point);
-    for &near in pairing.edges.of(point as usize) {
+    for &near in pairing.around.edges.of(point as usize) {
         if let Some(correction) = moved[near as usize] {
             (0..3).for_each(|axis| sum[axis] += correction[axis]);
             (count, neighbour) = (count + 1.0, near);
@@ -97,13 +105,19 @@ fn correction(pairing: &Pairing, moved: &[Option<Vector>], point: u32) -> (Vecto
 }
 
 /// The vertex nearest to a position that is reached from `vertex` along edges, always nearer.
-pub(super) fn descend(pairing: &Pairing, mut vertex: u32, position: Vector) -> u32 {
-    let distance = |vertex: u32| squared_norm(subtract(pairing.mesh.positions[vertex as usize], position));
+pub(super) fn descend(around: &Surroundings, mut vertex: u32, position: Vector) -> u32 {
+    let distance = |vertex: u32| squared_norm(subtract(around.mesh.positions[vertex as usize], position));
+    let mut least = distance(vertex);
     loop {
-        let near = pairing.edges.of(vertex as usize).iter().copied();
-        match near.min_by(|&a, &b| distance(a).total_cmp(&distance(b))) {
-            Some(near) if distance(near) < distance(vertex) => vertex = near,
-            _ => return vertex,
+        let from = vertex;
+        for &near in around.edges.of(from as usize) {
+            let there = distance(near);
+            if there < least {
+                (vertex, least) = (near, there);
+            }
+        }
+        if vertex == from {
+            return vertex;
         }
     }
 }
