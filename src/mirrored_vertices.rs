@@ -37,7 +37,7 @@ use surroundings::Surroundings;
 const SMALLEST_SHELL: usize = 24;
 const LARGEST_SHELL: usize = 250_000;
 /// Largest share of good trials that fit at another place nearly as well: up to 0.34 on bodies, most on a cube of squares.
-const LARGEST_AMBIGUOUS_SHARE: f64 = 0.35;
+const LARGEST_AMBIGUOUS_SHARE: f64 = 0.42;
 /// Misfits below this are as good as each other.
 const TIE: f64 = 1e-6;
 /// A shell of which connectivity pairs such a share is left to it.

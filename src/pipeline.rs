@@ -377,8 +377,8 @@ impl<'a> Assembler<'a> {
     ) -> Result<Symmetry> {
         let mut map = PointMap::empty(self.mesh);
         let trust = Evidence::new(&self.target, found, kind.order()).confidence();
-        let odd = self.odd(found);
         let images = self.fitted(&found.images, kind, progress)?;
+        let odd = odd_function(&self.shell.surface, &self.shell.basis, &images);
         self.insert_largest(&mut map, &images, &trust, &odd);
         // Other shells are paired, and under a rotation they come in threes or more.
         if self.shells.len() > 1 && !kind.is_rotation() {
@@ -413,8 +413,9 @@ impl<'a> Assembler<'a> {
         progress: &Progress,
     ) -> Result<bool> {
         let mut map = PointMap::empty(self.mesh);
-        let count = found.images.partners.len();
-        self.insert_largest(&mut map, &found.images, &vec![0.0; count], &vec![0.0; count]);
+        let images = self.fitted(&found.images, kind, progress)?;
+        let count = images.partners.len();
+        self.insert_largest(&mut map, &images, &vec![0.0; count], &vec![0.0; count]);
         let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
         Ok(mirrored_vertices::find(self.mesh, estimate, None, kind, threads, progress)?.is_some())
     }
@@ -459,10 +460,6 @@ impl<'a> Assembler<'a> {
             Some(proxy) => proxy.restrict(&partners),
             None => VertexImages::at_vertices(&shell.triangles, partners),
         })
-    }
-
-    fn odd(&self, found: &ShellSymmetry) -> Vec<f64> {
-        odd_function(&self.shell.surface, &self.shell.basis, &found.images)
     }
 
     fn add_companions(

@@ -17,24 +17,27 @@ use crate::full_refinement::VertexImages;
 use crate::mesh::Shell;
 use crate::mesh::vector::{Vector, cross, point_areas, squared_norm, subtract};
 use crate::progress::CancelToken;
-use crate::sampling::{area_weighted_vertices, farthest_in_space};
+use crate::sampling::{area_weighted_vertices, farthest_points};
 use crate::surface_walk::SurfaceWalk;
 use crate::symmetry_kind::SymmetryKind;
 use crate::threads;
 use motion::{Fit, Motion, Oriented, Place};
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::ops::Range;
 
 /// Parts in all; their middles are spread over the shell.
-const PARTS: usize = 200;
+const PARTS: usize = 300;
 /// Radius of a part along edges, in sqrt(area).
 const RADIUS: f64 = 0.1;
 /// Points of a part that its motion is fitted to.
 const FITTED_POINTS: usize = 80;
 /// A motion that leaves the surface by this much, in sqrt(area), counts half.
 const LEAVE: f64 = 0.0015;
-/// One that is this far from the map at a vertex counts a quarter there.
+/// One that starts this far from what the others agree on counts a quarter there.
 const STRAY: f64 = 0.05;
+/// Rounds in which the parts around a vertex agree.
+const AGREEING_ROUNDS: usize = 2;
 /// A turn of the normal by one radian is as unlike as this distance, in sqrt(area).
 const TURN: f64 = 0.06;
 /// Weight of the map itself.
@@ -104,11 +107,11 @@ pub fn fit(
         token.check()?;
         mapped.part(middle)
     };
-    let middles = farthest_in_space(&shell.positions, PARTS);
+    let middles = middles(shell);
     let parts = threads::map(threads, middles, part).into_iter().collect::<Result<Vec<Part>>>()?;
     let goals = mapped.goals(&parts);
-    let project = |range: std::ops::Range<usize>| -> Vec<(u32, TrianglePoint)> {
-        range.map(|vertex| mapped.walk.nearest(goals[vertex], images.partners[vertex])).collect()
+    let project = |range: Range<usize>| -> Vec<(u32, TrianglePoint)> {
+        range.map(|vertex| mapped.nearest(vertex, goals[vertex])).collect()
     };
     let ranges = threads::ranges(goals.len(), goals.len().div_ceil(CHUNK));
     let (partners, points) = threads::map(threads, ranges, project).into_iter().flatten().unzip();
@@ -200,26 +203,56 @@ impl<'a> Mapped<'a> {
         members
     }
 
-    /// Where each vertex's image should lie: the mean of what its parts and the map say.
+    /// The vertex and the point nearest to where a vertex's image should lie. The map may have torn it from those around it, so
+    /// the walk starts from whichever of their images is nearest.
+    fn nearest(&self, vertex: usize, goal: Vector) -> (u32, TrianglePoint) {
+        let around = self.graph.of(vertex).iter().map(|&near| self.partners[near as usize]);
+        let start = around.fold(self.partners[vertex], |start, other| self.walk.nearer(goal, start, other));
+        self.walk.nearest(goal, start)
+    }
+
+    /// Where each vertex's image should lie: the mean of what its parts say, but for those that most others contradict, and a
+    /// little of the map.
     fn goals(&self, parts: &[Part]) -> Vec<Vector> {
-        let mut sums = vec![([0.0; 3], MAP_WEIGHT); self.images.len()];
+        let start = |fit: &Fit, position| fit.start.of(position);
+        let mut agreed = self.mean(parts, None, start);
+        for _ in 0..AGREEING_ROUNDS {
+            agreed = self.mean(parts, Some(&agreed), start);
+        }
+        self.mean(parts, Some(&agreed), |fit, position| fit.motion.of(position))
+    }
+
+    /// The mean over each vertex's parts of where `place` puts it; parts whose start is far from what is `agreed` count less.
+    fn mean(
+        &self,
+        parts: &[Part],
+        agreed: Option<&[Vector]>,
+        place: impl Fn(&Fit, Vector) -> Vector,
+    ) -> Vec<Vector> {
+        let mut sums: Vec<_> =
+            self.images.iter().map(|image| (image.map(|x| MAP_WEIGHT * x), MAP_WEIGHT)).collect();
         for Part { members, fit } in parts {
             let trust = 1.0 / (1.0 + (fit.left / LEAVE).powi(4));
             for &(vertex, weight) in members {
-                let (position, image) = (self.shell.positions[vertex as usize], self.images[vertex as usize]);
-                let stray = squared_norm(subtract(fit.start.of(position), image)) / (STRAY * STRAY);
+                let position = self.shell.positions[vertex as usize];
+                let apart = |agreed: &[Vector]| subtract(fit.start.of(position), agreed[vertex as usize]);
+                let stray = agreed.map_or(0.0, |agreed| squared_norm(apart(agreed)) / (STRAY * STRAY));
                 let weight = trust * weight / (1.0 + stray).powi(2);
-                let moved = subtract(fit.motion.of(position), image);
+                let goal = place(fit, position);
                 let (sum, all) = &mut sums[vertex as usize];
-                (0..3).for_each(|axis| sum[axis] += weight * moved[axis]);
+                (0..3).for_each(|axis| sum[axis] += weight * goal[axis]);
                 *all += weight;
             }
         }
-        let goal = |(&image, (sum, all)): (&Vector, ([f64; 3], f64))| {
-            std::array::from_fn(|axis| image[axis] + sum[axis] / all)
-        };
-        self.images.iter().zip(sums).map(goal).collect()
+        sums.into_iter().map(|(sum, all)| sum.map(|x| x / all)).collect()
     }
+}
+
+/// Vertices spread evenly in space.
+fn middles(shell: &Shell) -> Vec<u32> {
+    let point = |position: &Vector| std::array::from_fn(|j| position.get(j).map_or(0.0, |&x| x as f32));
+    let points: Vec<_> = shell.positions.iter().map(point).collect();
+    farthest_points(&points, PARTS.min(points.len())).into_iter().map(|vertex| vertex as u32).collect()
 }
 
 /// What the vertices' vectors are at a point inside a triangle.

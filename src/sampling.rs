@@ -5,7 +5,6 @@
 //! on the pose. Each prefix of the samples is itself a farthest-point sampling.
 
 use crate::eigenbasis::Eigenbasis;
-use crate::mesh::vector::Vector;
 use faer::Mat;
 
 /// Coordinates of the embedding that spreads the samples.
@@ -78,13 +77,6 @@ pub fn area_weighted_vertices(mass: &[f64], count: usize) -> Vec<usize> {
     picked
 }
 
-/// Farthest points in space, or all if there are no more than `count`. O(positions x count) at worst.
-pub fn farthest_in_space(positions: &[Vector], count: usize) -> Vec<u32> {
-    let point = |position: &Vector| std::array::from_fn(|j| position.get(j).map_or(0.0, |&x| x as f32));
-    let points: Vec<Point> = positions.iter().map(point).collect();
-    farthest_points(&points, count.min(points.len())).into_iter().map(|i| i as u32).collect()
-}
-
 /// Samples in the spread embedding, scaled to a root mean square radius of 1.
 pub fn spread_rows(samples: &Samples, eigenvalues: &[f64]) -> Vec<[f64; SPREAD_COORDINATES]> {
     let used = eigenvalues.len().min(SPREAD_COORDINATES);
@@ -114,7 +106,8 @@ fn spread_embedding(basis: &Eigenbasis, pool: &[u32]) -> Vec<[f32; SPREAD_COORDI
         .collect()
 }
 
-type Point = [f32; SPREAD_COORDINATES];
+/// Coordinates among which farthest points are sought.
+pub type Point = [f32; SPREAD_COORDINATES];
 
 /// The points nearer to one chosen point than to any other.
 struct Cell {
@@ -151,7 +144,7 @@ impl Cell {
 ///
 /// A new point can only take points from a cell whose centre is nearer to it than twice the cell's radius (triangle
 /// inequality), so that most cells need not be looked at.
-fn farthest_points(points: &[Point], count: usize) -> Vec<usize> {
+pub fn farthest_points(points: &[Point], count: usize) -> Vec<usize> {
     let distance = |a: usize, b: usize| squared(&points[a], &points[b]).sqrt();
     // The first sample is the point farthest from the embedding's origin: a tip of the shape.
     let radii: Vec<f32> = points.iter().map(|point| squared(point, &[0.0; SPREAD_COORDINATES])).collect();
