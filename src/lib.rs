@@ -18,7 +18,9 @@
 //! | all spectral stages of one shell | [`shell_symmetry`], [`rotations`] (experimental) |
 //! | other shells, confidence, sides | [`companions`], [`confidence`], [`fixed_curve`] |
 //! | connectivity that is itself mirrored -> the exact bijection | [`automorphism`] |
+//! | vertices that are mirrored where edges are not | [`mirrored_vertices`] |
 //! | a fine shell <-> its simplified proxy | [`surface_walk`], [`proxy`] |
+//! | the map where parts are rigid | [`rigid_parts`] |
 //! | what the next call on the same connectivity needs | [`judging_mesh`] |
 //! | what the caller gets | [`correspondence`], [`assembly`], [`pipeline`], [`detect_again`], [`report`] |
 //! | a symmetry -> mirrored selections, attributes, displacements, positions | [`mirror_tools`] |

@@ -36,7 +36,8 @@ use surroundings::Surroundings;
 /// Shells with fewer vertices have too little to tell a pairing from chance; those with more are not made of quads by hand.
 const SMALLEST_SHELL: usize = 24;
 const LARGEST_SHELL: usize = 250_000;
-/// Largest share of good trials that fit at another place nearly as well: up to 0.34 on bodies, most on a cube of squares.
+/// Largest share of good trials that fit at another place nearly as well: up to 0.38 on bodies, 0.49
+/// and more on grids of voxels and cubes of squares.
 const LARGEST_AMBIGUOUS_SHARE: f64 = 0.42;
 /// Misfits below this are as good as each other.
 const TIE: f64 = 1e-6;

@@ -94,7 +94,7 @@ pub const OPTIONS: [OptionSpec; 10] = [
         default: 50,
         minimum: 0,
         maximum: 100,
-        help: "Least plausibility in percent at which a map counts as a symmetry; 0 accepts the best map found.",
+        help: "Least plausibility in percent at which a map counts as a symmetry (half of it for one that mirrors vertices); 0 accepts the best map found.",
     },
     OptionSpec {
         name: "proxy_vertices",

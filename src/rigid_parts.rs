@@ -1,12 +1,14 @@
-//! The finished map, where the surface around a vertex is the mirror image of that around the other as it stands in space.
+//! Where the surface around a vertex has kept its shape, space says more than the surface alone.
 //!
-//! A pose bends few places; between them hands, heads and thighs keep their shape. There space says more than the
-//! surface alone: the map of a few hundred eigenfunctions is right to about a percent of the surface's size, and a rigid motion
-//! with reflection, fitted to how it moves a whole part, averages that error out. The motion is then fitted to the surface itself: each
-//! point comes to lie on the tangent plane of the nearest point (Y. Chen, G. Medioni, "Object modelling by registration of multiple range
-//! images", 1992). What the surface leaves open, as a slide along a limb, stays as the map says. Each vertex follows the
-//! motions of the parts it is in, the more the better they fit, but none that is far from what the map says of it: where a joint bends the map
-//! stays. That is how this differs from fitting the whole surface as rigidly as possible, which drifts there (`docs/method.md`).
+//! A pose bends few places; between them hands, heads and thighs stay as they are. The map of some hundred eigenfunctions is
+//! right to about a percent of the surface's size. A rigid motion (with reflection), fitted to how it moves a whole part, averages that
+//! error out, and is then fitted to the surface itself: each point comes to lie on the tangent plane of the vertex most
+//! like it in place and normal (Y. Chen, G. Medioni, "Object modelling by registration of multiple range images", 1992). What the surface leaves
+//! open, as a slide along a limb, stays as the map says. Parts overlap; each vertex follows those it is in, the more the better
+//! they fit, but not those that the others contradict. So a vertex that the map tears from its surroundings comes back.
+//!
+//! Where a joint bends, no rigid part fits, and the map stays. That is how this differs from fitting the whole surface as rigidly as
+//! possible, which drifts there (`docs/method.md`).
 
 mod motion;
 
@@ -88,7 +90,8 @@ struct Mapped<'a> {
 
 /// Moves the images of an oriented shell's vertices to where the rigid parts put them.
 ///
-/// Images of a shell that is not oriented, or has no area, stay. O(vertices x parts at each, some 25).
+/// Images of a shell that is not oriented, or has no area, stay. O(vertices log vertices): some ten to thirty
+/// parts at each vertex.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].

@@ -1,0 +1,188 @@
+//! The fit of the map's rigid parts to the surface, on shapes whose true map is known.
+
+mod support;
+
+use intrinsym::error::Error;
+use intrinsym::full_refinement::VertexImages;
+use intrinsym::mesh::{PolygonMesh, Shell};
+use intrinsym::progress::CancelToken;
+use intrinsym::rigid_parts::fit;
+use intrinsym::surface_walk::SurfaceWalk;
+use intrinsym::symmetry_kind::SymmetryKind::{self, HalfTurn, Reflection};
+use support::*;
+
+/// The largest shell of a mesh whose points are its vertices.
+fn shell(mesh: &PolygonMesh) -> Shell {
+    let shell = validated(mesh).shells().swap_remove(0);
+    assert_eq!(shell.positions.len(), mesh.positions.len());
+    shell
+}
+
+/// Sends each vertex to the point of the surface nearest to where `truth` sends it, moved.
+fn moved(shell: &Shell, truth: &[u32], offset: impl Fn(Vector) -> Vector) -> VertexImages {
+    let walk = SurfaceWalk::new(&shell.positions, &shell.triangles);
+    let image = |&vertex: &u32| {
+        let position = shell.positions[vertex as usize];
+        let offset = offset(position);
+        walk.nearest([0, 1, 2].map(|axis| position[axis] + offset[axis]), vertex)
+    };
+    let (partners, points) = truth.iter().map(image).unzip();
+    VertexImages { partners, points }
+}
+
+/// A displacement that changes from place to place.
+fn waves(size: f64) -> impl Fn(Vector) -> Vector {
+    move |[x, y, z]| [(23.0 * y).sin(), (19.0 * z).sin(), (21.0 * x).sin()].map(|value| size * value)
+}
+
+/// Distance of each image from the true one, in sqrt(area).
+fn off_each(shell: &Shell, images: &VertexImages, truth: &[u32]) -> Vec<f64> {
+    let position = |coordinates: &[Vector], corners: [u32; 3], weights: [f32; 3]| -> Vector {
+        let at = |axis: usize| {
+            (0..3).map(|k| f64::from(weights[k]) * coordinates[corners[k] as usize][axis]).sum::<f64>()
+        };
+        [at(0), at(1), at(2)]
+    };
+    (images.points.iter().zip(truth))
+        .map(|(point, &vertex)| {
+            let corners = shell.triangles[point.triangle as usize];
+            let image = position(&shell.positions, corners, point.barycentric);
+            distance(image, shell.positions[vertex as usize])
+        })
+        .collect()
+}
+
+/// The mean of that.
+fn off(shell: &Shell, images: &VertexImages, truth: &[u32]) -> f64 {
+    let errors = off_each(shell, images, truth);
+    errors.iter().sum::<f64>() / errors.len() as f64
+}
+
+fn fitted(shell: &Shell, images: &VertexImages, kind: SymmetryKind) -> VertexImages {
+    fit(shell, images, kind, 2, &CancelToken::default()).unwrap()
+}
+
+/// A sphere with bumps that a half turn about z keeps and no reflection does, and that half turn.
+fn turned_sphere() -> (PolygonMesh, Vec<u32>) {
+    let mut mesh = icosphere(4);
+    let turned = |[x, y, z]: Vector| [-x, -y, z];
+    let nearest = |goal: Vector| {
+        let apart = |&(_, position): &(u32, &Vector)| distance(*position, goal);
+        (0..).zip(&mesh.positions).min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap().0
+    };
+    let truth = mesh.positions.iter().map(|&position| nearest(turned(position))).collect();
+    for position in &mut mesh.positions {
+        let [x, y, z] = *position;
+        let radius = 1.0 + 0.3 * x * y + 0.2 * z * (x * x + 2.0 * y * y) + 0.15 * (6.0 * x * y).sin() * z;
+        *position = [x, y, z].map(|coordinate| radius * coordinate);
+    }
+    (mesh, truth)
+}
+
+#[test]
+fn a_posed_body_is_mapped_more_exactly() {
+    let (mesh, truth) = (example("human"), example_truth("human"));
+    let shell = shell(&mesh);
+    let images = moved(&shell, &truth, waves(0.01));
+    let before = off(&shell, &images, &truth);
+    let after = off(&shell, &fitted(&shell, &images, Reflection), &truth);
+    assert!(before > 0.007, "{before}");
+    assert!(after < 0.4 * before, "{before} {after}");
+}
+
+#[test]
+fn an_exact_map_of_a_posed_body_hardly_moves() {
+    let (mesh, truth) = (example("human"), example_truth("human"));
+    let shell = shell(&mesh);
+    let after = off(&shell, &fitted(&shell, &moved(&shell, &truth, |_| [0.0; 3]), Reflection), &truth);
+    // A quarter of an edge.
+    assert!(after < 0.002, "{after}");
+}
+
+#[test]
+fn a_half_turn_is_fitted_without_mirroring() {
+    let (mesh, truth) = turned_sphere();
+    let shell = shell(&mesh);
+    let images = moved(&shell, &truth, waves(0.01));
+    let before = off(&shell, &images, &truth);
+    let after = off(&shell, &fitted(&shell, &images, HalfTurn), &truth);
+    // Round places let it slide.
+    assert!(before > 0.006 && after < 0.6 * before, "{before} {after}");
+    // As a reflection no part fits.
+    let as_reflection = off(&shell, &fitted(&shell, &images, Reflection), &truth);
+    assert!(as_reflection > 0.8 * before, "{before} {as_reflection}");
+}
+
+#[test]
+fn most_vertices_torn_from_those_around_them_are_brought_back() {
+    let (mesh, truth) = (example("human"), example_truth("human"));
+    let shell = shell(&mesh);
+    let mut images = moved(&shell, &truth, waves(0.005));
+    let torn: Vec<usize> = (0..truth.len()).step_by(97).collect();
+    for &vertex in &torn {
+        let other = (vertex + truth.len() / 2) % truth.len();
+        images.partners[vertex] = images.partners[other];
+        images.points[vertex] = images.points[other];
+    }
+    let far = |images: &VertexImages| {
+        let errors = off_each(&shell, images, &truth);
+        torn.iter().filter(|&&vertex| errors[vertex] > 0.05).count() as f64 / torn.len() as f64
+    };
+    assert!(far(&images) > 0.85, "{}", far(&images));
+    // The others are where no part fits, as at a bent joint.
+    let left = far(&fitted(&shell, &images, Reflection));
+    assert!(left < 0.5, "{left}");
+}
+
+#[test]
+fn threads_change_nothing() {
+    let (mesh, truth) = (example("quadruped"), example_truth("quadruped"));
+    let shell = shell(&mesh);
+    let images = moved(&shell, &truth, waves(0.01));
+    let on = |threads| fit(&shell, &images, Reflection, threads, &CancelToken::default()).unwrap();
+    let alone = on(1);
+    for threads in [2, 5, 64] {
+        let found = on(threads);
+        assert_eq!(alone.partners, found.partners);
+        assert_eq!(alone.points, found.points);
+    }
+}
+
+#[test]
+fn a_surface_without_two_sides_keeps_its_map() {
+    let mut mesh = rectangle(40, 5, [8.0, 1.0]);
+    // The last column becomes the first one, upside down.
+    let turned = |vertex: u32| if vertex % 41 == 40 { (5 - vertex / 41) * 41 } else { vertex };
+    for corner in &mut mesh.face_vertices {
+        *corner = turned(*corner);
+    }
+    let mesh = validated(&mesh);
+    let shell = mesh.shells().swap_remove(0);
+    assert!(!shell.orientable);
+    let truth: Vec<u32> = (0..shell.positions.len() as u32).rev().collect();
+    let images = moved(&shell, &truth, waves(0.05));
+    let found = fitted(&shell, &images, Reflection);
+    assert_eq!((found.partners, found.points), (images.partners, images.points));
+}
+
+#[test]
+fn tiny_and_coarse_shells_are_survived() {
+    for mesh in [icosphere(0), icosphere(1), rectangle(2, 2, [1.0, 1.0])] {
+        let shell = shell(&mesh);
+        let truth: Vec<u32> = (0..shell.positions.len() as u32).rev().collect();
+        let found = fitted(&shell, &moved(&shell, &truth, |_| [0.0; 3]), Reflection);
+        assert_eq!(found.points.len(), truth.len());
+        let weights = found.points.iter().flat_map(|point| point.barycentric);
+        assert!(weights.into_iter().all(|weight| (-1e-6..=1.0 + 1e-6).contains(&weight)));
+    }
+}
+
+#[test]
+fn it_can_be_cancelled() {
+    let (mesh, truth) = (example("quadruped"), example_truth("quadruped"));
+    let shell = shell(&mesh);
+    let token = CancelToken::default();
+    token.cancel();
+    let found = fit(&shell, &moved(&shell, &truth, |_| [0.0; 3]), Reflection, 2, &token);
+    assert!(matches!(found, Err(Error::Cancelled)));
+}
