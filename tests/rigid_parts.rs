@@ -134,6 +134,47 @@ fn most_vertices_torn_from_those_around_them_are_brought_back() {
     assert!(left < 0.5, "{left}");
 }
 
+/// A bust: a broad body with a belly, a round neck, a head with a nose and ears. And its mirror images in x.
+fn bust() -> (PolygonMesh, Vec<u32>) {
+    let mut mesh = icosphere(5);
+    let mirrored = creature_truth(&mesh);
+    let bump = |at: Vector, middle: Vector, width: f64| (-(distance(at, middle) / width).powi(2)).exp();
+    for position in &mut mesh.positions {
+        let at @ [x, y, z] = *position;
+        let girth =
+            0.3 + 0.6 * (-((z + 0.55) / 0.35).powi(2)).exp() + 0.35 * (-((z - 0.8) / 0.15).powi(2)).exp();
+        let ears = bump(at, [0.5, -0.2, 0.84], 0.15) - bump(at, [-0.5, -0.2, 0.84], 0.15);
+        let nose = bump(at, [0.0, 0.6, 0.8], 0.2);
+        let belly = bump(at, [0.0, 0.8, -0.6], 0.4);
+        *position = [1.3 * girth * x + 0.3 * ears, girth * y + 0.3 * nose + 0.4 * belly, 2.0 * z];
+    }
+    (mesh, mirrored)
+}
+
+/// The displacement that turns the bust's head by an angle, and its neck by a part of it.
+fn head_turned(shell: &Shell, angle: f64) -> impl Fn(Vector) -> Vector {
+    let heights = || shell.positions.iter().map(|position| position[2]);
+    let (top, bottom) = (heights().fold(f64::MIN, f64::max), heights().fold(f64::MAX, f64::min));
+    move |position: Vector| {
+        let up = ((position[2] - bottom) / (top - bottom) - 0.6) / 0.15;
+        let share = up.clamp(0.0, 1.0);
+        let turned = rotated(position, [0.0, 0.0, 1.0], angle * share * share * (3.0 - 2.0 * share));
+        [0, 1, 2].map(|axis| turned[axis] - position[axis])
+    }
+}
+
+#[test]
+fn a_head_mapped_as_if_it_were_turned_is_found() {
+    let (mesh, truth) = bust();
+    let shell = shell(&mesh);
+    for degrees in [-120.0f64, 60.0, 170.0] {
+        let images = moved(&shell, &truth, head_turned(&shell, degrees.to_radians()));
+        let before = off(&shell, &images, &truth);
+        let after = off(&shell, &fitted(&shell, &images, Reflection), &truth);
+        assert!(before > 0.02 && after < 0.1 * before, "{degrees}: {before} {after}");
+    }
+}
+
 #[test]
 fn threads_change_nothing() {
     let (mesh, truth) = (example("quadruped"), example_truth("quadruped"));

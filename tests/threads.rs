@@ -25,7 +25,11 @@ fn running() -> usize {
     let tasks = fs::read_dir("/proc/self/task").expect("the process's threads");
     let tasks: Vec<_> = tasks.flatten().map(|task| task.path().join("stat")).collect();
     // A thread that ended meanwhile has no state any more.
-    tasks.iter().filter_map(|stat| fs::read_to_string(stat).ok()).filter(|stat| runs_a_detection(stat)).count()
+    tasks
+        .iter()
+        .filter_map(|stat| fs::read_to_string(stat).ok())
+        .filter(|stat| runs_a_detection(stat))
+        .count()
 }
 
 /// Whether a line of `/proc/self/task/ID/stat` (proc(5)) is that of a thread of a detection, and one not ending.

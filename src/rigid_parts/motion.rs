@@ -2,9 +2,12 @@
 
 use crate::dense::{cholesky_solve, gram_cholesky};
 use crate::error::Result;
-use crate::mesh::rotation::{Matrix, nearest_rotation, scaled, turned};
+use crate::mesh::rotation::{
+    Matrix, axis_and_angle, nearest_rotation, product, rotation, scaled, transposed, turned,
+};
 use crate::mesh::vector::{Vector, cross, dot, squared_norm, subtract};
 use faer::Mat;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Rounds of the robust fit to the map, and the distance, in sqrt(area), at which an image counts half in it.
 const ROBUST_ROUNDS: usize = 3;
@@ -88,7 +91,7 @@ impl Motion {
     }
 
     /// Where a point of the surface goes, and its normal.
-    fn of_oriented(&self, own: Oriented) -> Oriented {
+    pub fn of_oriented(&self, own: Oriented) -> Oriented {
         Oriented { position: self.of(own.position), normal: turned(&self.turn, own.normal) }
     }
 
@@ -103,8 +106,9 @@ impl Motion {
     ) -> Result<Fit> {
         let mut motion = self;
         let mut near: Vec<u32> = places.iter().map(|place| place.partner).collect();
+        let step = Approach { lever: radius, noise, held: MAP_ERROR };
         for _ in 0..SURFACE_ROUNDS {
-            motion = motion.towards(&self, places, &mut near, radius, noise, &alike)?;
+            motion = motion.towards(&self, places, &mut near, step, &alike)?;
         }
         let (mut squares, mut weights) = (0.0, 0.0);
         for (place, near) in places.iter().zip(near) {
@@ -116,14 +120,62 @@ impl Motion {
         Ok(Fit { start: self, motion, left: (squares / weights).sqrt() })
     }
 
+    /// Brings the motion to the surface wherever that leads, held back only in each step. `near` are vertices to seek from.
+    pub fn settled(
+        mut self,
+        places: &[Place],
+        near: &mut [u32],
+        rounds: usize,
+        step: Approach,
+        alike: impl Fn(Oriented, u32) -> (u32, Oriented),
+    ) -> Result<Motion> {
+        for _ in 0..rounds {
+            let start = self;
+            self = self.towards(&start, places, near, step, &alike)?;
+        }
+        Ok(self)
+    }
+
+    /// First this motion, then a rotation about a point.
+    pub fn then_turned(&self, rotation: &Matrix, about: Vector) -> Motion {
+        let shift = turned(rotation, subtract(self.shift, about));
+        Motion {
+            turn: product(rotation, &self.turn),
+            shift: std::array::from_fn(|axis| shift[axis] + about[axis]),
+        }
+    }
+
+    /// The motion a share of the way from this one to `other`: turned by that share of the angle between them about where
+    /// this one puts `middle`, and shifted by that share of how far apart they put it. About `along` the angle is -90 to 270
+    /// degrees, so that motions side by side turn the same way.
+    pub fn part_way(&self, other: &Motion, share: f64, middle: Vector, along: Vector) -> Motion {
+        let between = product(&other.turn, &transposed(&self.turn));
+        let (axis, angle) = axis_and_angle(&between);
+        let (axis, angle) = if dot(axis, along) < 0.0 { (axis.map(|x| -x), -angle) } else { (axis, angle) };
+        let angle = if angle < -FRAC_PI_2 { angle + TAU } else { angle };
+        let (here, there) = (self.of(middle), other.of(middle));
+        let mut way = self.then_turned(&rotation(axis, share * angle), here);
+        (0..3).for_each(|k| way.shift[k] += share * (there[k] - here[k]));
+        way
+    }
+
+    /// The angle of the turn from this motion to `other`, 0 to pi.
+    pub fn angle_to(&self, other: &Motion) -> f64 {
+        axis_and_angle(&product(&other.turn, &transposed(&self.turn))).1
+    }
+
+    /// The axis of the turn from this motion to `other`.
+    pub fn axis_to(&self, other: &Motion) -> Vector {
+        axis_and_angle(&product(&other.turn, &transposed(&self.turn))).0
+    }
+
     /// One Gauss-Newton step to the tangent planes of the vertices most like the points, held back towards `start`.
     fn towards(
         &self,
         start: &Motion,
         places: &[Place],
         near: &mut [u32],
-        lever: f64,
-        noise: f64,
+        Approach { lever, noise, held }: Approach,
         alike: impl Fn(Oriented, u32) -> (u32, Oriented),
     ) -> Result<Motion> {
         let all: f64 = places.iter().map(|place| place.weight).sum();
@@ -143,12 +195,7 @@ impl Motion {
             let strayed = subtract(goal.position, start.of(place.own.position));
             for axis in 0..3 {
                 let along = std::array::from_fn(|k| f64::from(u8::from(k == axis)));
-                normal_equations.add(
-                    offset,
-                    along,
-                    strayed[axis],
-                    place.weight / all / (MAP_ERROR * MAP_ERROR),
-                );
+                normal_equations.add(offset, along, strayed[axis], place.weight / all / (held * held));
             }
         }
         let [turn, shift] = normal_equations.solve()?;
@@ -160,6 +207,17 @@ impl Motion {
             shift: std::array::from_fn(|axis| from_middle[axis] + middle[axis] + shift[axis]),
         })
     }
+}
+
+/// How a motion is brought to the surface.
+#[derive(Clone, Copy)]
+pub(super) struct Approach {
+    /// What a turn of one radian counts as, a distance in sqrt(area).
+    pub lever: f64,
+    /// How far the surface may be off, in sqrt(area).
+    pub noise: f64,
+    /// How far, in sqrt(area), the motion may go where the surface leaves it open.
+    pub held: f64,
 }
 
 /// Normal equations of a small turn about the middle, in units of the lever, and a shift.
@@ -194,7 +252,7 @@ fn gap(position: Vector, there: Oriented) -> f64 {
     dot(there.normal, subtract(position, there.position))
 }
 
-fn mean(positions: impl Iterator<Item = Vector>, weights: &[f64]) -> Vector {
+pub(super) fn mean(positions: impl Iterator<Item = Vector>, weights: &[f64]) -> Vector {
     let mut sum = [0.0; 3];
     for (position, weight) in positions.zip(weights) {
         (0..3).for_each(|axis| sum[axis] += weight * position[axis]);
@@ -203,6 +261,41 @@ fn mean(positions: impl Iterator<Item = Vector>, weights: &[f64]) -> Vector {
     sum.map(|x| x / all)
 }
 
-fn product(a: &Matrix, b: &Matrix) -> Matrix {
-    a.map(|row| std::array::from_fn(|column| (0..3).map(|k| row[k] * b[k][column]).sum()))
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn near(a: Vector, b: Vector) -> bool {
+        squared_norm(subtract(a, b)) < 1e-20
+    }
+
+    /// Mirrors in x.
+    fn mirror() -> Motion {
+        Motion { turn: [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], shift: [0.1, 0.0, 0.3] }
+    }
+
+    #[test]
+    fn a_motion_turned_about_a_point_keeps_it() {
+        let about = mirror().of([0.4, -0.2, 0.7]);
+        let then = mirror().then_turned(&rotation([0.0, 0.0, 1.0], 1.2), about);
+        assert!(near(then.of([0.4, -0.2, 0.7]), about));
+        assert!((mirror().angle_to(&then) - 1.2).abs() < 1e-12);
+    }
+
+    #[test]
+    fn part_of_the_way_turns_by_part_of_the_angle_and_the_way_asked_for() {
+        let middle = [0.2, 0.5, -0.3];
+        let mut other = mirror().then_turned(&rotation([0.0, 0.0, 1.0], 2.8), mirror().of(middle));
+        other.shift[2] += 0.4;
+        for along in [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]] {
+            let way = |share| mirror().part_way(&other, share, middle, along);
+            assert!(near(way(0.0).of([1.0, 2.0, 3.0]), mirror().of([1.0, 2.0, 3.0])));
+            assert!(near(way(1.0).of([1.0, 2.0, 3.0]), other.of([1.0, 2.0, 3.0])));
+            let half = way(0.5);
+            assert!((half.of(middle)[2] - mirror().of(middle)[2] - 0.2).abs() < 1e-12);
+            // 2.8 radians against the axis are 2 pi - 2.8 along it.
+            let expected = if along[2] > 0.0 { 1.4 } else { FRAC_PI_2 * 2.0 - 1.4 };
+            assert!((mirror().angle_to(&half) - expected).abs() < 1e-12, "{}", mirror().angle_to(&half));
+        }
+    }
 }

@@ -1,0 +1,205 @@
+//! A shell with its map, as parts of it see it.
+
+use super::motion::{Oriented, Place};
+use crate::adjacency::Adjacency;
+use crate::embedded_triangles::TrianglePoint;
+use crate::full_refinement::VertexImages;
+use crate::mesh::Shell;
+use crate::mesh::vector::{Vector, cross, point_areas, squared_norm, subtract};
+use crate::sampling::{area_weighted_vertices, farthest_points};
+use crate::surface_walk::SurfaceWalk;
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+/// A turn of the normal by one radian is as unlike as this distance, in sqrt(area).
+const TURN: f64 = 0.06;
+
+/// A shell and its map.
+pub(super) struct Mapped<'a> {
+    pub shell: &'a Shell,
+    pub graph: Adjacency,
+    pub walk: SurfaceWalk<'a>,
+    /// Area of each vertex.
+    pub areas: Vec<f64>,
+    /// Unit normals of the vertices.
+    normals: Vec<Vector>,
+    /// Images of the vertices.
+    pub found: VertexImages,
+    /// Positions of the images.
+    pub images: Vec<Vector>,
+}
+
+/// A vertex and a way to it along edges; the shorter way is the greater.
+#[derive(PartialEq)]
+struct Reached {
+    distance: f64,
+    vertex: u32,
+}
+
+impl Eq for Reached {}
+
+impl Ord for Reached {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.distance.total_cmp(&self.distance).then(other.vertex.cmp(&self.vertex))
+    }
+}
+
+impl PartialOrd for Reached {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl<'a> Mapped<'a> {
+    pub fn new(shell: &'a Shell, found: VertexImages) -> Mapped<'a> {
+        let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
+        Mapped {
+            shell,
+            graph: Adjacency::new(shell.positions.len(), shell.triangles.iter().flat_map(sides)),
+            walk: SurfaceWalk::new(&shell.positions, &shell.triangles),
+            areas: point_areas(&shell.positions, &shell.triangles),
+            normals: normals(shell),
+            images: found.points.iter().map(|point| at(shell, point, &shell.positions)).collect(),
+            found,
+        }
+    }
+
+    /// Vertices spread evenly in space.
+    pub fn spread(&self, count: usize) -> Vec<u32> {
+        let point = |position: &Vector| std::array::from_fn(|j| position.get(j).map_or(0.0, |&x| x as f32));
+        let points: Vec<_> = self.shell.positions.iter().map(point).collect();
+        farthest_points(&points, count.min(points.len())).into_iter().map(|vertex| vertex as u32).collect()
+    }
+
+    /// Vertices with their weights, which fall to 0 at the radius.
+    pub fn members(&self, middle: u32, radius: f64) -> Vec<(u32, f64)> {
+        let within = self.within(&[middle], radius);
+        let weight = |distance: f64| (1.0 - distance * distance / (radius * radius)).powi(2);
+        within.into_iter().map(|(vertex, distance)| (vertex, weight(distance))).collect()
+    }
+
+    /// Vertices nearer than `radius` to one of `sources` along edges, the nearest first, with their distances.
+    pub fn within(&self, sources: &[u32], radius: f64) -> Vec<(u32, f64)> {
+        let mut reached = Vec::new();
+        let mut nearest = vec![f64::INFINITY; self.areas.len()];
+        let mut queue = BinaryHeap::new();
+        for &vertex in sources {
+            nearest[vertex as usize] = 0.0;
+            queue.push(Reached { distance: 0.0, vertex });
+        }
+        while let Some(Reached { distance, vertex }) = queue.pop() {
+            if distance > nearest[vertex as usize] {
+                continue;
+            }
+            reached.push((vertex, distance));
+            let from = self.shell.positions[vertex as usize];
+            for &near in self.graph.of(vertex as usize) {
+                let edge = subtract(self.shell.positions[near as usize], from);
+                let distance = distance + squared_norm(edge).sqrt();
+                if distance < radius && distance < nearest[near as usize] {
+                    nearest[near as usize] = distance;
+                    queue.push(Reached { distance, vertex: near });
+                }
+            }
+        }
+        reached
+    }
+
+    /// Some of a part's members, each standing for the same area.
+    pub fn places(&self, members: &[(u32, f64)], count: usize) -> Vec<Place> {
+        let areas: Vec<f64> = members.iter().map(|&(vertex, _)| self.areas[vertex as usize]).collect();
+        let picked = area_weighted_vertices(&areas, count).into_iter().map(|index| members[index]);
+        let place = |(vertex, weight): (u32, f64)| Place {
+            own: self.oriented(vertex),
+            image: self.images[vertex as usize],
+            partner: self.found.partners[vertex as usize],
+            weight,
+        };
+        picked.map(place).filter(|place| place.weight > 0.0).collect()
+    }
+
+    /// A vertex's position and normal.
+    pub fn oriented(&self, vertex: u32) -> Oriented {
+        Oriented { position: self.shell.positions[vertex as usize], normal: self.normals[vertex as usize] }
+    }
+
+    /// The vertex most like `goal` in place and normal, sought downhill from `start`.
+    pub fn alike(&self, goal: Oriented, start: u32) -> (u32, Oriented) {
+        let unlike = |vertex: u32| unlike(goal, self.oriented(vertex));
+        let (mut best, mut least) = (start, unlike(start));
+        loop {
+            let from = best;
+            for &near in self.graph.of(from as usize) {
+                let near_unlike = unlike(near);
+                if near_unlike < least {
+                    (best, least) = (near, near_unlike);
+                }
+            }
+            if best == from {
+                return (best, self.oriented(best));
+            }
+        }
+    }
+
+    /// The one of `vertices` most like `goal`.
+    pub fn most_alike(&self, goal: Oriented, vertices: &[u32]) -> u32 {
+        let unlike = |vertex: u32| unlike(goal, self.oriented(vertex));
+        let first = (vertices[0], unlike(vertices[0]));
+        let best = vertices[1..].iter().fold(first, |best, &vertex| {
+            let there = unlike(vertex);
+            if there < best.1 { (vertex, there) } else { best }
+        });
+        best.0
+    }
+
+    /// Squared: how unlike `goal` the surface is near a vertex, between vertices too.
+    pub fn unlike_near(&self, goal: Oriented, vertex: u32) -> f64 {
+        let (_, point) = self.walk.nearest(goal.position, vertex);
+        let normal = unit(at(self.shell, &point, &self.normals));
+        unlike(goal, Oriented { position: at(self.shell, &point, &self.shell.positions), normal })
+    }
+
+    /// The vertex and the point nearest to where a vertex's image should lie. The map may have torn it from those around it, so
+    /// the walk starts from whichever of their images is nearest.
+    pub fn nearest(&self, vertex: usize, goal: Vector) -> (u32, TrianglePoint) {
+        let partners = &self.found.partners;
+        let around = self.graph.of(vertex).iter().map(|&near| partners[near as usize]);
+        let start = around.fold(partners[vertex], |start, other| self.walk.nearer(goal, start, other));
+        self.walk.nearest(goal, start)
+    }
+
+    /// Gives a vertex another image, and gives its former one back.
+    pub fn replace(&mut self, vertex: usize, (partner, point): (u32, TrianglePoint)) -> (u32, TrianglePoint) {
+        self.images[vertex] = at(self.shell, &point, &self.shell.positions);
+        let VertexImages { partners, points } = &mut self.found;
+        (std::mem::replace(&mut partners[vertex], partner), std::mem::replace(&mut points[vertex], point))
+    }
+}
+
+fn unlike(goal: Oriented, there: Oriented) -> f64 {
+    let turned = squared_norm(subtract(there.normal, goal.normal));
+    squared_norm(subtract(there.position, goal.position)) + TURN * TURN * turned
+}
+
+/// What the vertices' vectors are at a point inside a triangle.
+fn at(shell: &Shell, point: &TrianglePoint, vectors: &[Vector]) -> Vector {
+    let corners = shell.triangles[point.triangle as usize].map(|corner| vectors[corner as usize]);
+    std::array::from_fn(|axis| (0..3).map(|k| f64::from(point.barycentric[k]) * corners[k][axis]).sum())
+}
+
+/// Unit normals of the vertices, triangles weighted by area.
+fn normals(shell: &Shell) -> Vec<Vector> {
+    let mut normals = vec![[0.0; 3]; shell.positions.len()];
+    for triangle in &shell.triangles {
+        let [a, b, c] = triangle.map(|corner| shell.positions[corner as usize]);
+        let normal = cross(subtract(b, a), subtract(c, a));
+        for &corner in triangle {
+            (0..3).for_each(|axis| normals[corner as usize][axis] += normal[axis]);
+        }
+    }
+    normals.into_iter().map(unit).collect()
+}
+
+fn unit(vector: Vector) -> Vector {
+    vector.map(|x| x / squared_norm(vector).sqrt().max(f64::MIN_POSITIVE))
+}

@@ -1,0 +1,278 @@
+//! A turned part's motion takes over from the map, as far as the surface around it agrees.
+//!
+//! Small parts around it are fitted by both motions: those that the new one fits better follow it, those that the old one fits better
+//! keep it, and between them, as along a round neck, where both fit, the motions pass into each other by a turn that grows with the way. That must leave the
+//! rest of the surface in one piece, since what is turned is the end of a limb, and must not tear the map.
+
+use super::mapped::Mapped;
+use super::motion::{Approach, Motion, Oriented, mean};
+use super::turned_parts::{Settled, seeds, settle};
+use crate::embedded_triangles::TrianglePoint;
+use crate::error::Result;
+use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::threads;
+
+/// How far the surroundings reach along edges, in sqrt(area).
+const REACH: f64 = 0.4;
+/// Radius of a small part, in sqrt(area), points that its motion is fitted to, and points around all in which images are sought.
+const RADIUS: f64 = 0.1;
+const POINTS: usize = 60;
+const SOUGHT_POINTS: usize = 300;
+const OWN_ROUNDS: usize = 4;
+const NEW_ROUNDS: usize = 2;
+const OWN: Approach = Approach { lever: RADIUS, noise: 0.003, held: 0.02 };
+const NEW: Approach = Approach { lever: RADIUS, noise: 0.003, held: 0.01 };
+/// A small part follows the new motion if that leaves this share of what the old one does, and keeps the old one if the new one leaves
+/// this many times as much.
+const FOLLOWS: f64 = 0.7;
+const KEEPS: f64 = 1.4;
+/// The new motion fits a small part if it leaves at most this many times what is usual, or at most this, in sqrt(area), and
+/// does not from this many times that.
+const FITS: f64 = 2.0;
+const SURELY_FITS: f64 = 0.025;
+const MISFITS: f64 = 1.25;
+/// Share of the surface that may be cut off from the rest.
+const CUT_OFF: f64 = 0.03;
+/// An edge is torn if its image is this many times as long.
+const TORN: f64 = std::f64::consts::E;
+/// So many times as many edges as before may be torn,
+const TEARS: f64 = 1.3;
+/// and any number if the map's motion leaves this much, in sqrt(area), and the new one this share of it.
+const FITS_NOTHING: f64 = 0.035;
+const FAR_BETTER: f64 = 0.29;
+
+/// Where a part is turned.
+#[derive(Clone, Copy)]
+pub(super) struct Surroundings<'a> {
+    /// The part's middle.
+    pub middle: u32,
+    /// Those of small parts.
+    pub middles: &'a [u32],
+    pub mirrored: bool,
+    /// What parts that fit leave, in sqrt(area).
+    pub usual: f64,
+    pub threads: usize,
+}
+
+/// What the fits say about a small part.
+#[derive(Clone, Copy, PartialEq)]
+enum Verdict {
+    Follows,
+    Keeps,
+    Either,
+}
+
+/// A small part and its two motions.
+struct Part {
+    middle: u32,
+    /// Mean position.
+    centre: Vector,
+    /// Vertices and their weights.
+    members: Vec<(u32, f64)>,
+    own: Motion,
+    new: Motion,
+    /// What the new motion leaves as a share of what the own one does.
+    left: f64,
+    verdict: Verdict,
+}
+
+/// What a vertex's small parts say.
+#[derive(Clone, Default)]
+struct Goal {
+    sum: Vector,
+    weight: f64,
+    /// Weight of the new motion.
+    new: f64,
+    /// The part that says most, and its weight.
+    strongest: Option<(Motion, f64)>,
+}
+
+/// Maps what a part's new motion fits by it, unless that contradicts the rest of the surface. The map's own motion leaves `own`.
+///
+/// # Errors
+/// [`crate::Error::Internal`].
+pub(super) fn take_over(
+    mapped: &mut Mapped,
+    surroundings: Surroundings,
+    own: &Settled,
+    found: &Settled,
+) -> Result<()> {
+    let around = mapped.within(&[surroundings.middle], REACH);
+    let sought: Vec<(u32, f64)> = around.iter().map(|&(vertex, _)| (vertex, 1.0)).collect();
+    let sought: Vec<u32> = mapped.places(&sought, SOUGHT_POINTS).iter().map(|place| place.partner).collect();
+    let parts = parts(mapped, surroundings, &around, &sought, &found.motion)?;
+    let goals = goals(mapped, &parts, &around);
+    let region = grown(mapped, surroundings.middle, &goals);
+    if cut_off(mapped, &region) > CUT_OFF {
+        return Ok(());
+    }
+    let image = |&(vertex, _): &(u32, f64)| {
+        let goal = goals[vertex as usize].at(mapped.oriented(vertex));
+        let start = mapped.alike(goal, mapped.most_alike(goal, &sought)).0;
+        (vertex as usize, mapped.walk.nearest(goal.position, start))
+    };
+    let changed = mapped.within(&region, RADIUS);
+    let changed = changed.iter().filter(|&&(vertex, _)| goals[vertex as usize].new > 0.0).collect();
+    let images: Vec<(usize, (u32, TrianglePoint))> = threads::map(surroundings.threads, changed, image);
+    let before = torn(mapped, &around);
+    let replaced: Vec<_> =
+        images.iter().map(|&(vertex, image)| (vertex, mapped.replace(vertex, image))).collect();
+    let far_better = own.unlike > FITS_NOTHING && found.unlike < FAR_BETTER * own.unlike;
+    if !far_better && torn(mapped, &around) > TEARS * before {
+        for (vertex, image) in replaced {
+            mapped.replace(vertex, image);
+        }
+    }
+    Ok(())
+}
+
+/// The small parts around, with what both motions make of them.
+fn parts(
+    mapped: &Mapped,
+    Surroundings { middles, mirrored, usual, threads, .. }: Surroundings,
+    around: &[(u32, f64)],
+    sought: &[u32],
+    found: &Motion,
+) -> Result<Vec<Part>> {
+    let mut near = vec![false; mapped.areas.len()];
+    around.iter().for_each(|&(vertex, _)| near[vertex as usize] = true);
+    let judged = |middle: u32| {
+        let members = mapped.members(middle, RADIUS);
+        let places = mapped.places(&members, POINTS);
+        let start = Motion::between(&places, mirrored);
+        let partners = places.iter().map(|place| place.partner).collect();
+        let own = settle(mapped, start, &places, partners, OWN_ROUNDS, OWN)?;
+        let new = settle(mapped, *found, &places, seeds(mapped, found, &places, sought), NEW_ROUNDS, NEW)?;
+        let fits = (FITS * usual).max(SURELY_FITS);
+        let verdict = if new.unlike < FOLLOWS * own.unlike && new.unlike < fits {
+            Verdict::Follows
+        } else if new.unlike > KEEPS * own.unlike || new.unlike > MISFITS * fits {
+            Verdict::Keeps
+        } else {
+            Verdict::Either
+        };
+        let weights: Vec<f64> = places.iter().map(|place| place.weight).collect();
+        let centre = mean(places.iter().map(|place| place.own.position), &weights);
+        let left = new.unlike / own.unlike;
+        Ok(Part { middle, centre, members, own: start, new: new.motion, left, verdict })
+    };
+    let middles = middles.iter().copied().filter(|&middle| near[middle as usize]).collect();
+    threads::map(threads, middles, judged).into_iter().collect()
+}
+
+/// Where the parts' motions, each as far as it takes over, put each vertex.
+fn goals(mapped: &Mapped, parts: &[Part], around: &[(u32, f64)]) -> Vec<Goal> {
+    let mut goals = vec![Goal::default(); mapped.areas.len()];
+    let following = parts.iter().filter(|part| part.verdict == Verdict::Follows);
+    // All turn the same way around.
+    let Some(surest) = following.clone().min_by(|a, b| a.left.total_cmp(&b.left)) else { return goals };
+    let axis = surest.own.axis_to(&surest.new);
+    let to_new = distances(mapped, following.map(|part| part.middle));
+    let keeping = parts.iter().filter(|part| part.verdict == Verdict::Keeps).map(|part| part.middle);
+    let rim =
+        around.iter().filter(|(_, distance)| *distance > REACH - RADIUS / 4.0).map(|&(vertex, _)| vertex);
+    let to_old = distances(mapped, keeping.chain(rim));
+    for part in parts {
+        let [from_old, from_new] = [&to_old, &to_new].map(|way| way[part.middle as usize]);
+        let share = match part.verdict {
+            Verdict::Follows => 1.0,
+            Verdict::Keeps => 0.0,
+            Verdict::Either => from_old / (from_old + from_new),
+        };
+        let motion = part.own.part_way(&part.new, share, part.centre, axis);
+        for &(vertex, weight) in &part.members {
+            goals[vertex as usize].add(
+                motion,
+                motion.of(mapped.shell.positions[vertex as usize]),
+                weight,
+                share,
+            );
+        }
+    }
+    goals
+}
+
+impl Goal {
+    fn add(&mut self, motion: Motion, position: Vector, weight: f64, share: f64) {
+        (0..3).for_each(|axis| self.sum[axis] += weight * position[axis]);
+        self.weight += weight;
+        self.new += weight * share;
+        if self.strongest.is_none_or(|(_, strongest)| strongest < weight) {
+            self.strongest = Some((motion, weight));
+        }
+    }
+
+    /// Whether the new motion has more to say than the old one.
+    fn follows(&self) -> bool {
+        self.new > 0.5 * self.weight
+    }
+
+    /// Where the image should lie, and its normal.
+    fn at(&self, own: Oriented) -> Oriented {
+        let normal = self.strongest.map_or(own.normal, |(motion, _)| motion.of_oriented(own).normal);
+        Oriented { position: self.sum.map(|x| x / self.weight), normal }
+    }
+}
+
+/// Distance of each vertex along edges from the nearest of `sources`; twice the reach where it is more.
+fn distances(mapped: &Mapped, sources: impl Iterator<Item = u32>) -> Vec<f64> {
+    let mut distances = vec![2.0 * REACH; mapped.areas.len()];
+    for (vertex, distance) in mapped.within(&sources.collect::<Vec<u32>>(), 2.0 * REACH) {
+        distances[vertex as usize] = distance;
+    }
+    distances
+}
+
+/// Vertices that follow the new motion and are joined to the middle by others that do.
+fn grown(mapped: &Mapped, middle: u32, goals: &[Goal]) -> Vec<u32> {
+    let mut reached = vec![false; goals.len()];
+    reached[middle as usize] = true;
+    joined(mapped, middle, &mut reached, |vertex| goals[vertex as usize].follows())
+}
+
+/// Share of the area that hangs together no more with most of the surface once `region` is taken out.
+fn cut_off(mapped: &Mapped, region: &[u32]) -> f64 {
+    let area =
+        |vertices: &[u32]| -> f64 { vertices.iter().map(|&vertex| mapped.areas[vertex as usize]).sum() };
+    let mut reached = vec![false; mapped.areas.len()];
+    region.iter().for_each(|&vertex| reached[vertex as usize] = true);
+    let (mut rest, mut largest) = (0.0, 0.0f64);
+    for vertex in 0..mapped.areas.len() as u32 {
+        if !std::mem::replace(&mut reached[vertex as usize], true) {
+            let piece = area(&joined(mapped, vertex, &mut reached, |_| true));
+            rest += piece;
+            largest = largest.max(piece);
+        }
+    }
+    (rest - largest) / (rest + area(region))
+}
+
+/// `first` and what is joined to it along edges through vertices `through` which that goes and that were not `reached`.
+fn joined(mapped: &Mapped, first: u32, reached: &mut [bool], through: impl Fn(u32) -> bool) -> Vec<u32> {
+    let mut joined = vec![first];
+    let mut next = 0;
+    while let Some(&vertex) = joined.get(next) {
+        for &near in mapped.graph.of(vertex as usize) {
+            if through(near) && !std::mem::replace(&mut reached[near as usize], true) {
+                joined.push(near);
+            }
+        }
+        next += 1;
+    }
+    joined
+}
+
+/// Share of the edges around that the map tears.
+fn torn(mapped: &Mapped, around: &[(u32, f64)]) -> f64 {
+    let (mut torn, mut all) = (0usize, 0usize);
+    for &(vertex, _) in around {
+        for &near in mapped.graph.of(vertex as usize) {
+            let length = |positions: &[Vector]| {
+                squared_norm(subtract(positions[vertex as usize], positions[near as usize])).sqrt()
+            };
+            torn += usize::from(length(&mapped.images) > TORN * length(&mapped.shell.positions));
+            all += 1;
+        }
+    }
+    torn as f64 / all.max(1) as f64
+}
