@@ -35,7 +35,7 @@ const MISFITS: f64 = 1.25;
 const CUT_OFF: f64 = 0.03;
 /// An edge is torn if its image is this many times as long.
 const TORN: f64 = std::f64::consts::E;
-/// So many times as many edges as before may be torn,
+/// If more small parts follow the new motion than keep the old one, this many times as many edges as before may be torn,
 const TEARS: f64 = 1.3;
 /// and any number if the map's motion leaves this much, in sqrt(area), and the new one this share of it.
 const FITS_NOTHING: f64 = 0.035;
@@ -117,8 +117,14 @@ pub(super) fn take_over(
     let before = torn(mapped, &around);
     let replaced: Vec<_> =
         images.iter().map(|&(vertex, image)| (vertex, mapped.replace(vertex, image))).collect();
+    let say = |verdict: Verdict| parts.iter().filter(|part| part.verdict == verdict).count();
     let far_better = own.unlike > FITS_NOTHING && found.unlike < FAR_BETTER * own.unlike;
-    if !far_better && torn(mapped, &around) > TEARS * before {
+    let tolerated = match say(Verdict::Follows) > say(Verdict::Keeps) {
+        true if far_better => 1.0,
+        true => TEARS * before,
+        false => before,
+    };
+    if torn(mapped, &around) > tolerated {
         for (vertex, image) in replaced {
             mapped.replace(vertex, image);
         }
