@@ -23,7 +23,7 @@ use crate::mesh::vector::{Vector, squared_norm, subtract};
 use crate::progress::CancelToken;
 use crate::symmetry_kind::SymmetryKind;
 use crate::threads;
-use mapped::Mapped;
+use mapped::{Disc, Mapped};
 use motion::{Fit, Motion};
 use std::ops::Range;
 
@@ -44,9 +44,9 @@ const MAP_WEIGHT: f64 = 0.02;
 /// Vertices that one thread takes at a time.
 const CHUNK: usize = 2048;
 
-/// The vertices around one, the motion that mirrors them, and how much it counts at each.
-struct Part {
-    members: Vec<(u32, f64)>,
+/// The vertices around one, how much it counts at each, and the motion that mirrors them.
+struct Part<'a> {
+    disc: &'a Disc,
     fit: Fit,
 }
 
@@ -69,9 +69,10 @@ pub fn fit(
     }
     let mirrored = kind == SymmetryKind::Reflection;
     let mut mapped = Mapped::new(shell, images.clone());
-    let middles = mapped.spread(PARTS);
-    turned_parts::right(&mut mapped, &middles, mirrored, threads, token)?;
-    let parts = parts(&mapped, middles, mirrored, threads, token)?;
+    let disc = |middle: u32| token.check().map(|()| mapped.disc(middle, RADIUS));
+    let discs = threads::map(threads, mapped.spread(PARTS), disc).into_iter().collect::<Result<Vec<_>>>()?;
+    turned_parts::right(&mut mapped, &discs, mirrored, threads, token)?;
+    let parts = parts(&mapped, &discs, mirrored, threads, token)?;
     let goals = goals(&mapped, &parts);
     let project = |range: Range<usize>| -> Vec<(u32, TrianglePoint)> {
         range.map(|vertex| mapped.nearest(vertex, goals[vertex])).collect()
@@ -82,22 +83,21 @@ pub fn fit(
 }
 
 /// The parts of a shell, and how each moves.
-fn parts(
+fn parts<'a>(
     mapped: &Mapped,
-    middles: Vec<u32>,
+    discs: &'a [Disc],
     mirrored: bool,
     threads: usize,
     token: &CancelToken,
-) -> Result<Vec<Part>> {
-    let part = |middle: u32| {
+) -> Result<Vec<Part<'a>>> {
+    let part = |disc: &'a Disc| {
         token.check()?;
-        let members = mapped.members(middle, RADIUS);
-        let places = mapped.places(&members, FITTED_POINTS);
+        let places = mapped.places(&mapped.picked(&disc.members, FITTED_POINTS));
         let start = Motion::between(&places, mirrored);
         let fit = start.onto(&places, RADIUS, LEAVE, |goal, start| mapped.alike(goal, start))?;
-        Ok(Part { members, fit })
+        Ok(Part { disc, fit })
     };
-    threads::map(threads, middles, part).into_iter().collect()
+    threads::map(threads, discs.iter().collect(), part).into_iter().collect()
 }
 
 /// Where each vertex's image should lie: the mean of what its parts say, but for those that most others contradict, and a
@@ -120,9 +120,9 @@ fn mean(
 ) -> Vec<Vector> {
     let mut sums: Vec<_> =
         mapped.images.iter().map(|image| (image.map(|x| MAP_WEIGHT * x), MAP_WEIGHT)).collect();
-    for Part { members, fit } in parts {
+    for Part { disc, fit } in parts {
         let trust = 1.0 / (1.0 + (fit.left / LEAVE).powi(4));
-        for &(vertex, weight) in members {
+        for &(vertex, weight) in &disc.members {
             let position = mapped.shell.positions[vertex as usize];
             let apart = |agreed: &[Vector]| subtract(fit.start.of(position), agreed[vertex as usize]);
             let stray = agreed.map_or(0.0, |agreed| squared_norm(apart(agreed)) / (STRAY * STRAY));

@@ -29,6 +29,18 @@ pub(super) struct Mapped<'a> {
     pub images: Vec<Vector>,
 }
 
+/// The vertices within a radius of one, with their weights, which fall to 0 at the radius.
+pub(super) struct Disc {
+    pub middle: u32,
+    pub members: Vec<(u32, f64)>,
+}
+
+/// Vertices among which images are sought.
+pub(super) struct Sought {
+    vertices: Vec<u32>,
+    points: Vec<Oriented>,
+}
+
 /// A vertex and a way to it along edges; the shorter way is the greater.
 #[derive(PartialEq)]
 struct Reached {
@@ -71,11 +83,10 @@ impl<'a> Mapped<'a> {
         farthest_points(&points, count.min(points.len())).into_iter().map(|vertex| vertex as u32).collect()
     }
 
-    /// Vertices with their weights, which fall to 0 at the radius.
-    pub fn members(&self, middle: u32, radius: f64) -> Vec<(u32, f64)> {
-        let within = self.within(&[middle], radius);
+    pub fn disc(&self, middle: u32, radius: f64) -> Disc {
         let weight = |distance: f64| (1.0 - distance * distance / (radius * radius)).powi(2);
-        within.into_iter().map(|(vertex, distance)| (vertex, weight(distance))).collect()
+        let within = self.within(&[middle], radius).into_iter();
+        Disc { middle, members: within.map(|(vertex, distance)| (vertex, weight(distance))).collect() }
     }
 
     /// Vertices nearer than `radius` to one of `sources` along edges, the nearest first, with their distances.
@@ -105,17 +116,28 @@ impl<'a> Mapped<'a> {
         reached
     }
 
-    /// Some of a part's members, each standing for the same area.
-    pub fn places(&self, members: &[(u32, f64)], count: usize) -> Vec<Place> {
+    /// Some of a disc's members, each standing for the same area.
+    pub fn picked(&self, members: &[(u32, f64)], count: usize) -> Vec<(u32, f64)> {
         let areas: Vec<f64> = members.iter().map(|&(vertex, _)| self.areas[vertex as usize]).collect();
         let picked = area_weighted_vertices(&areas, count).into_iter().map(|index| members[index]);
-        let place = |(vertex, weight): (u32, f64)| Place {
+        picked.filter(|(_, weight)| *weight > 0.0).collect()
+    }
+
+    /// Where members are and where the map puts them.
+    pub fn places(&self, members: &[(u32, f64)]) -> Vec<Place> {
+        let place = |&(vertex, weight): &(u32, f64)| Place {
             own: self.oriented(vertex),
             image: self.images[vertex as usize],
             partner: self.found.partners[vertex as usize],
             weight,
         };
-        picked.map(place).filter(|place| place.weight > 0.0).collect()
+        members.iter().map(place).collect()
+    }
+
+    /// The places' images.
+    pub fn sought(&self, places: &[Place]) -> Sought {
+        let vertices: Vec<u32> = places.iter().map(|place| place.partner).collect();
+        Sought { points: vertices.iter().map(|&vertex| self.oriented(vertex)).collect(), vertices }
     }
 
     /// A vertex's position and normal.
@@ -141,15 +163,9 @@ impl<'a> Mapped<'a> {
         }
     }
 
-    /// The one of `vertices` most like `goal`.
-    pub fn most_alike(&self, goal: Oriented, vertices: &[u32]) -> u32 {
-        let unlike = |vertex: u32| unlike(goal, self.oriented(vertex));
-        let first = (vertices[0], unlike(vertices[0]));
-        let best = vertices[1..].iter().fold(first, |best, &vertex| {
-            let there = unlike(vertex);
-            if there < best.1 { (vertex, there) } else { best }
-        });
-        best.0
+    /// Squared: how unlike `goal` a vertex is.
+    pub fn unlike_vertex(&self, goal: Oriented, vertex: u32) -> f64 {
+        unlike(goal, self.oriented(vertex))
     }
 
     /// Squared: how unlike `goal` the surface is near a vertex, between vertices too.
@@ -173,6 +189,18 @@ impl<'a> Mapped<'a> {
         self.images[vertex] = at(self.shell, &point, &self.shell.positions);
         let VertexImages { partners, points } = &mut self.found;
         (std::mem::replace(&mut partners[vertex], partner), std::mem::replace(&mut points[vertex], point))
+    }
+}
+
+impl Sought {
+    /// The vertex most like `goal`.
+    pub fn most_alike(&self, goal: Oriented) -> u32 {
+        let (mut best, mut least) = (0, f64::INFINITY);
+        for (index, &there) in self.points.iter().enumerate() {
+            let there = unlike(goal, there);
+            (best, least) = if there < least { (index, there) } else { (best, least) };
+        }
+        self.vertices[best]
     }
 }
 

@@ -193,10 +193,7 @@ impl Motion {
             let weight = INDEPENDENT / all * place.weight * facing / (1.0 + outlier * outlier);
             normal_equations.add(offset, there.normal, gap, weight / (noise * noise));
             let strayed = subtract(goal.position, start.of(place.own.position));
-            for axis in 0..3 {
-                let along = std::array::from_fn(|k| f64::from(u8::from(k == axis)));
-                normal_equations.add(offset, along, strayed[axis], place.weight / all / (held * held));
-            }
+            normal_equations.hold(offset, strayed, place.weight / all / (held * held));
         }
         let [turn, shift] = normal_equations.solve()?;
         let [x, y, z] = turn.map(|angle| angle / lever);
@@ -238,6 +235,26 @@ impl Step {
         }
     }
 
+    /// A point at `offset` from the middle should move by `-gap`: [`Step::add`] along all three axes.
+    fn hold(&mut self, offset: Vector, gap: Vector, weight: f64) {
+        let ([x, y, z], torque) = (offset, cross(offset, gap));
+        let square = squared_norm(offset);
+        for i in 0..3 {
+            self.right[i] -= weight * torque[i];
+            self.right[3 + i] -= weight * gap[i];
+            self.matrix[i][i] += weight * square;
+            self.matrix[3 + i][3 + i] += weight;
+            (0..3).for_each(|j| self.matrix[i][j] -= weight * offset[i] * offset[j]);
+        }
+        let across = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+        for (i, row) in across.iter().enumerate() {
+            for (j, value) in row.iter().enumerate() {
+                self.matrix[i][3 + j] += weight * value;
+                self.matrix[3 + j][i] += weight * value;
+            }
+        }
+    }
+
     /// The turn and the shift.
     fn solve(&self) -> Result<[Vector; 2]> {
         let lower = gram_cholesky(Mat::from_fn(6, 6, |i, j| self.matrix[i][j]).as_ref())?;
@@ -272,6 +289,20 @@ mod tests {
     /// Mirrors in x.
     fn mirror() -> Motion {
         Motion { turn: [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], shift: [0.1, 0.0, 0.3] }
+    }
+
+    #[test]
+    fn a_point_is_held_as_along_its_three_axes() {
+        let (offset, gap) = ([0.3, -0.7, 1.1], [0.2, 0.5, -0.4]);
+        let (mut at_once, mut by_axis) = (Step::default(), Step::default());
+        at_once.hold(offset, gap, 1.7);
+        for axis in 0..3 {
+            let along = std::array::from_fn(|k| f64::from(u8::from(k == axis)));
+            by_axis.add(offset, along, gap[axis], 1.7);
+        }
+        let same = |a: &[f64; 6], b: &[f64; 6]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+        assert!(same(&at_once.right, &by_axis.right));
+        assert!(at_once.matrix.iter().zip(&by_axis.matrix).all(|(a, b)| same(a, b)));
     }
 
     #[test]

@@ -4,8 +4,8 @@
 //! rigid motion brings the head back onto the surface. From motions that are turned against it all around, as P. Besl and N. McKay
 //! start theirs ("A method for registration of 3-D shapes", 1992, section IV), one may. What it fits is then mapped by it.
 
-use super::mapped::Mapped;
-use super::motion::{Approach, Motion, Place, mean};
+use super::mapped::{Disc, Mapped, Sought};
+use super::motion::{Approach, Motion, Oriented, Place, mean};
 use super::unturned::{Surroundings, take_over};
 use crate::error::Result;
 use crate::mesh::rotation::{Matrix, principal_axes, rotation};
@@ -21,14 +21,18 @@ const RADII: [f64; 2] = [0.2, 0.15];
 /// Points of a part that a motion is fitted to, and rounds of the fit.
 const POINTS: usize = 100;
 const ROUNDS: usize = 8;
-/// Those of the first look at a turned motion.
-const FEW_POINTS: usize = 40;
-const FEW_ROUNDS: usize = 3;
-/// Turns about each axis that are tried, and how many of them are fitted with all points.
+/// A quick fit is to each so manieth of these points, in so many rounds.
+const QUICK_STEP: usize = 3;
+const QUICK_ROUNDS: usize = 3;
+/// Turns about each axis that are tried.
 const TURNS: usize = 12;
-const FITTED_TURNS: usize = 4;
-/// Turns nearer than this, in radians, count as one.
+/// Quick fits of turned motions: after so many rounds, this many of the best are left.
+const LEFT: [(usize, usize); 2] = [(2, 20), (3, 12)];
+/// The best must leave this share of what a quick fit of the map's motion does.
+const PROMISING: f64 = 0.9;
+/// Turns nearer than this, in radians, count as one, and this many are fitted with all points.
 const SAME_TURN: f64 = 0.5;
+const FITTED_TURNS: usize = 4;
 /// A part fits badly from this many times what is usual, and never below this, in sqrt(area).
 const BAD: f64 = 2.0;
 const LEAST_BAD: f64 = 0.015;
@@ -48,105 +52,141 @@ pub(super) struct Settled {
     pub unlike: f64,
 }
 
-/// What is within a radius of a vertex.
-#[derive(Clone, Copy)]
-struct Disc {
+/// A part: some of its vertices, each standing for the same area, with their weights.
+struct Part {
     middle: u32,
-    radius: f64,
+    picked: Vec<(u32, f64)>,
 }
 
 /// A part and a motion turned against the map's that fits it.
 struct Turned {
-    at: Disc,
+    part: Part,
     /// How much less the motion leaves, squared.
     gain: f64,
     found: Settled,
 }
 
-/// Maps parts by turned motions where these fit and the map's do not. `middles` are vertices spread evenly, coarsely at first.
+/// Maps parts by turned motions where these fit and the map's do not. `discs` are small parts all over the surface, the middles of the
+/// first ones spread evenly too.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
 pub(super) fn right(
     mapped: &mut Mapped,
-    middles: &[u32],
+    discs: &[Disc],
     mirrored: bool,
     threads: usize,
     token: &CancelToken,
 ) -> Result<()> {
-    let screened = |disc: Disc| {
+    let screened = |(middle, radius): (u32, f64)| {
         token.check()?;
-        Ok((disc, as_mapped(mapped, disc, mirrored)?))
+        let part = Part { middle, picked: mapped.picked(&mapped.disc(middle, radius).members, POINTS) };
+        let quick = as_mapped(mapped, &few(&part.picked), QUICK_ROUNDS, mirrored)?;
+        let own = match quick.unlike > LEAST_BAD {
+            true => as_mapped(mapped, &part.picked, ROUNDS, mirrored)?,
+            false => quick,
+        };
+        Ok((part, own))
     };
-    let large = &middles[..PARTS.min(middles.len())];
-    let discs = RADII.iter().flat_map(|&radius| large.iter().map(move |&middle| Disc { middle, radius }));
-    let own = threads::map(threads, discs.collect(), screened).into_iter().collect::<Result<Vec<_>>>()?;
+    let middles = discs[..PARTS.min(discs.len())].iter().map(|disc| disc.middle);
+    let all = RADII.iter().flat_map(|&radius| middles.clone().map(move |middle| (middle, radius))).collect();
+    let own = threads::map(threads, all, screened).into_iter().collect::<Result<Vec<_>>>()?;
     let usual = usual(&own);
     let bad = own.into_iter().filter(|(_, own)| own.unlike > (BAD * usual).max(LEAST_BAD));
-    let search = |(at, own): (Disc, Settled)| {
+    let search = |(part, own): (Part, Settled)| {
         token.check()?;
-        let found = turned(mapped, at, &own, mirrored)?;
+        let found = turned(mapped, &part, &own, mirrored)?;
         let good = found.filter(|found| found.unlike < (GOOD * usual).max(SURELY_GOOD));
-        Ok(good.map(|found| Turned { at, gain: own.unlike.powi(2) - found.unlike.powi(2), found }))
+        Ok(good.map(|found| Turned { part, gain: own.unlike.powi(2) - found.unlike.powi(2), found }))
     };
     let found = threads::map(threads, bad.collect(), search).into_iter().collect::<Result<Vec<_>>>()?;
     let mut found: Vec<Turned> = found.into_iter().flatten().collect();
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-    for Turned { at, found, .. } in found {
+    for Turned { part, found, .. } in found {
         token.check()?;
         // Another part may have brought this one along.
-        let own = as_mapped(mapped, at, mirrored)?;
+        let own = as_mapped(mapped, &part.picked, ROUNDS, mirrored)?;
         if found.unlike < BETTER * own.unlike {
-            let surroundings = Surroundings { middle: at.middle, middles, mirrored, usual, threads };
+            let surroundings = Surroundings { middle: part.middle, discs, mirrored, usual, threads };
             take_over(mapped, surroundings, &own, &found)?;
         }
     }
     Ok(())
 }
 
+/// Those that a quick fit is to.
+fn few(picked: &[(u32, f64)]) -> Vec<(u32, f64)> {
+    picked.iter().step_by(QUICK_STEP).copied().collect()
+}
+
 /// What parts that fit leave: a tenth leave less.
-fn usual(own: &[(Disc, Settled)]) -> f64 {
+fn usual(own: &[(Part, Settled)]) -> f64 {
     let mut unlike: Vec<f64> = own.iter().map(|(_, own)| own.unlike).collect();
     unlike.sort_by(f64::total_cmp);
     unlike[unlike.len() / 10]
 }
 
-/// The motion of the map itself.
-fn as_mapped(mapped: &Mapped, disc: Disc, mirrored: bool) -> Result<Settled> {
-    let places = mapped.places(&mapped.members(disc.middle, disc.radius), POINTS);
+/// The motion of the map itself, brought to the surface.
+fn as_mapped(mapped: &Mapped, picked: &[(u32, f64)], rounds: usize, mirrored: bool) -> Result<Settled> {
+    let places = mapped.places(picked);
     let near = places.iter().map(|place| place.partner).collect();
-    settle(mapped, Motion::between(&places, mirrored), &places, near, ROUNDS, COARSE)
+    settle(mapped, Motion::between(&places, mirrored), &places, near, rounds, COARSE)
 }
 
 /// The turned motion that fits best, if it fits much better than the map's.
-fn turned(mapped: &Mapped, disc: Disc, own: &Settled, mirrored: bool) -> Result<Option<Settled>> {
-    let members = mapped.members(disc.middle, disc.radius);
-    let (places, few) = (mapped.places(&members, POINTS), mapped.places(&members, FEW_POINTS));
-    let images: Vec<u32> = places.iter().map(|place| place.partner).collect();
+fn turned(mapped: &Mapped, part: &Part, own: &Settled, mirrored: bool) -> Result<Option<Settled>> {
+    let places = mapped.places(&part.picked);
+    let sought = mapped.sought(&places);
     let start = Motion::between(&places, mirrored);
-    let from = |motion: Motion, places: &[Place], rounds: usize, step: Approach| {
-        let near = seeds(mapped, &motion, places, &images);
-        settle(mapped, motion, places, near, rounds, step)
-    };
-    let looks = turns(&start, &places).into_iter().map(|motion| from(motion, &few, FEW_ROUNDS, COARSE));
-    let mut looks = looks.collect::<Result<Vec<Settled>>>()?;
-    looks.sort_by(|a, b| a.unlike.total_cmp(&b.unlike));
+    let few = mapped.places(&few(&part.picked));
     let mut apart: Vec<Motion> = Vec::new();
-    for look in looks {
-        if apart.iter().all(|other| other.angle_to(&look.motion) > SAME_TURN) {
-            apart.push(look.motion);
+    for motion in promising(mapped, &few, &sought, turns(&start, &places), &own.motion)? {
+        if apart.iter().all(|other| other.angle_to(&motion) > SAME_TURN) {
+            apart.push(motion);
         }
     }
-    let fitted = apart.into_iter().take(FITTED_TURNS).map(|motion| from(motion, &places, ROUNDS, COARSE));
+    let from = |motion: Motion, step: Approach| {
+        settle(mapped, motion, &places, seeds(&motion, &places, &sought), ROUNDS, step)
+    };
+    let fitted = apart.into_iter().take(FITTED_TURNS).map(|motion| from(motion, COARSE));
     let fitted = fitted.collect::<Result<Vec<Settled>>>()?;
     let least = fitted.iter().fold(f64::INFINITY, |least, fit| least.min(fit.unlike));
-    if least > BETTER * own.unlike {
-        return Ok(None);
-    }
     let turn = |fit: &Settled| start.angle_to(&fit.motion);
     let as_good = fitted.into_iter().filter(|fit| fit.unlike <= AS_GOOD * least);
     let best = as_good.min_by(|a, b| turn(a).total_cmp(&turn(b)));
-    best.map(|best| from(best.motion, &places, ROUNDS, FINE)).transpose()
+    best.filter(|_| least <= BETTER * own.unlike).map(|best| from(best.motion, FINE)).transpose()
+}
+
+/// Those of `motions` that quick fits bring nearest the surface, the best first; none if `own` comes nearer.
+fn promising(
+    mapped: &Mapped,
+    places: &[Place],
+    sought: &Sought,
+    motions: Vec<Motion>,
+    own: &Motion,
+) -> Result<Vec<Motion>> {
+    let unlike = |motion: &Motion, near: &[u32]| {
+        left(motion, places, near, |goal, near| mapped.unlike_vertex(goal, mapped.alike(goal, near).0))
+    };
+    let seeded = |motion: Motion| (motion, seeds(&motion, places, sought));
+    let mut motions: Vec<(Motion, Vec<u32>)> = motions.into_iter().map(seeded).collect();
+    let mut least = f64::INFINITY;
+    for (rounds, kept) in LEFT {
+        let fit = |(motion, mut near): (Motion, Vec<u32>)| -> Result<(f64, Motion, Vec<u32>)> {
+            let alike = |goal, start| mapped.alike(goal, start);
+            let motion = motion.settled(places, &mut near, rounds, COARSE, alike)?;
+            Ok((unlike(&motion, &near), motion, near))
+        };
+        let mut fitted = motions.into_iter().map(fit).collect::<Result<Vec<_>>>()?;
+        fitted.sort_by(|(a, ..), (b, ..)| a.total_cmp(b));
+        least = fitted[0].0;
+        motions = fitted.into_iter().take(kept).map(|(_, motion, near)| (motion, near)).collect();
+    }
+    let near: Vec<u32> = places.iter().map(|place| place.partner).collect();
+    Ok(match least < PROMISING * unlike(own, &near) {
+        true => motions.into_iter().map(|(motion, _)| motion).collect(),
+        false => Vec::new(),
+    })
 }
 
 /// A motion turned about where it puts the part's middle, all around each of the image's principal axes.
@@ -168,9 +208,9 @@ fn turns(start: &Motion, places: &[Place]) -> Vec<Motion> {
     rotations.map(|rotation| start.then_turned(&rotation, about)).collect()
 }
 
-/// For each place the one of `vertices` most like where the motion puts it.
-pub(super) fn seeds(mapped: &Mapped, motion: &Motion, places: &[Place], vertices: &[u32]) -> Vec<u32> {
-    places.iter().map(|place| mapped.most_alike(motion.of_oriented(place.own), vertices)).collect()
+/// For each place the one of the sought vertices most like where the motion puts it.
+pub(super) fn seeds(motion: &Motion, places: &[Place], sought: &Sought) -> Vec<u32> {
+    places.iter().map(|place| sought.most_alike(motion.of_oriented(place.own))).collect()
 }
 
 /// Brings a motion to the surface, sought from the vertices `near` the places' images.
@@ -183,11 +223,17 @@ pub(super) fn settle(
     step: Approach,
 ) -> Result<Settled> {
     let motion = start.settled(places, &mut near, rounds, step, |goal, start| mapped.alike(goal, start))?;
+    let unlike =
+        left(&motion, places, &near, |goal, near| mapped.unlike_near(goal, mapped.alike(goal, near).0));
+    Ok(Settled { motion, unlike })
+}
+
+/// Root mean square over the places of how unlike the surface is where the motion puts them; `unlike` gives it squared.
+fn left(motion: &Motion, places: &[Place], near: &[u32], unlike: impl Fn(Oriented, u32) -> f64) -> f64 {
     let (mut squares, mut weights) = (0.0, 0.0);
-    for (place, near) in places.iter().zip(near) {
-        let goal = motion.of_oriented(place.own);
-        squares += place.weight * mapped.unlike_near(goal, mapped.alike(goal, near).0);
+    for (place, &near) in places.iter().zip(near) {
+        squares += place.weight * unlike(motion.of_oriented(place.own), near);
         weights += place.weight;
     }
-    Ok(Settled { motion, unlike: (squares / weights).sqrt() })
+    (squares / weights).sqrt()
 }

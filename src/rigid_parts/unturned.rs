@@ -4,7 +4,8 @@
 //! keep it, and between them, as along a round neck, where both fit, the motions pass into each other by a turn that grows with the way. That must leave the
 //! rest of the surface in one piece, since what is turned is the end of a limb, and must not tear the map.
 
-use super::mapped::Mapped;
+use super::RADIUS;
+use super::mapped::{Disc, Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, mean};
 use super::turned_parts::{Settled, seeds, settle};
 use crate::embedded_triangles::TrianglePoint;
@@ -14,8 +15,7 @@ use crate::threads;
 
 /// How far the surroundings reach along edges, in sqrt(area).
 const REACH: f64 = 0.4;
-/// Radius of a small part, in sqrt(area), points that its motion is fitted to, and points around all in which images are sought.
-const RADIUS: f64 = 0.1;
+/// Points that a small part's motion is fitted to, and points around all in which images are sought.
 const POINTS: usize = 60;
 const SOUGHT_POINTS: usize = 300;
 const OWN_ROUNDS: usize = 4;
@@ -46,8 +46,8 @@ const FAR_BETTER: f64 = 0.29;
 pub(super) struct Surroundings<'a> {
     /// The part's middle.
     pub middle: u32,
-    /// Those of small parts.
-    pub middles: &'a [u32],
+    /// Small parts all over the surface.
+    pub discs: &'a [Disc],
     pub mirrored: bool,
     /// What parts that fit leave, in sqrt(area).
     pub usual: f64,
@@ -63,12 +63,10 @@ enum Verdict {
 }
 
 /// A small part and its two motions.
-struct Part {
-    middle: u32,
+struct Part<'a> {
+    disc: &'a Disc,
     /// Mean position.
     centre: Vector,
-    /// Vertices and their weights.
-    members: Vec<(u32, f64)>,
     own: Motion,
     new: Motion,
     /// What the new motion leaves as a share of what the own one does.
@@ -98,8 +96,8 @@ pub(super) fn take_over(
     found: &Settled,
 ) -> Result<()> {
     let around = mapped.within(&[surroundings.middle], REACH);
-    let sought: Vec<(u32, f64)> = around.iter().map(|&(vertex, _)| (vertex, 1.0)).collect();
-    let sought: Vec<u32> = mapped.places(&sought, SOUGHT_POINTS).iter().map(|place| place.partner).collect();
+    let evenly: Vec<(u32, f64)> = around.iter().map(|&(vertex, _)| (vertex, 1.0)).collect();
+    let sought = mapped.sought(&mapped.places(&mapped.picked(&evenly, SOUGHT_POINTS)));
     let parts = parts(mapped, surroundings, &around, &sought, &found.motion)?;
     let goals = goals(mapped, &parts, &around);
     let region = grown(mapped, surroundings.middle, &goals);
@@ -108,7 +106,7 @@ pub(super) fn take_over(
     }
     let image = |&(vertex, _): &(u32, f64)| {
         let goal = goals[vertex as usize].at(mapped.oriented(vertex));
-        let start = mapped.alike(goal, mapped.most_alike(goal, &sought)).0;
+        let start = mapped.alike(goal, sought.most_alike(goal)).0;
         (vertex as usize, mapped.walk.nearest(goal.position, start))
     };
     let changed = mapped.within(&region, RADIUS);
@@ -133,22 +131,21 @@ pub(super) fn take_over(
 }
 
 /// The small parts around, with what both motions make of them.
-fn parts(
+fn parts<'a>(
     mapped: &Mapped,
-    Surroundings { middles, mirrored, usual, threads, .. }: Surroundings,
+    Surroundings { discs, mirrored, usual, threads, .. }: Surroundings<'a>,
     around: &[(u32, f64)],
-    sought: &[u32],
+    sought: &Sought,
     found: &Motion,
-) -> Result<Vec<Part>> {
+) -> Result<Vec<Part<'a>>> {
     let mut near = vec![false; mapped.areas.len()];
     around.iter().for_each(|&(vertex, _)| near[vertex as usize] = true);
-    let judged = |middle: u32| {
-        let members = mapped.members(middle, RADIUS);
-        let places = mapped.places(&members, POINTS);
+    let judged = |disc: &'a Disc| {
+        let places = mapped.places(&mapped.picked(&disc.members, POINTS));
         let start = Motion::between(&places, mirrored);
         let partners = places.iter().map(|place| place.partner).collect();
         let own = settle(mapped, start, &places, partners, OWN_ROUNDS, OWN)?;
-        let new = settle(mapped, *found, &places, seeds(mapped, found, &places, sought), NEW_ROUNDS, NEW)?;
+        let new = settle(mapped, *found, &places, seeds(found, &places, sought), NEW_ROUNDS, NEW)?;
         let fits = (FITS * usual).max(SURELY_FITS);
         let verdict = if new.unlike < FOLLOWS * own.unlike && new.unlike < fits {
             Verdict::Follows
@@ -160,10 +157,10 @@ fn parts(
         let weights: Vec<f64> = places.iter().map(|place| place.weight).collect();
         let centre = mean(places.iter().map(|place| place.own.position), &weights);
         let left = new.unlike / own.unlike;
-        Ok(Part { middle, centre, members, own: start, new: new.motion, left, verdict })
+        Ok(Part { disc, centre, own: start, new: new.motion, left, verdict })
     };
-    let middles = middles.iter().copied().filter(|&middle| near[middle as usize]).collect();
-    threads::map(threads, middles, judged).into_iter().collect()
+    let discs = discs.iter().filter(|disc| near[disc.middle as usize]).collect();
+    threads::map(threads, discs, judged).into_iter().collect()
 }
 
 /// Where the parts' motions, each as far as it takes over, put each vertex.
@@ -173,20 +170,20 @@ fn goals(mapped: &Mapped, parts: &[Part], around: &[(u32, f64)]) -> Vec<Goal> {
     // All turn the same way around.
     let Some(surest) = following.clone().min_by(|a, b| a.left.total_cmp(&b.left)) else { return goals };
     let axis = surest.own.axis_to(&surest.new);
-    let to_new = distances(mapped, following.map(|part| part.middle));
-    let keeping = parts.iter().filter(|part| part.verdict == Verdict::Keeps).map(|part| part.middle);
+    let to_new = distances(mapped, following.map(|part| part.disc.middle));
+    let keeping = parts.iter().filter(|part| part.verdict == Verdict::Keeps).map(|part| part.disc.middle);
     let rim =
         around.iter().filter(|(_, distance)| *distance > REACH - RADIUS / 4.0).map(|&(vertex, _)| vertex);
     let to_old = distances(mapped, keeping.chain(rim));
     for part in parts {
-        let [from_old, from_new] = [&to_old, &to_new].map(|way| way[part.middle as usize]);
+        let [from_old, from_new] = [&to_old, &to_new].map(|way| way[part.disc.middle as usize]);
         let share = match part.verdict {
             Verdict::Follows => 1.0,
             Verdict::Keeps => 0.0,
             Verdict::Either => from_old / (from_old + from_new),
         };
         let motion = part.own.part_way(&part.new, share, part.centre, axis);
-        for &(vertex, weight) in &part.members {
+        for &(vertex, weight) in &part.disc.members {
             goals[vertex as usize].add(
                 motion,
                 motion.of(mapped.shell.positions[vertex as usize]),
