@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example evidence FOLDER MESH...` writes FOLDER/NAME.evidence for each mesh: for every
 //! vertex of the largest shell `vertex partner` and the columns of `Evidence::features`. The best map of the spectral
-//! search is used, accepted or not, and whatever the connectivity says.
+//! search is used, fitted to the rigid parts, accepted or not, and whatever the connectivity says.
 
 use intrinsym::confidence::Evidence;
 use intrinsym::full_refinement::MatchTarget;
@@ -11,7 +11,9 @@ use intrinsym::limits::Limits;
 use intrinsym::mesh::{Mesh, io};
 use intrinsym::options::Options;
 use intrinsym::progress::Progress;
-use intrinsym::shell_symmetry::{PreparedShell, candidates, finish, signs};
+use intrinsym::rigid_parts;
+use intrinsym::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, signs};
+use intrinsym::symmetry_kind::SymmetryKind;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -32,15 +34,16 @@ fn main() -> intrinsym::Result<()> {
 fn evidence(path: &Path) -> intrinsym::Result<String> {
     let (limits, options, progress) = (Limits::default(), Options::default(), Progress::default());
     let mesh = Mesh::new(&io::read(path, &limits)?.polygons, &limits)?;
-    let points = mesh.shells()[0].points.clone();
-    let shell =
-        PreparedShell::new(IntrinsicSurface::with_mean_curvature(&mesh.shells()[0]), &options, &progress)?;
+    let solved = &mesh.shells()[0];
+    let shell = PreparedShell::new(IntrinsicSurface::with_mean_curvature(solved), &options, &progress)?;
     let found = candidates(&shell, &signs(&shell.surface, &shell.basis, &options)?, 1, &options, &progress)?;
     let Some(candidate) = found.first() else { return Ok(String::new()) };
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
     let map = finish(&shell, &target, candidate, &progress)?;
+    let images = rigid_parts::fit(solved, &map.images, SymmetryKind::Reflection, 1, progress.token())?;
+    let map = ShellSymmetry { images, ..map };
     let evidence = Evidence::new(&target, &map, 2);
-    let vertex = |local: u32| mesh.vertex_of_point[points[local as usize] as usize];
+    let vertex = |local: u32| mesh.vertex_of_point[solved.points[local as usize] as usize];
     let mut text = String::new();
     for (local, partner) in map.images.partners.iter().enumerate() {
         write!(text, "{} {}", vertex(local as u32), vertex(*partner)).expect("memory");

@@ -13,7 +13,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 /// Weights of the logistic model: constant, then those of [`Evidence::features`].
-const WEIGHTS: [f64; 5] = [-1.9311, -1.3350, 1.2043, -0.3612, -4.1451];
+const WEIGHTS: [f64; 5] = [-2.1236, -1.5178, 1.3160, -0.3460, -3.9250];
 /// Rounds of averaging over neighbours: a vertex is judged by its surroundings.
 const SMOOTHING_ROUNDS: usize = 3;
 

@@ -376,10 +376,10 @@ impl<'a> Assembler<'a> {
         progress: &Progress,
     ) -> Result<Symmetry> {
         let mut map = PointMap::empty(self.mesh);
+        let found = &ShellSymmetry { images: self.fitted(&found.images, kind, progress)?, ..found.clone() };
         let trust = Evidence::new(&self.target, found, kind.order()).confidence();
-        let images = self.fitted(&found.images, kind, progress)?;
-        let odd = odd_function(&self.shell.surface, &self.shell.basis, &images);
-        self.insert_largest(&mut map, &images, &trust, &odd);
+        let odd = odd_function(&self.shell.surface, &self.shell.basis, &found.images);
+        self.insert_largest(&mut map, &found.images, &trust, &odd);
         // Other shells are paired, and under a rotation they come in threes or more.
         if self.shells.len() > 1 && !kind.is_rotation() {
             self.add_companions(&mut map, found, &trust, &odd, progress)?;
