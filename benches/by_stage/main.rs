@@ -27,10 +27,12 @@ use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::limits::Limits;
 use intrinsym::mesh::half_edges::HalfEdges;
 use intrinsym::mesh::{Mesh, Shell};
+use intrinsym::mirrored_vertices;
 use intrinsym::options::Options;
 use intrinsym::pipeline::detect;
 use intrinsym::progress::Progress;
 use intrinsym::proxy::Proxy;
+use intrinsym::rigid_parts;
 use intrinsym::sampling::Samples;
 use intrinsym::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, signs};
 use intrinsym::signature;
@@ -97,6 +99,10 @@ fn measure(criterion: &mut Criterion, frequency: u32) {
     timer.time("match target", || MatchTarget::new(&shell.surface, &shell.basis, options.threads));
     let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
     let found = time_search(&mut timer, &shell, &target, &options);
+    let fit =
+        || rigid_parts::fit(solved, &found.images, SymmetryKind::Reflection, options.threads, quiet.token());
+    timer.time("rigid parts", fit);
+    let found = ShellSymmetry { images: fit().expect("images"), ..found.clone() };
     timer.time("confidence", || Evidence::new(&target, &found, 2).confidence());
     let confidence = Evidence::new(&target, &found, 2).confidence();
     timer.time("sides", || odd_function(&shell.surface, &shell.basis, &found.images));
@@ -110,6 +116,12 @@ fn measure(criterion: &mut Criterion, frequency: u32) {
     timer.time("mirrored connectivity", || {
         connectivity.find(&map.partner, &map.confidence, SymmetryKind::Reflection, &quiet)
     });
+    let estimate = || mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
+    let find = || {
+        let kind = SymmetryKind::Reflection;
+        mirrored_vertices::find(&mesh, estimate(), None, kind, options.threads, &quiet)
+    };
+    timer.time("mirrored vertices", find);
     timer.time("fixed curve", || zero_set(&mesh.triangles, &map.odd));
     let curve = zero_set(&mesh.triangles, &map.odd);
     let summary = || Summary { kind: SymmetryKind::Reflection, score: found.score.total() };
