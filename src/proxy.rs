@@ -160,12 +160,13 @@ fn simplified(fine: &Shell, wanted: usize) -> Option<Vec<[u32; 3]>> {
     let coordinates = fine.positions.iter().flatten();
     let bytes: Vec<u8> = coordinates.flat_map(|&value| (value as f32).to_ne_bytes()).collect();
     let vertices = VertexDataAdapter::new(&bytes, 3 * size_of::<f32>(), 0).ok()?;
-    // A closed surface has about twice as many triangles as vertices.
-    let corners = 3 * 2 * wanted;
+    // A closed surface has about twice as many triangles as vertices, one with long boundaries fewer.
+    let (closed, all) = (3 * 2 * wanted, 3 * fine.triangles.len());
+    let share = |corners: usize| 3 * (corners / 3 * wanted / fine.positions.len());
     let left = simplify(
         fine.triangles.as_flattened(),
         &vertices,
-        corners,
+        if closed < all { closed } else { share(all) },
         f32::MAX,
         SimplifyOptions::Regularize,
         None,

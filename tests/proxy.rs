@@ -93,6 +93,34 @@ fn no_proxy_where_the_shell_is_coarse_enough() {
     assert_eq!(found.report.solved_vertices, found.report.vertices);
 }
 
+/// A shell with a long boundary has fewer triangles than a closed one of as many vertices as its proxy.
+#[test]
+fn a_long_boundary_is_simplified_as_far_as_a_closed_surface() {
+    for [columns, rows] in [[1000, 3], [60, 50]] {
+        let polygons = rectangle(columns, rows, [4.0, 1.0]);
+        let fine = validated(&polygons).shells().swap_remove(0);
+        for wanted in [fine.points.len() - 1, fine.points.len() * 9 / 10, fine.points.len() / 2] {
+            let Some(proxy) = Proxy::new(&fine, wanted, 1) else { continue };
+            let count = proxy.shell.positions.len();
+            assert!(count < wanted * 3 / 2, "{count} of {wanted} wanted");
+            assert!(2 * count > wanted, "{count} of {wanted} wanted");
+        }
+        assert!(Proxy::new(&fine, fine.points.len() * 9 / 10, 1).is_some());
+    }
+}
+
+/// The mesh on which a map that was found will be judged again is a proxy too, of 3,000 vertices.
+#[test]
+fn a_sheet_hardly_finer_than_the_judging_mesh_is_answered() {
+    let mut sheet = rectangle(240, 12, [4.0, 1.0]);
+    sheet.positions.iter_mut().for_each(|[x, y, z]| *z = 0.1 * (*x - 1.5) * (*x - 1.5) - 0.2 * *y * *x);
+    assert!(sheet.positions.len() > 3000 && sheet.face_offsets.len() < 2 * 3000);
+    let options = Options { plausibility: 0, ..Options::default() };
+    let found = detect(&validated(&sheet), &options, &Progress::default()).unwrap();
+    assert_eq!(found.outcome, Outcome::Found);
+    assert!(found.judging.is_some());
+}
+
 #[test]
 fn the_map_is_nearly_as_good_as_without_a_proxy() {
     let mesh = with_random_diagonals(&example("human"));
