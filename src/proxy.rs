@@ -160,13 +160,13 @@ fn simplified(fine: &Shell, wanted: usize) -> Option<Vec<[u32; 3]>> {
     let coordinates = fine.positions.iter().flatten();
     let bytes: Vec<u8> = coordinates.flat_map(|&value| (value as f32).to_ne_bytes()).collect();
     let vertices = VertexDataAdapter::new(&bytes, 3 * size_of::<f32>(), 0).ok()?;
-    // A closed surface has about twice as many triangles as vertices, one with long boundaries fewer.
-    let (closed, all) = (3 * 2 * wanted, 3 * fine.triangles.len());
-    let share = |corners: usize| 3 * (corners / 3 * wanted / fine.positions.len());
+    // A closed surface has about twice as many triangles as vertices; one with long boundaries has fewer, and keeps its share.
+    let (closed, here) = (2 * wanted, fine.triangles.len());
+    let triangles = if closed < here { closed } else { here * wanted / fine.positions.len() };
     let left = simplify(
         fine.triangles.as_flattened(),
         &vertices,
-        if closed < all { closed } else { share(all) },
+        3 * triangles,
         f32::MAX,
         SimplifyOptions::Regularize,
         None,
