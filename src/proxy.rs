@@ -162,11 +162,11 @@ fn simplified(fine: &Shell, wanted: usize) -> Option<Vec<[u32; 3]>> {
     let vertices = VertexDataAdapter::new(&bytes, 3 * size_of::<f32>(), 0).ok()?;
     // A closed surface has about twice as many triangles as vertices; one with long boundaries has fewer, and keeps its share.
     let (closed, here) = (2 * wanted, fine.triangles.len());
-    let triangles = if closed < here { closed } else { here * wanted / fine.positions.len() };
+    let kept = if closed < here { closed } else { here * wanted / fine.positions.len() };
     let left = simplify(
         fine.triangles.as_flattened(),
         &vertices,
-        3 * triangles,
+        3 * kept,
         f32::MAX,
         SimplifyOptions::Regularize,
         None,
