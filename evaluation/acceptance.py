@@ -1,4 +1,4 @@
-"""Fits `src/acceptance.rs`: the plausibility that a finished map is a symmetry.
+"""Fits `src/acceptance.rs`: the plausibility that a finished map is a symmetry, without and with its rigid parts.
 
     python -m evaluation.acceptance SYMMETRIC ASYMMETRIC [--program target/release/intrinsym] [--keep FOLDER]
 
@@ -21,19 +21,22 @@ from .generated import WRONG, Shape, read_shapes
 from .program import detect, read_answer
 
 SOURCE = Path(__file__).parent.parent / "src" / "acceptance.rs"
-# Measures of `report.judged`, in the order of WEIGHTS in the source, and what the model takes of each.
+# Measures of `report.judged`, in the order of the weights in the source, and what the models take of each.
 FEATURES = {
     "isometry_score": lambda judged: judged["isometry_score"],
     "ln(signature_mismatch + 0.002)": lambda judged: np.log(judged["signature_mismatch"] + 0.002),
     "ln(displacement + 0.05)": lambda judged: np.log(judged["displacement"] + 0.05),
+    "ln(disagreement + 0.0005)": lambda judged: np.log(judged["disagreement"] + 0.0005),
 }
+# The models by their names in the source, and how many of the measures each takes.
+MODELS = {"WEIGHTS": 3, "WEIGHTS_WITH_PARTS": 4}
 # Share of the shapes that have a symmetry, where a plausibility is a probability.
 SYMMETRIC_SHARE = 0.4
 LEVELS = (0.33, 0.5, 0.67)
 
 
 def read_table(program: str, shapes: list[Shape], folder: Path):
-    """For each shape that has a map: its features, what the program thinks of it, and whether the map is right."""
+    """For each shape that has a map and rigid parts: its features, what the program thinks of it, and whether the map is right."""
     missing = [shape.path for shape in shapes if not (folder / f"{shape.name}.json").exists()]
     if missing:
         folder.mkdir(parents=True, exist_ok=True)
@@ -42,7 +45,7 @@ def read_table(program: str, shapes: list[Shape], folder: Path):
     for shape in shapes:
         answer = read_answer(folder, shape.name)
         judged = answer.report["report"]["judged"]
-        if judged and answer.found:
+        if judged and answer.found and judged["disagreement"] is not None:
             features.append([measure(judged) for measure in FEATURES.values()])
             plausibility.append(judged["plausibility"])
             right.append(shape.symmetric and float(shape.errors(answer.partners).mean()) <= WRONG)
@@ -82,14 +85,16 @@ def main() -> None:
     print(f"{len(symmetric)} symmetric shapes: {right.sum()} right maps, {(~right).sum()} wrong, {len(symmetric) - len(right)} without a map")
     print(f"{len(asymmetric)} asymmetric shapes: {len(others)} with a map\n")
     counts = len(symmetric), len(asymmetric)
-    rows, label = np.r_[features[right], others], np.r_[np.ones(right.sum(), bool), np.zeros(len(others), bool)]
-    weights = logistic.fit(rows, label, balanced(label))
-    print(logistic.weights_table(list(FEATURES), weights, logistic.rust_weights(SOURCE)))
+    label = np.r_[np.ones(right.sum(), bool), np.zeros(len(others), bool)]
     print("\nas the program judges now:\n" + report(now[right], others_now, counts))
-    stated = logistic.probability(weights, rows)
-    print("\nfitted now:\n" + report(stated[label], stated[~label], counts))
-    stated = logistic.cross_validated(rows, label, np.arange(len(label)), balanced)
-    print("\nfour-fold cross-validation:\n" + report(stated[label], stated[~label], counts))
+    for model, columns in MODELS.items():
+        rows, names = np.r_[features[right], others][:, :columns], list(FEATURES)[:columns]
+        weights = logistic.fit(rows, label, balanced(label))
+        print(f"\n{model}\n" + logistic.weights_table(names, weights, logistic.rust_weights(SOURCE, model)))
+        stated = logistic.probability(weights, rows)
+        print("\nfitted now:\n" + report(stated[label], stated[~label], counts))
+        stated = logistic.cross_validated(rows, label, np.arange(len(label)), balanced)
+        print("\nfour-fold cross-validation:\n" + report(stated[label], stated[~label], counts))
 
 
 if __name__ == "__main__":

@@ -77,9 +77,9 @@ def calibration_error(stated: np.ndarray, right: np.ndarray) -> float:
     )
 
 
-def rust_weights(source: Path) -> np.ndarray:
-    """The numbers of `const WEIGHTS` in a Rust source file."""
-    found = re.search(r"const WEIGHTS: \[f64; \d+\] = \[([^\]]*)\]", source.read_text())
+def rust_weights(source: Path, name: str = "WEIGHTS") -> np.ndarray:
+    """The numbers of a constant array in a Rust source file."""
+    found = re.search(rf"const {name}: \[f64; \d+\] = \[([^\]]*)\]", source.read_text())
     return np.array([float(word) for word in found[1].split(",") if word.strip()])
 
 

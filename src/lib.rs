@@ -30,6 +30,7 @@
 
 pub mod acceptance;
 pub mod adjacency;
+pub mod assembler;
 pub mod assembly;
 pub mod atomic_file;
 pub mod automorphism;

@@ -1,28 +1,22 @@
 //! `detect`: the only caller of all stages.
 
 use crate::acceptance::Judgement;
-use crate::assembly::{PointMap, Summary, symmetry};
+use crate::assembler::Assembler;
 use crate::automorphism::{Automorphism, Connectivity};
 use crate::candidates::{DISTINCT, GAP};
-use crate::companions::{self, Companion, Primary};
-use crate::confidence::Evidence;
 use crate::continuous_family::{Orbits, orbits};
 use crate::correspondence::Symmetry;
 use crate::displacement::mean_displacement;
 use crate::eigenbasis::{Accuracy, Eigenbasis};
 use crate::error::Result;
-use crate::fixed_curve::{odd_function, zero_set};
-use crate::full_refinement::{MatchTarget, VertexImages};
 use crate::judging_mesh::JudgingMesh;
 use crate::laplacian::IntrinsicSurface;
 use crate::limits::{check_memory, estimated_memory};
 use crate::mesh::half_edges::HalfEdges;
-use crate::mesh::{Attachment, Mesh, NONE, RepairReport, Shell, attach};
-use crate::mirrored_vertices;
+use crate::mesh::{Mesh, NONE, RepairReport};
 use crate::options::Options;
 use crate::progress::{CancelToken, Progress};
 use crate::proxy::Proxy;
-use crate::rigid_parts;
 use crate::rotations;
 use crate::sampling::Samples;
 use crate::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, of_images, signs};
@@ -170,8 +164,11 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let any_will_do = options.symmetries == 1 && options.known_signs.iter().all(|&sign| sign == 0);
     let certain = mirrored.as_ref().filter(|map| any_will_do && map.judged.accepted(CERTAIN));
     let mut maps = match certain {
-        Some(map) => vec![(map.clone(), SymmetryKind::Reflection)],
-        None => search(&shell, &assembler.target, &signs, options, progress, &mut clock)?,
+        Some(map) => vec![(
+            assembler.with_parts(map.clone(), SymmetryKind::Reflection, progress)?,
+            SymmetryKind::Reflection,
+        )],
+        None => search(&assembler, &signs, options, progress, &mut clock)?,
     };
     let (judged, mut evidence) = verdict(maps.first().map(|(map, _)| map), options.plausibility);
     let best = maps.first().cloned();
@@ -180,7 +177,10 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         evidence += "; its connectivity admits one reflection";
         if maps.is_empty() {
             evidence += ", and that is the answer";
-            maps.push((map, SymmetryKind::Reflection));
+            maps.push((
+                assembler.with_parts(map, SymmetryKind::Reflection, progress)?,
+                SymmetryKind::Reflection,
+            ));
         }
     }
     // One that is refused, but not by far.
@@ -202,7 +202,9 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     if options.rotations > 0 {
         let listed = maps.len();
         if !orbits.continuous {
-            maps.extend(rotations::find(&shell, &assembler.target, &maps, options, progress)?);
+            for (map, kind) in rotations::find(&shell, &assembler.target, &maps, options, progress)? {
+                maps.push((assembler.with_parts(map, kind, progress)?, kind));
+            }
             clock.lap("rotations");
         }
         evidence += &about_rotations(maps.len() - listed, orbits.continuous);
@@ -239,14 +241,13 @@ fn connectivity(mesh: &Mesh, token: CancelToken) -> Result<(Connectivity, Option
 
 /// The best maps of the spectral search, finished: reflections, then half turns.
 fn search(
-    shell: &PreparedShell,
-    target: &MatchTarget,
+    assembler: &Assembler,
     signs: &[SignPrediction],
     options: &Options,
     progress: &Progress,
     clock: &mut Clock,
 ) -> Result<Vec<(ShellSymmetry, SymmetryKind)>> {
-    let found = candidates(shell, signs, options.symmetries, options, progress)?;
+    let found = candidates(assembler.shell, signs, options.symmetries, options, progress)?;
     clock.lap("candidates");
     let mut maps = Vec::new();
     let (mut accepted, mut best) = (0, f64::INFINITY);
@@ -255,11 +256,12 @@ fn search(
             continue;
         }
         let kind = candidate.score.kind().unwrap_or(SymmetryKind::Reflection);
-        let map = finish(shell, target, candidate, progress)?;
-        let met = |other: &ShellSymmetry| is_same(shell, &map, other);
+        let map = finish(assembler.shell, &assembler.target, candidate, progress)?;
+        let met = |other: &ShellSymmetry| is_same(assembler.shell, &map, other);
         if maps.iter().any(|(other, of_kind)| *of_kind == kind && met(other)) {
             continue;
         }
+        let map = assembler.with_parts(map, kind, progress)?;
         if map.judged.accepted(options.plausibility) {
             (accepted, best) = (accepted + 1, best.min(map.judged.isometry_score));
         }
@@ -306,10 +308,14 @@ fn about_rotations(listed: usize, continuous: bool) -> String {
 }
 
 fn sentence(map: &ShellSymmetry, least: usize) -> String {
+    let parts = match map.judged.disagreement {
+        Some(apart) => format!(", rigid parts of it put a point {apart:.4} sqrt(area) apart"),
+        None => String::new(),
+    };
     format!(
         "the best map is a symmetry with a plausibility of {:.0} % (accepted from {least} %): heat kernel \
          signatures of partners differ by {:.3}, score {:.2}, orientation correlation {:+.2} (-1 for a \
-         reflection), {:.0} % of the samples hardly move",
+         reflection), {:.0} % of the samples hardly move{parts}",
         100.0 * map.judged.plausibility,
         map.judged.signature_mismatch,
         map.score.total(),
@@ -336,160 +342,6 @@ impl Clock {
     }
 }
 
-/// What turning a shell's map into the caller's symmetry needs, prepared once.
-struct Assembler<'a> {
-    mesh: &'a Mesh,
-    shells: &'a [Shell],
-    /// The largest shell or its proxy.
-    shell: &'a PreparedShell,
-    proxy: Option<&'a Proxy<'a>>,
-    target: MatchTarget<'a>,
-    /// Anchors are vertices of `shell`.
-    attachments: Vec<Attachment>,
-    connectivity: Connectivity,
-}
-
-impl<'a> Assembler<'a> {
-    fn new(
-        mesh: &'a Mesh,
-        shells: &'a [Shell],
-        shell: &'a PreparedShell,
-        proxy: Option<&'a Proxy<'a>>,
-        connectivity: Connectivity,
-        options: &Options,
-    ) -> Self {
-        let mut attachments = if shells.len() > 1 { attach(mesh, shells, 0) } else { Vec::new() };
-        if let Some(proxy) = proxy {
-            for anchor in attachments.iter_mut().flat_map(|attachment| &mut attachment.anchors) {
-                *anchor = proxy.nearest_vertex(*anchor);
-            }
-        }
-        let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
-        Assembler { mesh, shells, shell, proxy, target, attachments, connectivity }
-    }
-
-    fn assemble(
-        &self,
-        found: &ShellSymmetry,
-        kind: SymmetryKind,
-        threads: usize,
-        progress: &Progress,
-    ) -> Result<Symmetry> {
-        let mut map = PointMap::empty(self.mesh);
-        let found = &ShellSymmetry { images: self.fitted(&found.images, kind, progress)?, ..found.clone() };
-        let trust = Evidence::new(&self.target, found, kind.order()).confidence();
-        let odd = odd_function(&self.shell.surface, &self.shell.basis, &found.images);
-        self.insert_largest(&mut map, &found.images, &trust, &odd);
-        // Other shells are paired, and under a rotation they come in threes or more.
-        if self.shells.len() > 1 && !kind.is_rotation() {
-            self.add_companions(&mut map, found, &trust, &odd, progress)?;
-        }
-        progress.report("connectivity", 0.97)?;
-        let exact = self.connectivity.find(&map.partner, &map.confidence, kind, progress)?;
-        let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
-        let mirrored = match kind.is_rotation() {
-            true => None,
-            false => mirrored_vertices::find(self.mesh, estimate, exact.as_ref(), kind, threads, progress)?,
-        };
-        if let Some(found) = exact {
-            map.replace_by_connectivity(self.mesh, &found);
-        }
-        if let Some(found) = mirrored {
-            map.replace_by_vertices(self.mesh, &found);
-        }
-        let curve = match kind {
-            SymmetryKind::Reflection => zero_set(&self.mesh.triangles, &map.odd),
-            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => Vec::new(),
-        };
-        Ok(symmetry(self.mesh, &map, curve, Summary { kind, score: found.score.total() }))
-    }
-
-    /// Whether vertices of the largest shell are mirrored, though edges need not be, near a map.
-    fn mirrors_vertices(
-        &self,
-        found: &ShellSymmetry,
-        kind: SymmetryKind,
-        threads: usize,
-        progress: &Progress,
-    ) -> Result<bool> {
-        let mut map = PointMap::empty(self.mesh);
-        let images = self.fitted(&found.images, kind, progress)?;
-        let count = images.partners.len();
-        self.insert_largest(&mut map, &images, &vec![0.0; count], &vec![0.0; count]);
-        let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
-        Ok(mirrored_vertices::find(self.mesh, estimate, None, kind, threads, progress)?.is_some())
-    }
-
-    /// Images that follow the rigid parts of the largest shell.
-    fn fitted(&self, images: &VertexImages, kind: SymmetryKind, progress: &Progress) -> Result<VertexImages> {
-        let shell = self.proxy.map_or(&self.shells[0], |proxy| &proxy.shell);
-        rigid_parts::fit(shell, images, kind, self.target.threads(), progress.token())
-    }
-
-    /// Enters the largest shell's images, confidence and odd function, carried back from the proxy if there is one.
-    fn insert_largest(&self, map: &mut PointMap, images: &VertexImages, trust: &[f32], odd: &[f64]) {
-        let shell = &self.shells[0];
-        match self.proxy {
-            Some(proxy) => {
-                let images = proxy.carry_images(images);
-                let carried = proxy.carry_values(trust);
-                let trust: Vec<f32> = carried.into_iter().map(|value| value as f32).collect();
-                map.insert(shell, shell, &images, &trust);
-                map.insert_odd(shell, &proxy.carry_odd(odd));
-            }
-            None => {
-                map.insert(shell, shell, images, trust);
-                map.insert_odd(shell, odd);
-            }
-        }
-    }
-
-    /// Images under the only bijection of the largest shell that the connectivity admits, if it is of all its points.
-    fn images_of_all(&self, found: &Automorphism) -> Option<VertexImages> {
-        let shell = &self.shells[0];
-        if !shell.points.iter().all(|&point| found.unrivalled[point as usize]) {
-            return None;
-        }
-        let mut local = vec![NONE; self.mesh.positions.len()];
-        for (index, &point) in shell.points.iter().enumerate() {
-            local[point as usize] = index as u32;
-        }
-        let partner = |&point: &u32| local[found.partner[point as usize] as usize];
-        let partners: Vec<u32> = shell.points.iter().map(partner).collect();
-        Some(match self.proxy {
-            Some(proxy) => proxy.restrict(&partners),
-            None => VertexImages::at_vertices(&shell.triangles, partners),
-        })
-    }
-
-    fn add_companions(
-        &self,
-        map: &mut PointMap,
-        found: &ShellSymmetry,
-        trust: &[f32],
-        odd: &[f64],
-        progress: &Progress,
-    ) -> Result<()> {
-        let primary = Primary { index: 0, basis: &self.shell.basis, partners: &found.images.partners };
-        let companions = companions::find(self.shells, &self.attachments, &primary, progress)?;
-        for (own, companion) in companions.iter().enumerate() {
-            let Some(companion) = companion else { continue };
-            let anchors = &self.attachments[own].anchors;
-            let share = companion_share(companion);
-            let trust: Vec<f32> = anchors.iter().map(|&anchor| share * trust[anchor as usize]).collect();
-            map.insert(&self.shells[own], &self.shells[companion.target], &companion.images, &trust);
-            let anchors_odd: Vec<f64> = anchors.iter().map(|&anchor| odd[anchor as usize]).collect();
-            map.insert_sides(&self.shells[own], own, companion, &anchors_odd);
-        }
-        Ok(())
-    }
-}
-
-/// How much of the anchors' confidence a companion keeps: all for a perfect pairing.
-fn companion_share(companion: &Companion) -> f32 {
-    (1.0 - companion.mismatch).clamp(0.0, 1.0)
-}
-
 /// The lowest eigenpairs of a whole mesh, for training and curiosity.
 #[derive(Debug, Clone)]
 pub struct Eigen {
@@ -511,7 +363,7 @@ pub fn eigen(mesh: &Mesh, count: usize, progress: &Progress) -> Result<Eigen> {
     let shells = mesh.shells();
     let surface = IntrinsicSurface::new(&shells[0]);
     let basis = Eigenbasis::with_accuracy(&surface, count, Accuracy::Full, 1, progress)?;
-    let mut local = vec![crate::mesh::NONE; mesh.positions.len()];
+    let mut local = vec![NONE; mesh.positions.len()];
     for (index, &point) in shells[0].points.iter().enumerate() {
         local[point as usize] = index as u32;
     }
@@ -519,7 +371,7 @@ pub fn eigen(mesh: &Mesh, count: usize, progress: &Progress) -> Result<Eigen> {
     let mut eigenfunctions = vec![f64::NAN; vertices * basis.count()];
     let mut lumped_mass = vec![0.0; vertices];
     for (vertex, &point) in mesh.point_of_vertex.iter().enumerate() {
-        if point == crate::mesh::NONE || local[point as usize] == crate::mesh::NONE {
+        if point == NONE || local[point as usize] == NONE {
             continue;
         }
         let row = local[point as usize] as usize;

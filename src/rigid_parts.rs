@@ -50,6 +50,16 @@ struct Part<'a> {
     fit: Fit,
 }
 
+/// Images that follow the rigid parts of a shell.
+#[derive(Debug, Clone)]
+pub struct Fitted {
+    /// Images of the vertices.
+    pub images: VertexImages,
+    /// How far from their mean the parts around a point put it, in sqrt(area): root mean square over the parts, median over the
+    /// surface. Small if the map is nearly a rigid motion almost everywhere; `None` if nothing was fitted.
+    pub disagreement: Option<f64>,
+}
+
 /// Moves the images of an oriented shell's vertices to where the rigid parts put them.
 ///
 /// Images of a shell that is not oriented, or has no area, stay. O(vertices log vertices): some ten to thirty
@@ -63,9 +73,9 @@ pub fn fit(
     kind: SymmetryKind,
     threads: usize,
     token: &CancelToken,
-) -> Result<VertexImages> {
+) -> Result<Fitted> {
     if !shell.orientable || shell.scale == 0.0 {
-        return Ok(images.clone());
+        return Ok(Fitted { images: images.clone(), disagreement: None });
     }
     let mirrored = kind == SymmetryKind::Reflection;
     let mut mapped = Mapped::new(shell, images.clone());
@@ -75,11 +85,12 @@ pub fn fit(
     let parts = parts(&mapped, &discs, mirrored, threads, token)?;
     let goals = goals(&mapped, &parts);
     let project = |range: Range<usize>| -> Vec<(u32, TrianglePoint)> {
-        range.map(|vertex| mapped.nearest(vertex, goals[vertex])).collect()
+        range.map(|vertex| mapped.nearest(vertex, goals[vertex].place)).collect()
     };
     let ranges = threads::ranges(goals.len(), goals.len().div_ceil(CHUNK));
     let (partners, points) = threads::map(threads, ranges, project).into_iter().flatten().unzip();
-    Ok(VertexImages { partners, points })
+    let disagreement = Some(median_disagreement(&mapped, &goals));
+    Ok(Fitted { images: VertexImages { partners, points }, disagreement })
 }
 
 /// The parts of a shell, and how each moves.
@@ -100,9 +111,17 @@ fn parts<'a>(
     threads::map(threads, discs.iter().collect(), part).into_iter().collect()
 }
 
+/// What the parts around a vertex and the map say of its image.
+struct Goal {
+    /// Where it should lie.
+    place: Vector,
+    /// Root mean square distance of the places where the parts put it from their mean.
+    disagreement: f64,
+}
+
 /// Where each vertex's image should lie: the mean of what its parts say, but for those that most others contradict, and a
 /// little of the map.
-fn goals(mapped: &Mapped, parts: &[Part]) -> Vec<Vector> {
+fn goals(mapped: &Mapped, parts: &[Part]) -> Vec<Goal> {
     let start = |fit: &Fit, position| fit.start.of(position);
     let mut agreed = mean(mapped, parts, None, start);
     for _ in 0..AGREEING_ROUNDS {
@@ -115,23 +134,45 @@ fn goals(mapped: &Mapped, parts: &[Part]) -> Vec<Vector> {
 fn mean(
     mapped: &Mapped,
     parts: &[Part],
-    agreed: Option<&[Vector]>,
+    agreed: Option<&[Goal]>,
     place: impl Fn(&Fit, Vector) -> Vector,
-) -> Vec<Vector> {
-    let mut sums: Vec<_> =
-        mapped.images.iter().map(|image| (image.map(|x| MAP_WEIGHT * x), MAP_WEIGHT)).collect();
+) -> Vec<Goal> {
+    // Offsets from the map's image, their squared lengths, and weights, all summed.
+    let mut sums = vec![([0.0; 3], 0.0, 0.0); mapped.images.len()];
     for Part { disc, fit } in parts {
         let trust = 1.0 / (1.0 + (fit.left / LEAVE).powi(4));
         for &(vertex, weight) in &disc.members {
             let position = mapped.shell.positions[vertex as usize];
-            let apart = |agreed: &[Vector]| subtract(fit.start.of(position), agreed[vertex as usize]);
+            let apart = |agreed: &[Goal]| subtract(fit.start.of(position), agreed[vertex as usize].place);
             let stray = agreed.map_or(0.0, |agreed| squared_norm(apart(agreed)) / (STRAY * STRAY));
             let weight = trust * weight / (1.0 + stray).powi(2);
-            let goal = place(fit, position);
-            let (sum, all) = &mut sums[vertex as usize];
-            (0..3).for_each(|axis| sum[axis] += weight * goal[axis]);
+            let offset = subtract(place(fit, position), mapped.images[vertex as usize]);
+            let (sum, squares, all) = &mut sums[vertex as usize];
+            (0..3).for_each(|axis| sum[axis] += weight * offset[axis]);
+            *squares += weight * squared_norm(offset);
             *all += weight;
         }
     }
-    sums.into_iter().map(|(sum, all)| sum.map(|x| x / all)).collect()
+    let goal = |((sum, squares, all), image): ((Vector, f64, f64), &Vector)| Goal {
+        place: [0, 1, 2].map(|axis| image[axis] + sum[axis] / (all + MAP_WEIGHT)),
+        disagreement: match all > 0.0 {
+            true => (squares / all - squared_norm(sum) / (all * all)).max(0.0).sqrt(),
+            false => 0.0,
+        },
+    };
+    sums.into_iter().zip(&mapped.images).map(goal).collect()
+}
+
+/// Half of the area disagrees by no more than that.
+fn median_disagreement(mapped: &Mapped, goals: &[Goal]) -> f64 {
+    let mut of_area: Vec<(f64, f64)> =
+        goals.iter().map(|goal| goal.disagreement).zip(mapped.areas.iter().copied()).collect();
+    of_area.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    let half = 0.5 * mapped.areas.iter().sum::<f64>();
+    let mut below = 0.0;
+    let median = of_area.iter().find(|(_, area)| {
+        below += area;
+        below >= half
+    });
+    median.map_or(0.0, |(disagreement, _)| *disagreement)
 }

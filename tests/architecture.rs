@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 53] = [
+const ORDER: [&str; 54] = [
     "error",
     "options",
     "limits",
@@ -51,6 +51,7 @@ const ORDER: [&str; 53] = [
     "rigid_parts",
     "judging_mesh",
     "assembly",
+    "assembler",
     "pipeline",
     "detect_again",
     "report",

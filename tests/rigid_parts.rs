@@ -59,7 +59,7 @@ fn off(shell: &Shell, images: &VertexImages, truth: &[u32]) -> f64 {
 }
 
 fn fitted(shell: &Shell, images: &VertexImages, kind: SymmetryKind) -> VertexImages {
-    fit(shell, images, kind, 2, &CancelToken::default()).unwrap()
+    fit(shell, images, kind, 2, &CancelToken::default()).unwrap().images
 }
 
 /// A sphere with bumps that a half turn about z keeps and no reflection does, and that half turn.
@@ -176,6 +176,30 @@ fn a_head_mapped_as_if_it_were_turned_is_found() {
 }
 
 #[test]
+fn parts_disagree_where_the_sides_differ() {
+    let disagreement = |mesh: &PolygonMesh, truth: &[u32], kind| {
+        let shell = shell(mesh);
+        let images = moved(&shell, truth, |_| [0.0; 3]);
+        fit(&shell, &images, kind, 2, &CancelToken::default()).unwrap().disagreement.unwrap()
+    };
+    let (mesh, truth) = bust();
+    let same = disagreement(&mesh, &truth, Reflection);
+    assert!(same < 1e-4, "{same}");
+    // One side is swollen here and sunken there.
+    let mut uneven = mesh.clone();
+    for position in uneven.positions.iter_mut().filter(|position| position[0] > 0.0) {
+        let wave = 1.0 + 0.3 * position[0] * (5.0 * position[2]).sin();
+        *position = position.map(|coordinate| wave * coordinate);
+    }
+    let differing = disagreement(&uneven, &truth, Reflection);
+    assert!(differing > 0.01, "{differing}");
+    // A pose bends places, not most of the surface; and a half turn moves no part as a reflection does.
+    let (posed, truth) = (example("human"), example_truth("human"));
+    let bent = disagreement(&posed, &truth, Reflection);
+    assert!(bent < 0.006 && disagreement(&posed, &truth, HalfTurn) > 2.0 * bent, "{bent}");
+}
+
+#[test]
 fn threads_change_nothing() {
     let (mesh, truth) = (example("quadruped"), example_truth("quadruped"));
     let shell = shell(&mesh);
@@ -184,8 +208,9 @@ fn threads_change_nothing() {
     let alone = on(1);
     for threads in [2, 5, 64] {
         let found = on(threads);
-        assert_eq!(alone.partners, found.partners);
-        assert_eq!(alone.points, found.points);
+        assert_eq!(alone.images.partners, found.images.partners);
+        assert_eq!(alone.images.points, found.images.points);
+        assert_eq!(alone.disagreement, found.disagreement);
     }
 }
 
@@ -203,7 +228,9 @@ fn a_surface_without_two_sides_keeps_its_map() {
     let truth: Vec<u32> = (0..shell.positions.len() as u32).rev().collect();
     let images = moved(&shell, &truth, waves(0.05));
     let found = fitted(&shell, &images, Reflection);
-    assert_eq!((found.partners, found.points), (images.partners, images.points));
+    assert_eq!((found.partners, found.points), (images.partners.clone(), images.points.clone()));
+    let judged = fit(&shell, &images, Reflection, 2, &CancelToken::default()).unwrap();
+    assert_eq!(judged.disagreement, None);
 }
 
 #[test]

@@ -102,7 +102,7 @@ fn measure(criterion: &mut Criterion, frequency: u32) {
     let fit =
         || rigid_parts::fit(solved, &found.images, SymmetryKind::Reflection, options.threads, quiet.token());
     timer.time("rigid parts", fit);
-    let found = ShellSymmetry { images: fit().expect("images"), ..found.clone() };
+    let found = ShellSymmetry { images: fit().expect("images").images, ..found.clone() };
     timer.time("confidence", || Evidence::new(&target, &found, 2).confidence());
     let confidence = Evidence::new(&target, &found, 2).confidence();
     timer.time("sides", || odd_function(&shell.surface, &shell.basis, &found.images));

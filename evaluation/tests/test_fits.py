@@ -51,6 +51,7 @@ def test_acceptance_learns_what_tells_right_maps_from_others(tmp_path, monkeypat
             wrong = prefix == "even" and index < 5  # the identity: neither right nor asymmetric
             judged = {"signature_mismatch": mismatch * rng.lognormal(0, 0.8), "isometry_score": float(rng.normal())}
             judged |= {"displacement": float(rng.lognormal()), "plausibility": 0.5}
+            judged["disagreement"] = (0.005 if prefix == "even" else 0.02) * rng.lognormal(0, 0.8)
             write_answer(tmp_path / "answers", f"{prefix}-{index:04d}", np.arange(len(mirror)) if wrong else mirror, judged)
     words = [str(tmp_path / "symmetric"), str(tmp_path / "asymmetric"), "--keep", str(tmp_path / "answers")]
     monkeypatch.setattr(sys, "argv", ["acceptance", *words])
@@ -58,7 +59,9 @@ def test_acceptance_learns_what_tells_right_maps_from_others(tmp_path, monkeypat
     printed = capsys.readouterr().out
     assert "40 symmetric shapes: 35 right maps, 5 wrong, 0 without a map" in printed
     weights = [float(line.split("|")[2]) for line in printed.splitlines() if line.startswith(("| ln", "| iso"))]
-    assert weights.pop(1) < -1.5 and max(map(abs, weights)) < 1.2
+    alone, with_parts = weights[:3], weights[3:]
+    assert alone.pop(1) < -1.5 and max(map(abs, alone)) < 1.2
+    assert with_parts.pop(3) < -1 and with_parts.pop(1) < -1.5 and max(map(abs, with_parts)) < 1.2
     assert "from 50 % on: 35 of 35 right maps accepted, 40 of 40 asymmetric shapes" in printed  # as stated now
 
 

@@ -1,0 +1,190 @@
+//! Between the caller's mesh and the shell that is solved: exact maps there, and finished maps back, with all that is
+//! found once they are back.
+
+use crate::assembly::{PointMap, Summary, symmetry};
+use crate::automorphism::{Automorphism, Connectivity};
+use crate::companions::{self, Companion, Primary};
+use crate::confidence::Evidence;
+use crate::correspondence::Symmetry;
+use crate::error::Result;
+use crate::fixed_curve::{odd_function, zero_set};
+use crate::full_refinement::{MatchTarget, VertexImages};
+use crate::mesh::{Attachment, Mesh, NONE, Shell, attach};
+use crate::mirrored_vertices;
+use crate::options::Options;
+use crate::progress::Progress;
+use crate::proxy::Proxy;
+use crate::rigid_parts::{self, Fitted};
+use crate::shell_symmetry::{PreparedShell, ShellSymmetry};
+use crate::symmetry_kind::SymmetryKind;
+
+/// What turning a shell's map into the caller's symmetry needs, prepared once.
+pub struct Assembler<'a> {
+    mesh: &'a Mesh,
+    shells: &'a [Shell],
+    /// The largest shell or its proxy.
+    pub shell: &'a PreparedShell,
+    proxy: Option<&'a Proxy<'a>>,
+    /// The same for refinement.
+    pub target: MatchTarget<'a>,
+    /// Anchors are vertices of `shell`.
+    attachments: Vec<Attachment>,
+    connectivity: Connectivity,
+}
+
+impl<'a> Assembler<'a> {
+    /// `shell` is the solved one: the first of `shells`, or that of its `proxy`.
+    pub fn new(
+        mesh: &'a Mesh,
+        shells: &'a [Shell],
+        shell: &'a PreparedShell,
+        proxy: Option<&'a Proxy<'a>>,
+        connectivity: Connectivity,
+        options: &Options,
+    ) -> Self {
+        let mut attachments = if shells.len() > 1 { attach(mesh, shells, 0) } else { Vec::new() };
+        if let Some(proxy) = proxy {
+            for anchor in attachments.iter_mut().flat_map(|attachment| &mut attachment.anchors) {
+                *anchor = proxy.nearest_vertex(*anchor);
+            }
+        }
+        let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
+        Assembler { mesh, shells, shell, proxy, target, attachments, connectivity }
+    }
+
+    /// The symmetry of the caller's mesh that a map with images by [`Assembler::with_parts`] is.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+    pub fn assemble(
+        &self,
+        found: &ShellSymmetry,
+        kind: SymmetryKind,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<Symmetry> {
+        let mut map = PointMap::empty(self.mesh);
+        let trust = Evidence::new(&self.target, found, kind.order()).confidence();
+        let odd = odd_function(&self.shell.surface, &self.shell.basis, &found.images);
+        self.insert_largest(&mut map, &found.images, &trust, &odd);
+        // Other shells are paired, and under a rotation they come in threes or more.
+        if self.shells.len() > 1 && !kind.is_rotation() {
+            self.add_companions(&mut map, found, &trust, &odd, progress)?;
+        }
+        progress.report("connectivity", 0.97)?;
+        let exact = self.connectivity.find(&map.partner, &map.confidence, kind, progress)?;
+        let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
+        let mirrored = match kind.is_rotation() {
+            true => None,
+            false => mirrored_vertices::find(self.mesh, estimate, exact.as_ref(), kind, threads, progress)?,
+        };
+        if let Some(found) = exact {
+            map.replace_by_connectivity(self.mesh, &found);
+        }
+        if let Some(found) = mirrored {
+            map.replace_by_vertices(self.mesh, &found);
+        }
+        let curve = match kind {
+            SymmetryKind::Reflection => zero_set(&self.mesh.triangles, &map.odd),
+            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => Vec::new(),
+        };
+        Ok(symmetry(self.mesh, &map, curve, Summary { kind, score: found.score.total() }))
+    }
+
+    /// Whether vertices of the largest shell are mirrored, though edges need not be, near a map.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn mirrors_vertices(
+        &self,
+        found: &ShellSymmetry,
+        kind: SymmetryKind,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<bool> {
+        let mut map = PointMap::empty(self.mesh);
+        let count = found.images.partners.len();
+        self.insert_largest(&mut map, &found.images, &vec![0.0; count], &vec![0.0; count]);
+        let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
+        Ok(mirrored_vertices::find(self.mesh, estimate, None, kind, threads, progress)?.is_some())
+    }
+
+    /// The map with images that follow the rigid parts of the largest shell, judged by these, too.
+    ///
+    /// # Errors
+    /// Those of [`rigid_parts::fit`].
+    pub fn with_parts(
+        &self,
+        found: ShellSymmetry,
+        kind: SymmetryKind,
+        progress: &Progress,
+    ) -> Result<ShellSymmetry> {
+        let shell = self.proxy.map_or(&self.shells[0], |proxy| &proxy.shell);
+        let Fitted { images, disagreement } =
+            rigid_parts::fit(shell, &found.images, kind, self.target.threads(), progress.token())?;
+        Ok(ShellSymmetry { images, judged: found.judged.with_disagreement(disagreement), ..found })
+    }
+
+    /// Enters the largest shell's images, confidence and odd function, carried back from the proxy if there is one.
+    fn insert_largest(&self, map: &mut PointMap, images: &VertexImages, trust: &[f32], odd: &[f64]) {
+        let shell = &self.shells[0];
+        match self.proxy {
+            Some(proxy) => {
+                let images = proxy.carry_images(images);
+                let carried = proxy.carry_values(trust);
+                let trust: Vec<f32> = carried.into_iter().map(|value| value as f32).collect();
+                map.insert(shell, shell, &images, &trust);
+                map.insert_odd(shell, &proxy.carry_odd(odd));
+            }
+            None => {
+                map.insert(shell, shell, images, trust);
+                map.insert_odd(shell, odd);
+            }
+        }
+    }
+
+    /// Images under the only bijection of the largest shell that the connectivity admits, if it is of all its points.
+    pub fn images_of_all(&self, found: &Automorphism) -> Option<VertexImages> {
+        let shell = &self.shells[0];
+        if !shell.points.iter().all(|&point| found.unrivalled[point as usize]) {
+            return None;
+        }
+        let mut local = vec![NONE; self.mesh.positions.len()];
+        for (index, &point) in shell.points.iter().enumerate() {
+            local[point as usize] = index as u32;
+        }
+        let partner = |&point: &u32| local[found.partner[point as usize] as usize];
+        let partners: Vec<u32> = shell.points.iter().map(partner).collect();
+        Some(match self.proxy {
+            Some(proxy) => proxy.restrict(&partners),
+            None => VertexImages::at_vertices(&shell.triangles, partners),
+        })
+    }
+
+    fn add_companions(
+        &self,
+        map: &mut PointMap,
+        found: &ShellSymmetry,
+        trust: &[f32],
+        odd: &[f64],
+        progress: &Progress,
+    ) -> Result<()> {
+        let primary = Primary { index: 0, basis: &self.shell.basis, partners: &found.images.partners };
+        let companions = companions::find(self.shells, &self.attachments, &primary, progress)?;
+        for (own, companion) in companions.iter().enumerate() {
+            let Some(companion) = companion else { continue };
+            let anchors = &self.attachments[own].anchors;
+            let share = companion_share(companion);
+            let trust: Vec<f32> = anchors.iter().map(|&anchor| share * trust[anchor as usize]).collect();
+            map.insert(&self.shells[own], &self.shells[companion.target], &companion.images, &trust);
+            let anchors_odd: Vec<f64> = anchors.iter().map(|&anchor| odd[anchor as usize]).collect();
+            map.insert_sides(&self.shells[own], own, companion, &anchors_odd);
+        }
+        Ok(())
+    }
+}
+
+/// How much of the anchors' confidence a companion keeps: all for a perfect pairing.
+fn companion_share(companion: &Companion) -> f32 {
+    (1.0 - companion.mismatch).clamp(0.0, 1.0)
+}
