@@ -12,8 +12,8 @@
 
 mod mapped;
 mod motion;
+mod takeover;
 mod turned_parts;
-mod unturned;
 
 use crate::embedded_triangles::TrianglePoint;
 use crate::error::Result;

@@ -6,7 +6,7 @@
 
 use super::mapped::{Disc, Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, Place, mean};
-use super::unturned::{Surroundings, take_over};
+use super::takeover::{Surroundings, take_over};
 use crate::error::Result;
 use crate::mesh::rotation::{Matrix, principal_axes, rotation};
 use crate::mesh::vector::{Vector, subtract};

@@ -104,30 +104,44 @@ pub(super) fn take_over(
     if cut_off(mapped, &region) > CUT_OFF {
         return Ok(());
     }
-    let image = |&(vertex, _): &(u32, f64)| {
-        let goal = goals[vertex as usize].at(mapped.oriented(vertex));
-        let start = mapped.alike(goal, sought.most_alike(goal)).0;
-        (vertex as usize, mapped.walk.nearest(goal.position, start))
-    };
-    let changed = mapped.within(&region, RADIUS);
-    let changed = changed.iter().filter(|&&(vertex, _)| goals[vertex as usize].new > 0.0).collect();
-    let images: Vec<(usize, (u32, TrianglePoint))> = threads::map(surroundings.threads, changed, image);
-    let before = torn(mapped, &around);
+    let images = images(mapped, &mapped.within(&region, RADIUS), &goals, &sought, surroundings.threads);
+    let tolerated = tolerated_tears(&parts, own, found, torn(mapped, &around));
     let replaced: Vec<_> =
-        images.iter().map(|&(vertex, image)| (vertex, mapped.replace(vertex, image))).collect();
-    let say = |verdict: Verdict| parts.iter().filter(|part| part.verdict == verdict).count();
-    let far_better = own.unlike > FITS_NOTHING && found.unlike < FAR_BETTER * own.unlike;
-    let tolerated = match say(Verdict::Follows) > say(Verdict::Keeps) {
-        true if far_better => 1.0,
-        true => TEARS * before,
-        false => before,
-    };
+        images.into_iter().map(|(vertex, image)| (vertex, mapped.replace(vertex, image))).collect();
     if torn(mapped, &around) > tolerated {
         for (vertex, image) in replaced {
             mapped.replace(vertex, image);
         }
     }
     Ok(())
+}
+
+/// Images at their goals, of those of the vertices that the new motion has a say in.
+fn images(
+    mapped: &Mapped,
+    vertices: &[(u32, f64)],
+    goals: &[Goal],
+    sought: &Sought,
+    threads: usize,
+) -> Vec<(usize, (u32, TrianglePoint))> {
+    let image = |&(vertex, _): &(u32, f64)| {
+        let goal = goals[vertex as usize].at(mapped.oriented(vertex));
+        let start = mapped.alike(goal, sought.most_alike(goal)).0;
+        (vertex as usize, mapped.walk.nearest(goal.position, start))
+    };
+    let changed = vertices.iter().filter(|&&(vertex, _)| goals[vertex as usize].new > 0.0);
+    threads::map(threads, changed.collect(), image)
+}
+
+/// Share of the edges around that may be torn afterwards, of which `before` are.
+fn tolerated_tears(parts: &[Part], own: &Settled, found: &Settled, before: f64) -> f64 {
+    let say = |verdict: Verdict| parts.iter().filter(|part| part.verdict == verdict).count();
+    let far_better = own.unlike > FITS_NOTHING && found.unlike < FAR_BETTER * own.unlike;
+    match say(Verdict::Follows) > say(Verdict::Keeps) {
+        true if far_better => 1.0,
+        true => TEARS * before,
+        false => before,
+    }
 }
 
 /// The small parts around, with what both motions make of them.
