@@ -120,8 +120,14 @@ impl<'a> Assembler<'a> {
         progress: &Progress,
     ) -> Result<ShellSymmetry> {
         let shell = self.proxy.map_or(&self.shells[0], |proxy| &proxy.shell);
-        let Fitted { images, disagreement } =
-            rigid_parts::fit(shell, &found.images, kind, self.target.threads(), progress.token())?;
+        let Fitted { images, disagreement } = rigid_parts::fit(
+            shell,
+            &self.shell.surface,
+            &found.images,
+            kind,
+            self.target.threads(),
+            progress.token(),
+        )?;
         Ok(ShellSymmetry { images, judged: found.judged.with_disagreement(disagreement), ..found })
     }
 

@@ -10,6 +10,7 @@
 //! Where a joint bends, no rigid part fits, and the map stays. That is how this differs from fitting the whole surface as rigidly as
 //! possible, which drifts there (`docs/method.md`).
 
+mod blending;
 mod mapped;
 mod motion;
 mod takeover;
@@ -18,23 +19,25 @@ mod turned_parts;
 use crate::embedded_triangles::TrianglePoint;
 use crate::error::Result;
 use crate::full_refinement::VertexImages;
+use crate::laplacian::IntrinsicSurface;
 use crate::mesh::Shell;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
 use crate::progress::CancelToken;
+use crate::sparse_cholesky::Analysis;
 use crate::symmetry_kind::SymmetryKind;
 use crate::threads;
 use mapped::{Disc, Mapped};
 use motion::{Fit, Motion};
 use std::ops::Range;
 
-/// Parts in all; their middles are spread over the shell.
-const PARTS: usize = 300;
-/// Radius of a part along edges, in sqrt(area).
-const RADIUS: f64 = 0.1;
+/// Radius of the parts along edges, in sqrt(area), and how many they are, in each pass; their middles are spread over the shell.
+const PASSES: [(f64, usize); 2] = [(0.16, 200), (0.08, 400)];
 /// Points of a part that its motion is fitted to.
 const FITTED_POINTS: usize = 80;
-/// A motion that leaves the surface by this much, in sqrt(area), counts half.
+/// Distance of interest from the surface, in sqrt(area), in a motion's fit.
 const LEAVE: f64 = 0.0015;
+/// A motion that leaves the surface by this much, in sqrt(area), counts half.
+const TRUSTED: f64 = 0.004;
 /// One that starts this far from what the others agree on counts a quarter there.
 const STRAY: f64 = 0.05;
 /// Rounds in which the parts around a vertex agree.
@@ -69,6 +72,7 @@ pub struct Fitted {
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
 pub fn fit(
     shell: &Shell,
+    surface: &IntrinsicSurface,
     images: &VertexImages,
     kind: SymmetryKind,
     threads: usize,
@@ -79,24 +83,42 @@ pub fn fit(
     }
     let mirrored = kind == SymmetryKind::Reflection;
     let mut mapped = Mapped::new(shell, images.clone());
-    let disc = |middle: u32| token.check().map(|()| mapped.disc(middle, RADIUS));
-    let discs = threads::map(threads, mapped.spread(PARTS), disc).into_iter().collect::<Result<Vec<_>>>()?;
-    turned_parts::right(&mut mapped, &discs, mirrored, threads, token)?;
-    let parts = parts(&mapped, &discs, mirrored, threads, token)?;
-    let goals = goals(&mapped, &parts);
-    let project = |range: Range<usize>| -> Vec<(u32, TrianglePoint)> {
-        range.map(|vertex| mapped.nearest(vertex, goals[vertex].place)).collect()
-    };
-    let ranges = threads::ranges(goals.len(), goals.len().div_ceil(CHUNK));
-    let (partners, points) = threads::map(threads, ranges, project).into_iter().flatten().unzip();
-    let disagreement = Some(median_disagreement(&mapped, &goals));
-    Ok(Fitted { images: VertexImages { partners, points }, disagreement })
+    turned_parts::right(&mut mapped, mirrored, threads, token)?;
+    let analysis = Analysis::new(&surface.stiffness)?;
+    let mut disagreement = None;
+    for (radius, count) in PASSES {
+        let discs = discs(&mapped, radius, count, threads, token)?;
+        let parts = parts(&mapped, &discs, radius, mirrored, threads, token)?;
+        let agreed = agreed(&mapped, &parts);
+        disagreement = disagreement.or_else(|| Some(median_disagreement(&mapped, &parts, &agreed)));
+        let goals = blending::goals(&mapped, surface, &analysis, &parts, &agreed)?;
+        let project = |range: Range<usize>| -> Vec<(u32, TrianglePoint)> {
+            range.map(|vertex| mapped.nearest(vertex, goals[vertex])).collect()
+        };
+        let ranges = threads::ranges(goals.len(), goals.len().div_ceil(CHUNK));
+        let (partners, points) = threads::map(threads, ranges, project).into_iter().flatten().unzip();
+        mapped.replace_all(VertexImages { partners, points });
+    }
+    Ok(Fitted { images: mapped.found, disagreement })
+}
+
+/// Discs spread over the shell.
+fn discs(
+    mapped: &Mapped,
+    radius: f64,
+    count: usize,
+    threads: usize,
+    token: &CancelToken,
+) -> Result<Vec<Disc>> {
+    let disc = |middle: u32| token.check().map(|()| mapped.disc(middle, radius));
+    threads::map(threads, mapped.spread(count), disc).into_iter().collect()
 }
 
 /// The parts of a shell, and how each moves.
 fn parts<'a>(
     mapped: &Mapped,
     discs: &'a [Disc],
+    radius: f64,
     mirrored: bool,
     threads: usize,
     token: &CancelToken,
@@ -105,10 +127,27 @@ fn parts<'a>(
         token.check()?;
         let places = mapped.places(&mapped.picked(&disc.members, FITTED_POINTS));
         let start = Motion::between(&places, mirrored);
-        let fit = start.onto(&places, RADIUS, LEAVE, |goal, start| mapped.alike(goal, start))?;
+        let fit = start.onto(&places, radius, LEAVE, |goal, start| mapped.alike(goal, start))?;
         Ok(Part { disc, fit })
     };
     threads::map(threads, discs.iter().collect(), part).into_iter().collect()
+}
+
+impl Part<'_> {
+    /// The vertices, and how much the part says of each; where it starts far from what is `agreed` it says little.
+    fn says<'a>(
+        &'a self,
+        mapped: &'a Mapped,
+        agreed: Option<&'a [Goal]>,
+    ) -> impl Iterator<Item = (usize, f64)> + 'a {
+        let trust = 1.0 / (1.0 + (self.fit.left / TRUSTED).powi(4));
+        self.disc.members.iter().map(move |&(vertex, weight)| {
+            let start = self.fit.start.of(mapped.shell.positions[vertex as usize]);
+            let apart = |agreed: &[Goal]| subtract(start, agreed[vertex as usize].place);
+            let stray = agreed.map_or(0.0, |agreed| squared_norm(apart(agreed)) / (STRAY * STRAY));
+            (vertex as usize, trust * weight / (1.0 + stray).powi(2))
+        })
+    }
 }
 
 /// What the parts around a vertex and the map say of its image.
@@ -119,18 +158,18 @@ struct Goal {
     disagreement: f64,
 }
 
-/// Where each vertex's image should lie: the mean of what its parts say, but for those that most others contradict, and a
+/// Where most of each vertex's parts put its image: the mean of what they say, but for those that the others contradict, and a
 /// little of the map.
-fn goals(mapped: &Mapped, parts: &[Part]) -> Vec<Goal> {
+fn agreed(mapped: &Mapped, parts: &[Part]) -> Vec<Goal> {
     let start = |fit: &Fit, position| fit.start.of(position);
     let mut agreed = mean(mapped, parts, None, start);
     for _ in 0..AGREEING_ROUNDS {
         agreed = mean(mapped, parts, Some(&agreed), start);
     }
-    mean(mapped, parts, Some(&agreed), |fit, position| fit.motion.of(position))
+    agreed
 }
 
-/// The mean over each vertex's parts of where `place` puts it; parts whose start is far from what is `agreed` count less.
+/// The mean over each vertex's parts of where `place` puts it.
 fn mean(
     mapped: &Mapped,
     parts: &[Part],
@@ -139,15 +178,10 @@ fn mean(
 ) -> Vec<Goal> {
     // Offsets from the map's image, their squared lengths, and weights, all summed.
     let mut sums = vec![([0.0; 3], 0.0, 0.0); mapped.images.len()];
-    for Part { disc, fit } in parts {
-        let trust = 1.0 / (1.0 + (fit.left / LEAVE).powi(4));
-        for &(vertex, weight) in &disc.members {
-            let position = mapped.shell.positions[vertex as usize];
-            let apart = |agreed: &[Goal]| subtract(fit.start.of(position), agreed[vertex as usize].place);
-            let stray = agreed.map_or(0.0, |agreed| squared_norm(apart(agreed)) / (STRAY * STRAY));
-            let weight = trust * weight / (1.0 + stray).powi(2);
-            let offset = subtract(place(fit, position), mapped.images[vertex as usize]);
-            let (sum, squares, all) = &mut sums[vertex as usize];
+    for part in parts {
+        for (vertex, weight) in part.says(mapped, agreed) {
+            let offset = subtract(place(&part.fit, mapped.shell.positions[vertex]), mapped.images[vertex]);
+            let (sum, squares, all) = &mut sums[vertex];
             (0..3).for_each(|axis| sum[axis] += weight * offset[axis]);
             *squares += weight * squared_norm(offset);
             *all += weight;
@@ -164,7 +198,8 @@ fn mean(
 }
 
 /// Half of the area disagrees by no more than that.
-fn median_disagreement(mapped: &Mapped, goals: &[Goal]) -> f64 {
+fn median_disagreement(mapped: &Mapped, parts: &[Part], agreed: &[Goal]) -> f64 {
+    let goals = mean(mapped, parts, Some(agreed), |fit, position| fit.motion.of(position));
     let mut of_area: Vec<(f64, f64)> =
         goals.iter().map(|goal| goal.disagreement).zip(mapped.areas.iter().copied()).collect();
     of_area.sort_by(|(a, _), (b, _)| a.total_cmp(b));

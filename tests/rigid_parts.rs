@@ -4,9 +4,10 @@ mod support;
 
 use intrinsym::error::Error;
 use intrinsym::full_refinement::VertexImages;
+use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::mesh::{PolygonMesh, Shell};
 use intrinsym::progress::CancelToken;
-use intrinsym::rigid_parts::fit;
+use intrinsym::rigid_parts::{Fitted, fit};
 use intrinsym::surface_walk::SurfaceWalk;
 use intrinsym::symmetry_kind::SymmetryKind::{self, HalfTurn, Reflection};
 use support::*;
@@ -58,8 +59,12 @@ fn off(shell: &Shell, images: &VertexImages, truth: &[u32]) -> f64 {
     errors.iter().sum::<f64>() / errors.len() as f64
 }
 
+fn fitted_on(threads: usize, shell: &Shell, images: &VertexImages, kind: SymmetryKind) -> Fitted {
+    fit(shell, &IntrinsicSurface::new(shell), images, kind, threads, &CancelToken::default()).unwrap()
+}
+
 fn fitted(shell: &Shell, images: &VertexImages, kind: SymmetryKind) -> VertexImages {
-    fit(shell, images, kind, 2, &CancelToken::default()).unwrap().images
+    fitted_on(2, shell, images, kind).images
 }
 
 /// A sphere with bumps that a half turn about z keeps and no reflection does, and that half turn.
@@ -180,7 +185,7 @@ fn parts_disagree_where_the_sides_differ() {
     let disagreement = |mesh: &PolygonMesh, truth: &[u32], kind| {
         let shell = shell(mesh);
         let images = moved(&shell, truth, |_| [0.0; 3]);
-        fit(&shell, &images, kind, 2, &CancelToken::default()).unwrap().disagreement.unwrap()
+        fitted_on(2, &shell, &images, kind).disagreement.unwrap()
     };
     let (mesh, truth) = bust();
     let same = disagreement(&mesh, &truth, Reflection);
@@ -196,7 +201,7 @@ fn parts_disagree_where_the_sides_differ() {
     // A pose bends places, not most of the surface; and a half turn moves no part as a reflection does.
     let (posed, truth) = (example("human"), example_truth("human"));
     let bent = disagreement(&posed, &truth, Reflection);
-    assert!(bent < 0.006 && disagreement(&posed, &truth, HalfTurn) > 2.0 * bent, "{bent}");
+    assert!(bent < 0.01 && disagreement(&posed, &truth, HalfTurn) > 2.0 * bent, "{bent}");
 }
 
 #[test]
@@ -204,7 +209,7 @@ fn threads_change_nothing() {
     let (mesh, truth) = (example("quadruped"), example_truth("quadruped"));
     let shell = shell(&mesh);
     let images = moved(&shell, &truth, waves(0.01));
-    let on = |threads| fit(&shell, &images, Reflection, threads, &CancelToken::default()).unwrap();
+    let on = |threads| fitted_on(threads, &shell, &images, Reflection);
     let alone = on(1);
     for threads in [2, 5, 64] {
         let found = on(threads);
@@ -229,8 +234,7 @@ fn a_surface_without_two_sides_keeps_its_map() {
     let images = moved(&shell, &truth, waves(0.05));
     let found = fitted(&shell, &images, Reflection);
     assert_eq!((found.partners, found.points), (images.partners.clone(), images.points.clone()));
-    let judged = fit(&shell, &images, Reflection, 2, &CancelToken::default()).unwrap();
-    assert_eq!(judged.disagreement, None);
+    assert_eq!(fitted_on(2, &shell, &images, Reflection).disagreement, None);
 }
 
 #[test]
@@ -251,6 +255,7 @@ fn it_can_be_cancelled() {
     let shell = shell(&mesh);
     let token = CancelToken::default();
     token.cancel();
-    let found = fit(&shell, &moved(&shell, &truth, |_| [0.0; 3]), Reflection, 2, &token);
+    let (surface, images) = (IntrinsicSurface::new(&shell), moved(&shell, &truth, |_| [0.0; 3]));
+    let found = fit(&shell, &surface, &images, Reflection, 2, &token);
     assert!(matches!(found, Err(Error::Cancelled)));
 }

@@ -99,8 +99,8 @@ fn measure(criterion: &mut Criterion, frequency: u32) {
     timer.time("match target", || MatchTarget::new(&shell.surface, &shell.basis, options.threads));
     let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
     let found = time_search(&mut timer, &shell, &target, &options);
-    let fit =
-        || rigid_parts::fit(solved, &found.images, SymmetryKind::Reflection, options.threads, quiet.token());
+    let (surface, kind) = (&shell.surface, SymmetryKind::Reflection);
+    let fit = || rigid_parts::fit(solved, surface, &found.images, kind, options.threads, quiet.token());
     timer.time("rigid parts", fit);
     let found = ShellSymmetry { images: fit().expect("images").images, ..found.clone() };
     timer.time("confidence", || Evidence::new(&target, &found, 2).confidence());

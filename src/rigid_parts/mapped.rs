@@ -184,6 +184,12 @@ impl<'a> Mapped<'a> {
         self.walk.nearest(goal, start)
     }
 
+    /// Gives all vertices other images.
+    pub fn replace_all(&mut self, found: VertexImages) {
+        self.images = found.points.iter().map(|point| at(self.shell, point, &self.shell.positions)).collect();
+        self.found = found;
+    }
+
     /// Gives a vertex another image, and gives its former one back.
     pub fn replace(&mut self, vertex: usize, (partner, point): (u32, TrianglePoint)) -> (u32, TrianglePoint) {
         self.images[vertex] = at(self.shell, &point, &self.shell.positions);

@@ -40,8 +40,8 @@ pub(super) struct Place {
 /// `x -> turn x + shift`.
 #[derive(Clone, Copy)]
 pub(super) struct Motion {
-    turn: Matrix,
-    shift: Vector,
+    pub turn: Matrix,
+    pub shift: Vector,
 }
 
 /// A motion fitted to the surface, and what is left.

@@ -4,7 +4,6 @@
 //! keep it, and between them, as along a round neck, where both fit, the motions pass into each other by a turn that grows with the way. That must leave the
 //! rest of the surface in one piece, since what is turned is the end of a limb, and must not tear the map.
 
-use super::RADIUS;
 use super::mapped::{Disc, Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, mean};
 use super::turned_parts::{Settled, seeds, settle};
@@ -13,6 +12,9 @@ use crate::error::Result;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
 use crate::threads;
 
+/// Radius of the small parts along edges, in sqrt(area), and how many they are all over the surface.
+pub(super) const SMALL_RADIUS: f64 = 0.1;
+pub(super) const SMALL_PARTS: usize = 300;
 /// How far the surroundings reach along edges, in sqrt(area).
 const REACH: f64 = 0.4;
 /// Points that a small part's motion is fitted to, and points around all in which images are sought.
@@ -20,8 +22,8 @@ const POINTS: usize = 60;
 const SOUGHT_POINTS: usize = 300;
 const OWN_ROUNDS: usize = 4;
 const NEW_ROUNDS: usize = 2;
-const OWN: Approach = Approach { lever: RADIUS, noise: 0.003, held: 0.02 };
-const NEW: Approach = Approach { lever: RADIUS, noise: 0.003, held: 0.01 };
+const OWN: Approach = Approach { lever: SMALL_RADIUS, noise: 0.003, held: 0.02 };
+const NEW: Approach = Approach { lever: SMALL_RADIUS, noise: 0.003, held: 0.01 };
 /// A small part follows the new motion if that leaves this share of what the old one does, and keeps the old one if the new one leaves
 /// this many times as much.
 const FOLLOWS: f64 = 0.7;
@@ -104,7 +106,7 @@ pub(super) fn take_over(
     if cut_off(mapped, &region) > CUT_OFF {
         return Ok(());
     }
-    let images = images(mapped, &mapped.within(&region, RADIUS), &goals, &sought, surroundings.threads);
+    let images = images(mapped, &mapped.within(&region, SMALL_RADIUS), &goals, &sought, surroundings.threads);
     let tolerated = tolerated_tears(&parts, own, found, torn(mapped, &around));
     let replaced: Vec<_> =
         images.into_iter().map(|(vertex, image)| (vertex, mapped.replace(vertex, image))).collect();
@@ -186,8 +188,10 @@ fn goals(mapped: &Mapped, parts: &[Part], around: &[(u32, f64)]) -> Vec<Goal> {
     let axis = surest.own.axis_to(&surest.new);
     let to_new = distances(mapped, following.map(|part| part.disc.middle));
     let keeping = parts.iter().filter(|part| part.verdict == Verdict::Keeps).map(|part| part.disc.middle);
-    let rim =
-        around.iter().filter(|(_, distance)| *distance > REACH - RADIUS / 4.0).map(|&(vertex, _)| vertex);
+    let rim = around
+        .iter()
+        .filter(|(_, distance)| *distance > REACH - SMALL_RADIUS / 4.0)
+        .map(|&(vertex, _)| vertex);
     let to_old = distances(mapped, keeping.chain(rim));
     for part in parts {
         let [from_old, from_new] = [&to_old, &to_new].map(|way| way[part.disc.middle as usize]);

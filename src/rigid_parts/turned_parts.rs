@@ -4,9 +4,9 @@
 //! rigid motion brings the head back onto the surface. From motions that are turned against it all around, as P. Besl and N. McKay
 //! start theirs ("A method for registration of 3-D shapes", 1992, section IV), one may. What it fits is then mapped by it.
 
-use super::mapped::{Disc, Mapped, Sought};
+use super::mapped::{Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, Place, mean};
-use super::takeover::{Surroundings, take_over};
+use super::takeover::{SMALL_PARTS, SMALL_RADIUS, Surroundings, take_over};
 use crate::error::Result;
 use crate::mesh::rotation::{Matrix, principal_axes, rotation};
 use crate::mesh::vector::{Vector, subtract};
@@ -66,18 +66,11 @@ struct Turned {
     found: Settled,
 }
 
-/// Maps parts by turned motions where these fit and the map's do not. `discs` are small parts all over the surface, the middles of the
-/// first ones spread evenly too.
+/// Maps parts by turned motions where these fit and the map's do not.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
-pub(super) fn right(
-    mapped: &mut Mapped,
-    discs: &[Disc],
-    mirrored: bool,
-    threads: usize,
-    token: &CancelToken,
-) -> Result<()> {
+pub(super) fn right(mapped: &mut Mapped, mirrored: bool, threads: usize, token: &CancelToken) -> Result<()> {
     let screened = |(middle, radius): (u32, f64)| {
         token.check()?;
         let part = Part { middle, picked: mapped.picked(&mapped.disc(middle, radius).members, POINTS) };
@@ -88,8 +81,8 @@ pub(super) fn right(
         };
         Ok((part, own))
     };
-    let middles = discs[..PARTS.min(discs.len())].iter().map(|disc| disc.middle);
-    let all = RADII.iter().flat_map(|&radius| middles.clone().map(move |middle| (middle, radius))).collect();
+    let middles = mapped.spread(PARTS);
+    let all = RADII.iter().flat_map(|&radius| middles.iter().map(move |&middle| (middle, radius))).collect();
     let own = threads::map(threads, all, screened).into_iter().collect::<Result<Vec<_>>>()?;
     let usual = usual(&own);
     let bad = own.into_iter().filter(|(_, own)| own.unlike > (BAD * usual).max(LEAST_BAD));
@@ -102,12 +95,16 @@ pub(super) fn right(
     let found = threads::map(threads, bad.collect(), search).into_iter().collect::<Result<Vec<_>>>()?;
     let mut found: Vec<Turned> = found.into_iter().flatten().collect();
     found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    if found.is_empty() {
+        return Ok(());
+    }
+    let discs = super::discs(mapped, SMALL_RADIUS, SMALL_PARTS, threads, token)?;
     for Turned { part, found, .. } in found {
         token.check()?;
         // Another part may have brought this one along.
         let own = as_mapped(mapped, &part.picked, ROUNDS, mirrored)?;
         if found.unlike < BETTER * own.unlike {
-            let surroundings = Surroundings { middle: part.middle, discs, mirrored, usual, threads };
+            let surroundings = Surroundings { middle: part.middle, discs: &discs, mirrored, usual, threads };
             take_over(mapped, surroundings, &own, &found)?;
         }
     }
