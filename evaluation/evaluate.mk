@@ -40,12 +40,13 @@ $(EVALUATE_DATA)/fit.ready: | $(TRAIN_OUT)/venv/.ready
 	$(call GENERATE,--kind asymmetric-tree --kind unbalanced --count 110 --seed 203,asymmetric)
 	$(call GENERATE,--kind lump --count 70 --seed 104,asymmetric)
 	$(call GENERATE,--kind lump --count 70 --seed 204,asymmetric)
+	$(call GENERATE,--kind asymmetric-tree --kind unbalanced --kind lump --count 240 --seed 303 --clean,asymmetric_clean)
 	touch $@
 
 evaluate-fit: $(EVALUATE_DATA)/fit.ready ## Fit the models of src/acceptance.rs and src/confidence.rs again, beside the shipped weights
 	cargo build --release --locked --bin intrinsym --example evidence
 	rm -rf $(EVALUATE_DATA)/answers $(EVALUATE_DATA)/evidence
-	$(EVALUATE_PYTHON) evaluation.acceptance $(EVALUATE_DATA)/symmetric $(EVALUATE_DATA)/asymmetric --keep $(EVALUATE_DATA)/answers
+	$(EVALUATE_PYTHON) evaluation.acceptance $(EVALUATE_DATA)/symmetric $(EVALUATE_DATA)/asymmetric $(EVALUATE_DATA)/asymmetric_clean --keep $(EVALUATE_DATA)/answers
 	$(EVALUATE_PYTHON) evaluation.confidence $(EVALUATE_DATA)/symmetric --answers $(EVALUATE_DATA)/answers --keep $(EVALUATE_DATA)/evidence
 
 evaluate-family: train-setup ## Measure the test for a continuous family (EVALUATE_MESHES: others, which have none)

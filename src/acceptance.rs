@@ -8,7 +8,7 @@ use crate::candidate_score::Score;
 /// Weights of the logistic model: constant, then those of [`Judgement::features`].
 const WEIGHTS: [f64; 4] = [-13.5421, -2.4085, -6.4959, 4.5748];
 /// The same once rigid parts are fitted.
-const WEIGHTS_WITH_PARTS: [f64; 5] = [-38.7619, -1.9948, -6.9394, 5.9788, -5.8297];
+const WEIGHTS_WITH_PARTS: [f64; 5] = [-28.7525, -1.7797, -5.1894, 5.0455, -4.3087];
 
 /// What a finished map was judged by, and the verdict.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
