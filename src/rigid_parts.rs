@@ -7,8 +7,8 @@
 //! open, as a slide along a limb, stays as the map says. Parts overlap; each vertex follows those it is in, the more the better
 //! they fit, but not those that the others contradict. So a vertex that the map tears from its surroundings comes back.
 //!
-//! Where a joint bends, no rigid part fits, and the map stays. That is how this differs from fitting the whole surface as rigidly as
-//! possible, which drifts there (`docs/method.md`).
+//! Where a joint bends, no rigid part fits, and the motions around pass into each other. That is how this differs from fitting the whole
+//! surface as rigidly as possible, which drifts there (`docs/method.md`).
 
 mod blending;
 mod mapped;
@@ -65,8 +65,8 @@ pub struct Fitted {
 
 /// Moves the images of an oriented shell's vertices to where the rigid parts put them.
 ///
-/// Images of a shell that is not oriented, or has no area, stay. O(vertices log vertices): some ten to thirty
-/// parts at each vertex.
+/// `surface` is that of the shell. Images of a shell that is not oriented, or has no area, stay. O(vertices log vertices), with some
+/// ten to thirty parts at each vertex, and a sparse factorisation in each pass.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
