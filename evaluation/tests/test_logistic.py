@@ -58,5 +58,7 @@ def test_area_under_the_curve_counts_pairs():
 def test_the_sources_hold_as_many_weights_as_the_scripts_fit():
     from evaluation import acceptance, confidence
 
-    for module in (acceptance, confidence):
-        assert len(logistic.rust_weights(module.SOURCE)) == len(module.FEATURES) + 1
+    assert len(logistic.rust_weights(confidence.SOURCE)) == len(confidence.FEATURES) + 1
+    for model, columns in acceptance.MODELS.items():
+        assert len(logistic.rust_weights(acceptance.SOURCE, model)) == columns + 1
+    assert max(acceptance.MODELS.values()) == len(acceptance.FEATURES)
