@@ -7,7 +7,7 @@ use crate::candidate_score::Score;
 
 /// Weights of the logistic model: constant, then those of [`Judgement::features`].
 const WEIGHTS: [f64; 4] = [-13.5421, -2.4085, -6.4959, 4.5748];
-/// The same once rigid parts are fitted.
+/// The same for reflections once rigid parts are fitted.
 const WEIGHTS_WITH_PARTS: [f64; 5] = [-28.7525, -1.7797, -5.1894, 5.0455, -4.3087];
 
 /// What a finished map was judged by, and the verdict.
@@ -20,7 +20,7 @@ pub struct Judgement {
     /// [`crate::displacement::mean_displacement`] of the finished map: 0 for the identity.
     pub displacement: f64,
     /// [`crate::rigid_parts::Fitted::disagreement`]: 0 if the map is a rigid motion almost everywhere; `None` where no parts are
-    /// fitted.
+    /// fitted, and for half turns and rotations.
     pub disagreement: Option<f64>,
     /// Probability, 0..=1, that a map of these measures is a symmetry, where two of five shapes have one.
     pub plausibility: f64,
@@ -38,11 +38,19 @@ impl Judgement {
             disagreement: None,
             plausibility: 0.0,
         };
-        let plausibility = probability(&WEIGHTS, &unjudged.features());
-        Judgement { plausibility, ..unjudged }
+        unjudged.by_three_measures()
     }
 
-    /// Judges the map anew by what its rigid parts say, too, if any were fitted.
+    /// Judges the map anew where its images have moved since.
+    pub fn with_displacement(self, displacement: f64) -> Judgement {
+        Judgement { displacement, ..self }.by_three_measures()
+    }
+
+    fn by_three_measures(self) -> Judgement {
+        Judgement { plausibility: probability(&WEIGHTS, &self.features()), ..self }
+    }
+
+    /// Judges a reflection anew by what its rigid parts say, too, if any were fitted.
     pub fn with_disagreement(self, disagreement: Option<f64>) -> Judgement {
         let Some(apart) = disagreement else { return self };
         let [score, mismatch, displacement] = self.features();
@@ -67,4 +75,27 @@ fn probability(weights: &[f64], features: &[f64]) -> f64 {
     let terms = features.iter().zip(&weights[1..]);
     let logit = weights[0] + terms.map(|(feature, weight)| feature * weight).sum::<f64>();
     1.0 / (1.0 + (-logit).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCORE: Score =
+        Score { commutator: 0.05, orientation: -1.0, fixed: 0.1, disagreement: 0.0, trace: 0.0 };
+
+    #[test]
+    fn parts_that_agree_speak_for_a_reflection_and_others_against_it() {
+        let judged = Judgement::new(&SCORE, 0.3, 0.7);
+        let by_parts = |apart| judged.with_disagreement(Some(apart)).plausibility;
+        assert!(by_parts(0.003) > 0.9 && by_parts(0.03) < 0.1, "{} {}", by_parts(0.003), by_parts(0.03));
+        assert_eq!(judged.with_disagreement(None), judged);
+    }
+
+    #[test]
+    fn a_map_that_comes_to_rest_is_none() {
+        let judged = Judgement::new(&SCORE, 0.1, 0.7);
+        assert!(judged.accepted(50) && !judged.with_displacement(0.01).accepted(50));
+        assert_eq!(judged.with_displacement(0.7), judged);
+    }
 }

@@ -6,6 +6,7 @@ use crate::automorphism::{Automorphism, Connectivity};
 use crate::companions::{self, Companion, Primary};
 use crate::confidence::Evidence;
 use crate::correspondence::Symmetry;
+use crate::displacement::mean_displacement;
 use crate::error::Result;
 use crate::fixed_curve::{odd_function, zero_set};
 use crate::full_refinement::{MatchTarget, VertexImages};
@@ -109,7 +110,8 @@ impl<'a> Assembler<'a> {
         Ok(mirrored_vertices::find(self.mesh, estimate, None, kind, threads, progress)?.is_some())
     }
 
-    /// The map with images that follow the rigid parts of the largest shell, judged by these, too.
+    /// The map with images that follow the rigid parts of the largest shell, judged anew: a reflection by how far its parts
+    /// agree, others by how far they move the surface, since the motions of a half turn's parts may all be the identity, and agree.
     ///
     /// # Errors
     /// Those of [`rigid_parts::fit`].
@@ -128,7 +130,14 @@ impl<'a> Assembler<'a> {
             self.target.threads(),
             progress.token(),
         )?;
-        Ok(ShellSymmetry { images, judged: found.judged.with_disagreement(disagreement), ..found })
+        let judged = match kind {
+            SymmetryKind::Reflection => found.judged.with_disagreement(disagreement),
+            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => {
+                let (basis, areas) = (&self.shell.basis, &self.shell.surface.lumped_mass);
+                found.judged.with_displacement(mean_displacement(basis, areas, &images.partners))
+            }
+        };
+        Ok(ShellSymmetry { images, judged, ..found })
     }
 
     /// Enters the largest shell's images, confidence and odd function, carried back from the proxy if there is one.

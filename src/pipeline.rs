@@ -203,7 +203,10 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         let listed = maps.len();
         if !orbits.continuous {
             for (map, kind) in rotations::find(&shell, &assembler.target, &maps, options, progress)? {
-                maps.push((assembler.with_parts(map, kind, progress)?, kind));
+                let map = assembler.with_parts(map, kind, progress)?;
+                if map.judged.accepted(options.plausibility) {
+                    maps.push((map, kind));
+                }
             }
             clock.lap("rotations");
         }
@@ -222,7 +225,8 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         maps.iter().map(|(map, kind)| assembler.assemble(map, *kind, own, progress)).collect()
     };
     let (symmetries, judging) = threads::join(at_once, assembled, judging);
-    let symmetries = symmetries?;
+    let mut symmetries = symmetries?;
+    drop_repeated(&mut symmetries);
     clock.lap("correspondence");
     progress.report("done", 1.0)?;
     let outcome = if symmetries.is_empty() { Outcome::None } else { Outcome::Found };
@@ -293,6 +297,18 @@ pub(crate) fn retain_symmetries<T>(maps: &mut Vec<(ShellSymmetry, T)>, least: us
     let best = maps.iter().map(|(map, _)| map.judged.isometry_score).fold(f64::INFINITY, f64::min);
     let mut first = true;
     maps.retain(|(map, _)| std::mem::take(&mut first) || map.judged.isometry_score < best + GAP);
+}
+
+/// Leaves the first of those with the same partners: connectivity may make one symmetry of two maps.
+fn drop_repeated(symmetries: &mut Vec<Symmetry>) {
+    let mut own = 0;
+    while own < symmetries.len() {
+        if symmetries[..own].iter().any(|other| other.partner == symmetries[own].partner) {
+            symmetries.remove(own);
+        } else {
+            own += 1;
+        }
+    }
 }
 
 /// What is said to who asks for rotations of order three or more, of which `listed` were found.

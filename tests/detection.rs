@@ -277,6 +277,21 @@ fn the_blob_has_no_symmetry() {
 }
 
 #[test]
+fn half_turns_whose_parts_do_not_move_are_no_symmetries() {
+    let found = detected(&validated(&example("blob")), &Options { symmetries: 8, ..Options::default() });
+    let listed: Vec<_> =
+        found.symmetries.iter().map(|symmetry| (symmetry.kind, symmetry.mean_confidence)).collect();
+    assert!(listed.is_empty(), "{listed:?}");
+}
+
+#[test]
+fn maps_that_connectivity_makes_one_symmetry_of_are_listed_once() {
+    let found = detected(&validated(&example("human")), &Options { symmetries: 8, ..Options::default() });
+    let exact: Vec<_> = found.symmetries.iter().filter(|symmetry| symmetry.exact_share == 1.0).collect();
+    assert_eq!(exact.len(), 1, "of {}", found.symmetries.len());
+}
+
+#[test]
 fn the_fixed_curve_of_a_creature_lies_in_its_mirror_plane() {
     for turn in [0.0, 0.4] {
         let polygons = creature(4, turn);
