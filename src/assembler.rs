@@ -3,19 +3,19 @@
 
 use crate::assembly::{PointMap, Summary, symmetry};
 use crate::automorphism::{Automorphism, Connectivity};
-use crate::companions::{self, Companion, Primary};
+use crate::companions::{self, Primary};
 use crate::confidence::Evidence;
 use crate::correspondence::Symmetry;
 use crate::displacement::mean_displacement;
 use crate::error::Result;
 use crate::fixed_curve::{odd_function, zero_set};
 use crate::full_refinement::{MatchTarget, VertexImages};
-use crate::mesh::{Attachment, Mesh, NONE, Shell, attach};
+use crate::mesh::{Mesh, NONE, Shell, anchors};
 use crate::mirrored_vertices;
 use crate::options::Options;
 use crate::progress::Progress;
 use crate::proxy::Proxy;
-use crate::rigid_parts::{self, Fitted};
+use crate::rigid_parts::{self, Carrier, Fitted};
 use crate::shell_symmetry::{PreparedShell, ShellSymmetry};
 use crate::symmetry_kind::SymmetryKind;
 
@@ -28,8 +28,8 @@ pub struct Assembler<'a> {
     proxy: Option<&'a Proxy<'a>>,
     /// The same for refinement.
     pub target: MatchTarget<'a>,
-    /// Anchors are vertices of `shell`.
-    attachments: Vec<Attachment>,
+    /// For each point of every other shell the vertex of `shell` on which it sits.
+    anchors: Vec<Vec<u32>>,
     connectivity: Connectivity,
 }
 
@@ -43,14 +43,14 @@ impl<'a> Assembler<'a> {
         connectivity: Connectivity,
         options: &Options,
     ) -> Self {
-        let mut attachments = if shells.len() > 1 { attach(mesh, shells, 0) } else { Vec::new() };
+        let mut anchors = if shells.len() > 1 { anchors(mesh, shells, 0) } else { Vec::new() };
         if let Some(proxy) = proxy {
-            for anchor in attachments.iter_mut().flat_map(|attachment| &mut attachment.anchors) {
+            for anchor in anchors.iter_mut().flatten() {
                 *anchor = proxy.nearest_vertex(*anchor);
             }
         }
         let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
-        Assembler { mesh, shells, shell, proxy, target, attachments, connectivity }
+        Assembler { mesh, shells, shell, proxy, target, anchors, connectivity }
     }
 
     /// The symmetry of the caller's mesh that a map with images by [`Assembler::with_parts`] is.
@@ -70,7 +70,7 @@ impl<'a> Assembler<'a> {
         self.insert_largest(&mut map, &found.images, &trust, &odd);
         // Other shells are paired, and under a rotation they come in threes or more.
         if self.shells.len() > 1 && !kind.is_rotation() {
-            self.add_companions(&mut map, found, &trust, &odd, progress)?;
+            self.add_companions(&mut map, found, kind, &trust, &odd, progress)?;
         }
         progress.report("connectivity", 0.97)?;
         let exact = self.connectivity.find(&map.partner, &map.confidence, kind, progress)?;
@@ -121,9 +121,8 @@ impl<'a> Assembler<'a> {
         kind: SymmetryKind,
         progress: &Progress,
     ) -> Result<ShellSymmetry> {
-        let shell = self.proxy.map_or(&self.shells[0], |proxy| &proxy.shell);
         let Fitted { images, disagreement } = rigid_parts::fit(
-            shell,
+            self.solved(),
             &self.shell.surface,
             &found.images,
             kind,
@@ -138,6 +137,11 @@ impl<'a> Assembler<'a> {
             }
         };
         Ok(ShellSymmetry { images, judged, ..found })
+    }
+
+    /// The largest shell or its proxy.
+    fn solved(&self) -> &Shell {
+        self.proxy.map_or(&self.shells[0], |proxy| &proxy.shell)
     }
 
     /// Enters the largest shell's images, confidence and odd function, carried back from the proxy if there is one.
@@ -180,16 +184,21 @@ impl<'a> Assembler<'a> {
         &self,
         map: &mut PointMap,
         found: &ShellSymmetry,
+        kind: SymmetryKind,
         trust: &[f32],
         odd: &[f64],
         progress: &Progress,
     ) -> Result<()> {
-        let primary = Primary { index: 0, basis: &self.shell.basis, partners: &found.images.partners };
-        let companions = companions::find(self.shells, &self.attachments, &primary, progress)?;
+        let primary = Primary {
+            index: 0,
+            shell: self.solved(),
+            carrier: Carrier::new(self.solved(), &found.images, kind),
+        };
+        let companions = companions::find(self.mesh, self.shells, &self.anchors, &primary, progress)?;
         for (own, companion) in companions.iter().enumerate() {
             let Some(companion) = companion else { continue };
-            let anchors = &self.attachments[own].anchors;
-            let share = companion_share(companion);
+            let anchors = &self.anchors[own];
+            let share = companion.trust();
             let trust: Vec<f32> = anchors.iter().map(|&anchor| share * trust[anchor as usize]).collect();
             map.insert(&self.shells[own], &self.shells[companion.target], &companion.images, &trust);
             let anchors_odd: Vec<f64> = anchors.iter().map(|&anchor| odd[anchor as usize]).collect();
@@ -197,9 +206,4 @@ impl<'a> Assembler<'a> {
         }
         Ok(())
     }
-}
-
-/// How much of the anchors' confidence a companion keeps: all for a perfect pairing.
-fn companion_share(companion: &Companion) -> f32 {
-    (1.0 - companion.mismatch).clamp(0.0, 1.0)
 }

@@ -24,7 +24,7 @@ use frame::Frame;
 use polygons::Polygons;
 use vector::Vector;
 
-pub use attachment::{Attachment, attach};
+pub use attachment::anchors;
 pub use connectivity_hash::connectivity_hash;
 pub use polygons::bucket;
 pub use shells::Shell;

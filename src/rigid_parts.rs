@@ -11,10 +11,13 @@
 //! surface as rigidly as possible, which drifts there (`docs/method.md`).
 
 mod blending;
+mod carrier;
 mod mapped;
 mod motion;
 mod takeover;
 mod turned_parts;
+
+pub use carrier::Carrier;
 
 use crate::embedded_triangles::TrianglePoint;
 use crate::error::Result;
