@@ -189,7 +189,8 @@ fn refine(
     Ok(Some(map))
 }
 
-/// Keeps the best of each group of near-equal maps, at most `most`, and says how much the others doubt them.
+/// Keeps the best of each group of near-equal maps, at most `most`, and says how much the others doubt them: all others if
+/// `of_all`, or those that come after them, where those before are other symmetries.
 ///
 /// `candidates` are sorted, best first.
 pub fn distinct(
@@ -197,6 +198,7 @@ pub fn distinct(
     samples: &Samples,
     eigenvalues: &[f64],
     most: usize,
+    of_all: bool,
 ) -> Vec<Candidate> {
     let rows = spread_rows(&samples.prefix(CANDIDATE_SAMPLES), eigenvalues);
     let mut kept: Vec<Candidate> = Vec::new();
@@ -205,7 +207,9 @@ pub fn distinct(
             break;
         }
         if kept.iter().all(|other| mean_distance(&rows, &candidate.partners, &other.partners) > DISTINCT) {
-            kept.push(Candidate { doubts: doubts(candidates[index..].iter(), &rows), ..candidate.clone() });
+            let before = if of_all { &candidates[..index] } else { &[] };
+            let all = candidates[index..].iter().chain(before);
+            kept.push(Candidate { doubts: doubts(all, &rows), ..candidate.clone() });
         }
     }
     kept
@@ -262,5 +266,15 @@ mod tests {
         assert_eq!(doubts_by(candidate(vec![0, 3, 2, 1], 0.01)), [0.0, 0.5, 0.0, 0.5]);
         let worse = doubts_by(candidate(vec![0, 3, 2, 1], 0.1));
         assert!(worse[0] == 0.0 && worse[1] > 0.0 && worse[1] < 0.05, "{worse:?}");
+    }
+
+    #[test]
+    fn better_candidates_doubt_a_map_only_where_one_is_sought() {
+        let samples = Samples { vertices: vec![0, 1], rows: Mat::from_fn(2, 1, |i, _| i as f64) };
+        let candidates = [candidate(vec![1, 0], 0.01), candidate(vec![0, 1], 0.011)];
+        let doubts_of_second = |of_all| distinct(&candidates, &samples, &[1.0], 2, of_all)[1].doubts.clone();
+        assert_eq!(doubts_of_second(false), [0.0; 2]);
+        let doubts = doubts_of_second(true);
+        assert!(doubts.iter().all(|doubt| *doubt > 0.5 && *doubt < 0.6), "{doubts:?}");
     }
 }

@@ -29,6 +29,9 @@ use std::time::Instant;
 /// A reflection that the connectivity alone admits and that is as plausible as this, in percent, needs no search.
 const CERTAIN: usize = 90;
 
+/// A map as plausible as this is taken before its rivals are finished.
+const SURE: f64 = 0.95;
+
 /// Said of a shell that has one.
 const FAMILY: &str = "; the shape has a continuous family of symmetries, as a sphere or a vase has";
 
@@ -173,6 +176,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let (judged, mut evidence) = verdict(maps.first().map(|(map, _)| map), options.plausibility);
     let best = maps.first().cloned();
     retain_symmetries(&mut maps, options.plausibility);
+    maps.truncate(options.symmetries);
     if let Some(map) = mirrored {
         evidence += "; its connectivity admits one reflection";
         if maps.is_empty() {
@@ -243,7 +247,7 @@ fn connectivity(mesh: &Mesh, token: CancelToken) -> Result<(Connectivity, Option
     Ok((connectivity, unrivalled))
 }
 
-/// The best maps of the spectral search, finished: reflections, then half turns.
+/// The best maps of the spectral search, finished: reflections, then half turns, the best first.
 fn search(
     assembler: &Assembler,
     signs: &[SignPrediction],
@@ -253,10 +257,10 @@ fn search(
 ) -> Result<Vec<(ShellSymmetry, SymmetryKind)>> {
     let found = candidates(assembler.shell, signs, options.symmetries, options, progress)?;
     clock.lap("candidates");
-    let mut maps = Vec::new();
-    let (mut accepted, mut best) = (0, f64::INFINITY);
+    let mut maps: Vec<(ShellSymmetry, SymmetryKind)> = Vec::new();
+    let (mut sure, mut best) = (0, f64::INFINITY);
     for candidate in &found {
-        if accepted == options.symmetries || candidate.score.isometry() >= best + GAP {
+        if sure == options.symmetries || candidate.score.isometry() >= best + GAP {
             continue;
         }
         let kind = candidate.score.kind().unwrap_or(SymmetryKind::Reflection);
@@ -266,13 +270,28 @@ fn search(
             continue;
         }
         let map = assembler.with_parts(map, kind, progress)?;
+        sure += usize::from(map.judged.plausibility >= SURE);
         if map.judged.accepted(options.plausibility) {
-            (accepted, best) = (accepted + 1, best.min(map.judged.isometry_score));
+            best = best.min(map.judged.isometry_score);
         }
         maps.push((map, kind));
     }
+    rank(&mut maps, |(map, kind)| (*kind, map.judged.plausibility));
     clock.lap("refinement");
     Ok(maps)
+}
+
+/// Leaves maps of one kind in their order, that of the scores, but for those less plausible than [`SURE`], which come behind, the more
+/// plausible first.
+fn rank<M>(maps: &mut [M], kind_and_plausibility: impl Fn(&M) -> (SymmetryKind, f64)) {
+    let place = |map: &M| {
+        let (kind, plausibility) = kind_and_plausibility(map);
+        (kind, SURE - plausibility.min(SURE))
+    };
+    maps.sort_by(|a, b| {
+        let ((kind, doubt), (other_kind, other_doubt)) = (place(a), place(b));
+        kind.cmp(&other_kind).then(doubt.total_cmp(&other_doubt))
+    });
 }
 
 /// Whether refinement has led two candidates to one map.
@@ -400,4 +419,25 @@ pub fn eigen(mesh: &Mesh, count: usize, progress: &Progress) -> Result<Eigen> {
     }
     progress.report("done", 1.0)?;
     Ok(Eigen { eigenvalues: basis.eigenvalues, eigenfunctions, lumped_mass, residuals: basis.residuals })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use SymmetryKind::{HalfTurn, Reflection};
+
+    #[test]
+    fn plausibility_ranks_maps_of_a_kind_only_where_there_is_doubt() {
+        let ranked = |mut maps: Vec<(SymmetryKind, f64)>| {
+            rank(&mut maps, |map| *map);
+            maps.into_iter().map(|(_, plausibility)| plausibility).collect::<Vec<f64>>()
+        };
+        assert_eq!(ranked(vec![(Reflection, 0.96), (Reflection, 0.99)]), [0.96, 0.99]);
+        assert_eq!(ranked(vec![(Reflection, 0.6), (Reflection, 0.4), (Reflection, 0.9)]), [0.9, 0.6, 0.4]);
+        assert_eq!(
+            ranked(vec![(Reflection, 0.5), (Reflection, 0.98), (Reflection, 0.96)]),
+            [0.98, 0.96, 0.5]
+        );
+        assert_eq!(ranked(vec![(Reflection, 0.1), (HalfTurn, 1.0)]), [0.1, 1.0]);
+    }
 }

@@ -30,6 +30,9 @@ const COARSE_SIZE: usize = 50;
 /// Points on which it and the guided map are refined.
 const REFINED_POINTS: usize = 4000;
 
+/// Reflections among which the best one is sought, by their scores and, if these leave doubts, by how they are judged when finished.
+const RIVALS: usize = 4;
+
 /// Eigenfunctions whose sign is predicted, and vertices the network looks at.
 const PREDICTED_SIGNS: usize = 12;
 const NETWORK_POINTS: usize = 512;
@@ -113,8 +116,8 @@ fn predict(
     network.predict(&rows, picked.len(), k)
 }
 
-/// Distinct candidate maps of a shell, best first: the best reflection if `most` is 1; else up to `most` reflections and
-/// as many half turns, and those that [follow](compositions) from them, in all up to three times `most`.
+/// Distinct candidate maps of a shell, best first: the best reflections, rivals of each other, if `most` is 1; else up to `most`
+/// reflections and as many half turns, and those that [follow](compositions) from them, in all up to three times `most`.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -130,7 +133,8 @@ pub fn candidates(
     let of_kind = |kind| {
         let found: Vec<Candidate> =
             found.iter().filter(|candidate| candidate.score.kind() == Some(kind)).cloned().collect();
-        candidates::distinct(&found, samples, &basis.eigenvalues, most)
+        let (most, of_all) = if most == 1 { (RIVALS, true) } else { (most, false) };
+        candidates::distinct(&found, samples, &basis.eigenvalues, most, of_all)
     };
     let mut kept = of_kind(SymmetryKind::Reflection);
     if most > 1 {
