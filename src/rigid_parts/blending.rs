@@ -16,8 +16,8 @@ use crate::sparse_cholesky::Analysis;
 
 /// Where the parts say 1 in all, motions pass into each other over this distance, in sqrt(area).
 const REACH: f64 = 0.0224;
-/// What the map says everywhere.
-const MAP: f64 = 0.01;
+/// What the map says everywhere. With less, parts that fit badly lead hands and faces astray, whose poses are not rigid.
+const MAP: f64 = 0.5;
 /// Numbers of a motion, and the share of motions in what is said.
 const NUMBERS: usize = 13;
 
@@ -128,13 +128,14 @@ mod tests {
     }
 
     #[test]
-    fn motions_pass_into_each_other_where_none_is_said_to_fit() {
-        let heights = heights(&[(0..17, 0.02), (24..COLUMNS, 0.0)]);
-        assert!(heights[..14].iter().all(|height| (height - 0.02).abs() < 1e-3), "{heights:?}");
-        assert!(heights[27..].iter().all(|height| height.abs() < 1e-3), "{heights:?}");
-        assert!(heights[12..29].windows(2).all(|pair| pair[0] > pair[1]), "{heights:?}");
-        // Half way, but for what the map says.
-        assert!((0.005..0.01).contains(&heights[20]), "{heights:?}");
+    fn motions_reach_beyond_their_parts_and_pass_into_each_other() {
+        // Nothing is said of column 20.
+        let heights = heights(&[(0..20, 0.02), (21..COLUMNS, 0.01)]);
+        assert!(heights[..18].iter().all(|height| (height - 0.02).abs() < 2e-3), "{heights:?}");
+        assert!(heights[23..].iter().all(|height| (height - 0.01).abs() < 2e-3), "{heights:?}");
+        assert!(heights[17..22].windows(2).all(|pair| pair[0] > pair[1] || pair[1] < 0.01), "{heights:?}");
+        // The map itself, which lifts nothing, would leave 0.
+        assert!((0.003..0.015).contains(&heights[20]), "{heights:?}");
     }
 
     #[test]

@@ -42,6 +42,10 @@ const TEARS: f64 = 1.3;
 /// and any number if the map's motion leaves this much, in sqrt(area), and the new one this share of it.
 const FITS_NOTHING: f64 = 0.035;
 const FAR_BETTER: f64 = 0.29;
+/// Whoever follows: any number if the map's motion fits nothing at all and the new one leaves this share of it, and at most this many times
+/// what is usual.
+const CONCLUSIVE: f64 = 0.2;
+const AS_USUAL: f64 = 1.1;
 
 /// Where a part is turned.
 #[derive(Clone, Copy)]
@@ -107,7 +111,10 @@ pub(super) fn take_over(
         return Ok(());
     }
     let images = images(mapped, &mapped.within(&region, SMALL_RADIUS), &goals, &sought, surroundings.threads);
-    let tolerated = tolerated_tears(&parts, own, found, torn(mapped, &around));
+    let tolerated = match conclusive(own, found, surroundings.usual) {
+        true => 1.0,
+        false => tolerated_tears(&parts, own, found, torn(mapped, &around)),
+    };
     let replaced: Vec<_> =
         images.into_iter().map(|(vertex, image)| (vertex, mapped.replace(vertex, image))).collect();
     if torn(mapped, &around) > tolerated {
@@ -133,6 +140,11 @@ fn images(
     };
     let changed = vertices.iter().filter(|&&(vertex, _)| goals[vertex as usize].new > 0.0);
     threads::map(threads, changed.collect(), image)
+}
+
+/// Whether the new motion fits as parts do that fit, where the map's fits nothing.
+fn conclusive(own: &Settled, found: &Settled, usual: f64) -> bool {
+    own.unlike > FITS_NOTHING && found.unlike < CONCLUSIVE * own.unlike && found.unlike < AS_USUAL * usual
 }
 
 /// Share of the edges around that may be torn afterwards, of which `before` are.
