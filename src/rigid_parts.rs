@@ -7,7 +7,7 @@
 //! open, as a slide along a limb, stays as the map says. Parts overlap; each vertex follows those it is in, the more the better
 //! they fit, but not those that the others contradict. So a vertex that the map tears from its surroundings comes back.
 //!
-//! Where a joint bends, no rigid part fits, and the motions around pass into each other. That is how this differs from fitting the whole
+//! Where a joint bends, no rigid part fits; there the motions around pass into each other, and the map has most to say. That is how this differs from fitting the whole
 //! surface as rigidly as possible, which drifts there (`docs/method.md`).
 
 mod blending;
