@@ -214,3 +214,16 @@ fn median_disagreement(mapped: &Mapped, parts: &[Part], agreed: &[Goal]) -> f64 
     });
     median.map_or(0.0, |(disagreement, _)| *disagreement)
 }
+
+/// A strip of 41 x 5 vertices, column by column, for tests; `at` places them.
+#[cfg(test)]
+fn strip(at: impl Fn(u32, u32) -> Vector) -> Shell {
+    let squares = (0..40).flat_map(|column| (0..4).map(move |row| 5 * column + row));
+    let polygons = crate::mesh::PolygonMesh {
+        positions: (0..5 * 41).map(|i| at(i / 5, i % 5)).collect(),
+        face_offsets: (0..=4 * 40).map(|face| 4 * face).collect(),
+        face_vertices: squares.flat_map(|i| [i, i + 5, i + 6, i + 1]).collect(),
+    };
+    let mesh = crate::mesh::Mesh::new(&polygons, &crate::limits::Limits::default()).expect("a usable mesh");
+    mesh.shells().swap_remove(0)
+}

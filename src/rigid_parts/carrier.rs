@@ -3,6 +3,7 @@
 //! A rigid motion fitted to how a whole region is mapped averages out what the map is off by at each vertex of it, and it says where
 //! the room around the surface goes, too.
 
+use super::FITTED_POINTS;
 use super::mapped::{Disc, Mapped};
 use super::motion::Motion;
 use crate::full_refinement::VertexImages;
@@ -12,8 +13,6 @@ use crate::symmetry_kind::SymmetryKind;
 
 /// Radius, in sqrt(area) along edges, of the regions whose motions carry points.
 const RADIUS: f64 = 0.12;
-/// Points of a region that its motion is fitted to.
-const FITTED_POINTS: usize = 80;
 /// A region of fewer vertices, as on a coarse mesh, says little of a turn, and is made larger.
 const LEAST_VERTICES: usize = 16;
 const LARGEST_RADIUS: f64 = 2.0;
@@ -77,25 +76,19 @@ mod tests {
     use crate::limits::Limits;
     use crate::mesh::vector::{squared_norm, subtract};
     use crate::mesh::{Mesh, PolygonMesh};
+    use crate::rigid_parts::strip;
 
-    /// A strip of 41 x 5 vertices, column by column, bent like an S along its length.
-    fn strip() -> Shell {
-        let at = |i: u32| {
-            let x = f64::from(i / 5) / 20.0 - 1.0;
-            [x, f64::from(i % 5) / 20.0, 0.1 * (x * x * x - x)]
-        };
-        let squares = (0..40).flat_map(|column| (0..4).map(move |row| 5 * column + row));
-        let polygons = PolygonMesh {
-            positions: (0..5 * 41).map(at).collect(),
-            face_offsets: (0..=4 * 40).map(|face| 4 * face).collect(),
-            face_vertices: squares.flat_map(|i| [i, i + 5, i + 6, i + 1]).collect(),
-        };
-        Mesh::new(&polygons, &Limits::default()).expect("a usable mesh").shells().swap_remove(0)
+    /// A strip bent like an S along its length.
+    fn bent_strip() -> Shell {
+        strip(|column, row| {
+            let x = f64::from(column) / 20.0 - 1.0;
+            [x, f64::from(row) / 20.0, 0.1 * (x * x * x - x)]
+        })
     }
 
     #[test]
     fn what_sits_on_a_surface_is_turned_with_it_even_if_single_images_are_off() {
-        let shell = strip();
+        let shell = bent_strip();
         // A half turn about the strip's middle takes its ends to each other and its upper side to its lower one.
         let turned = |local: usize| {
             let point = shell.points[local];
