@@ -1,6 +1,6 @@
 //! Whether a finished map is a symmetry at all: "none" is an answer too.
 //!
-//! A logistic model of three measures of the map that need no truth, and of a fourth once its rigid parts are fitted. The weights are
+//! A logistic model of three measures of the map that need no truth, and of two more once its rigid parts are fitted. The weights are
 //! fitted on generated shapes with and without a symmetry (`docs/method.md`).
 
 use crate::candidate_score::Score;
@@ -8,7 +8,10 @@ use crate::candidate_score::Score;
 /// Weights of the logistic model: constant, then those of [`Judgement::features`].
 const WEIGHTS: [f64; 4] = [-13.5421, -2.4085, -6.4959, 4.5748];
 /// The same for reflections once rigid parts are fitted.
-const WEIGHTS_WITH_PARTS: [f64; 5] = [-28.7525, -1.7797, -5.1894, 5.0455, -4.3087];
+const WEIGHTS_WITH_PARTS: [f64; 6] = [-29.5253, -1.8208, -4.7430, 5.2456, -4.6964, -53.0214];
+
+/// Of maps as plausible as this, the score tells which is best.
+const SURE: f64 = 0.95;
 
 /// What a finished map was judged by, and the verdict.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -19,11 +22,23 @@ pub struct Judgement {
     pub signature_mismatch: f64,
     /// [`crate::displacement::mean_displacement`] of the finished map: 0 for the identity.
     pub displacement: f64,
-    /// [`crate::rigid_parts::Fitted::disagreement`]: 0 if the map is a rigid motion almost everywhere; `None` where no parts are
-    /// fitted, and for half turns and rotations.
+    /// That of [`Rigidity`]; `None` where no parts are fitted, and for half turns and rotations.
     pub disagreement: Option<f64>,
+    /// The same.
+    pub scatter: Option<f64>,
     /// Probability, 0..=1, that a map of these measures is a symmetry, where two of five shapes have one.
     pub plausibility: f64,
+}
+
+/// What the [rigid parts](crate::rigid_parts) of a map say of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rigidity {
+    /// How far from their mean the parts around a point put it, in sqrt(area): root mean square over the parts, median over the
+    /// surface. Small if the map is nearly a rigid motion almost everywhere.
+    pub disagreement: f64,
+    /// Share of the surface that the images of the vertices, moved by the parts, leave empty beyond what those of an isometry would;
+    /// 0..=0.04.
+    pub scatter: f64,
 }
 
 impl Judgement {
@@ -36,6 +51,7 @@ impl Judgement {
             signature_mismatch,
             displacement,
             disagreement: None,
+            scatter: None,
             plausibility: 0.0,
         };
         unjudged.by_three_measures()
@@ -51,11 +67,16 @@ impl Judgement {
     }
 
     /// Judges a reflection anew by what its rigid parts say, too, if any were fitted.
-    pub fn with_disagreement(self, disagreement: Option<f64>) -> Judgement {
-        let Some(apart) = disagreement else { return self };
+    pub fn with_parts(self, rigidity: Option<Rigidity>) -> Judgement {
+        let Some(Rigidity { disagreement, scatter }) = rigidity else { return self };
         let [score, mismatch, displacement] = self.features();
-        let features = [score, mismatch, displacement, (apart + 0.0005).ln()];
-        Judgement { disagreement, plausibility: probability(&WEIGHTS_WITH_PARTS, &features), ..self }
+        let features = [score, mismatch, displacement, (disagreement + 0.0005).ln(), scatter];
+        Judgement {
+            disagreement: Some(disagreement),
+            scatter: Some(scatter),
+            plausibility: probability(&WEIGHTS_WITH_PARTS, &features),
+            ..self
+        }
     }
 
     /// The columns of the model without rigid parts.
@@ -68,6 +89,11 @@ impl Judgement {
     pub fn accepted(&self, percent: usize) -> bool {
         100.0 * self.plausibility >= percent as f64
     }
+}
+
+/// How much less plausible a map is than one that is a symmetry for sure: the greater, the later in a list. 0 for those.
+pub fn doubt(plausibility: f64) -> f64 {
+    SURE - plausibility.min(SURE)
 }
 
 /// That of the logistic model: `weights` are the constant's, then those of the features.
@@ -87,9 +113,11 @@ mod tests {
     #[test]
     fn parts_that_agree_speak_for_a_reflection_and_others_against_it() {
         let judged = Judgement::new(&SCORE, 0.3, 0.7);
-        let by_parts = |apart| judged.with_disagreement(Some(apart)).plausibility;
-        assert!(by_parts(0.003) > 0.9 && by_parts(0.03) < 0.1, "{} {}", by_parts(0.003), by_parts(0.03));
-        assert_eq!(judged.with_disagreement(None), judged);
+        let by_parts =
+            |disagreement, scatter| judged.with_parts(Some(Rigidity { disagreement, scatter })).plausibility;
+        assert!(by_parts(0.003, 0.01) > 0.9 && by_parts(0.03, 0.01) < 0.1);
+        assert!(by_parts(0.01, 0.0) > 0.9 && by_parts(0.01, 0.04) < 0.7);
+        assert_eq!(judged.with_parts(None), judged);
     }
 
     #[test]

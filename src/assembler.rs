@@ -89,7 +89,8 @@ impl<'a> Assembler<'a> {
             SymmetryKind::Reflection => zero_set(&self.mesh.triangles, &map.odd),
             SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => Vec::new(),
         };
-        Ok(symmetry(self.mesh, &map, curve, Summary { kind, score: found.score.total() }))
+        let (score, plausibility) = (found.score.total(), found.judged.plausibility);
+        Ok(symmetry(self.mesh, &map, curve, Summary { kind, score, plausibility }))
     }
 
     /// Whether vertices of the largest shell are mirrored, though edges need not be, near a map.
@@ -110,8 +111,8 @@ impl<'a> Assembler<'a> {
         Ok(mirrored_vertices::find(self.mesh, estimate, None, kind, threads, progress)?.is_some())
     }
 
-    /// The map with images that follow the rigid parts of the largest shell, judged anew: a reflection by how far its parts
-    /// agree, others by how far they move the surface, since the motions of a half turn's parts may all be the identity, and agree.
+    /// The map with images that follow the rigid parts of the largest shell, judged anew: a reflection by what its parts
+    /// say, others by how far they move the surface, since the motions of a half turn's parts may all be the identity, and agree.
     ///
     /// # Errors
     /// Those of [`rigid_parts::fit`].
@@ -121,7 +122,7 @@ impl<'a> Assembler<'a> {
         kind: SymmetryKind,
         progress: &Progress,
     ) -> Result<ShellSymmetry> {
-        let Fitted { images, disagreement } = rigid_parts::fit(
+        let Fitted { images, rigidity } = rigid_parts::fit(
             self.solved(),
             &self.shell.surface,
             &found.images,
@@ -130,7 +131,7 @@ impl<'a> Assembler<'a> {
             progress.token(),
         )?;
         let judged = match kind {
-            SymmetryKind::Reflection => found.judged.with_disagreement(disagreement),
+            SymmetryKind::Reflection => found.judged.with_parts(rigidity),
             SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => {
                 let (basis, areas) = (&self.shell.basis, &self.shell.surface.lumped_mass);
                 found.judged.with_displacement(mean_displacement(basis, areas, &images.partners))

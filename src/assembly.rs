@@ -239,6 +239,8 @@ pub struct Summary {
     pub kind: SymmetryKind,
     /// Total score.
     pub score: f64,
+    /// That it is a symmetry.
+    pub plausibility: f64,
 }
 
 /// The symmetry in the caller's numbering.
@@ -280,6 +282,7 @@ pub fn symmetry(
         side: (0..vertices).map(side).collect(),
         fixed_curve: curve.into_iter().map(|(points, closed)| polyline(mesh, points, closed)).collect(),
         score: summary.score,
+        plausibility: summary.plausibility,
         mean_confidence: mean_over_surface(mesh, &map.confidence),
         exact_share: exact as f64 / vertices.max(1) as f64,
     }

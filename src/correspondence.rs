@@ -58,6 +58,8 @@ pub struct Symmetry {
     pub fixed_curve: Vec<Polyline>,
     /// Lower is better; see `candidate_score`.
     pub score: f64,
+    /// Probability, 0..=1, that the map is a symmetry at all; see `acceptance`.
+    pub plausibility: f64,
     /// Mean of `confidence` over the surface.
     pub mean_confidence: f64,
     /// Share of the vertices whose partner comes from mirrored connectivity, an exact bijection; 0..=1.

@@ -4,6 +4,7 @@
 //! the truth than one that is found anew, or refined on the new shape (`docs/speed.md`). So it is kept as it is, and
 //! only judged again, on a simplified mesh and by few eigenfunctions.
 
+use crate::acceptance::doubt;
 use crate::assembly::mean_over_surface;
 use crate::continuous_family::orbits;
 use crate::correspondence::Symmetry;
@@ -169,7 +170,13 @@ fn keep(
     }
     let mut symmetries: Vec<Symmetry> =
         maps.iter().map(|(map, symmetry)| judged_again(mesh, symmetry, map)).collect();
-    symmetries.sort_by(|a, b| a.kind.place().cmp(&b.kind.place()).then(a.score.total_cmp(&b.score)));
+    symmetries.sort_by(|a, b| {
+        let doubt = |symmetry: &Symmetry| {
+            if symmetry.kind.is_rotation() { 0.0 } else { doubt(symmetry.plausibility) }
+        };
+        let doubts = doubt(a).total_cmp(&doubt(b));
+        a.kind.place().cmp(&b.kind.place()).then(doubts).then(a.score.total_cmp(&b.score))
+    });
     clock.lap("earlier maps");
     let outcome = if symmetries.is_empty() { Outcome::None } else { Outcome::Found };
     let report = Report { judged, evidence, kept: true, ..Report::of(mesh) };
@@ -188,6 +195,7 @@ fn judged_again(mesh: &Mesh, symmetry: &Symmetry, map: &ShellSymmetry) -> Symmet
         mesh.vertex_of_point.iter().map(|&vertex| symmetry.confidence[vertex as usize]).collect();
     Symmetry {
         score: map.score.total(),
+        plausibility: map.judged.plausibility,
         mean_confidence: mean_over_surface(mesh, &confidence),
         ..symmetry.clone()
     }

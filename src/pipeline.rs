@@ -1,6 +1,6 @@
 //! `detect`: the only caller of all stages.
 
-use crate::acceptance::Judgement;
+use crate::acceptance::{Judgement, doubt};
 use crate::assembler::Assembler;
 use crate::automorphism::{Automorphism, Connectivity};
 use crate::candidates::{DISTINCT, GAP};
@@ -28,9 +28,6 @@ use std::time::Instant;
 
 /// A reflection that the connectivity alone admits and that is as plausible as this, in percent, needs no search.
 const CERTAIN: usize = 90;
-
-/// A map as plausible as this is taken before its rivals are finished.
-const SURE: f64 = 0.95;
 
 /// Said of a shell that has one.
 const FAMILY: &str = "; the shape has a continuous family of symmetries, as a sphere or a vase has";
@@ -114,8 +111,9 @@ impl Report {
 pub struct Detection {
     /// Found or none.
     pub outcome: Outcome,
-    /// At most `options.symmetries`: reflections, best first, then half turns, best first. Then at most `options.rotations`
-    /// rotations of order three or more (EXPERIMENTAL), one of each cyclic group: those of highest order first, then the best.
+    /// At most `options.symmetries`: reflections, best first, then half turns, best first: those of a plausibility of 0.95 or more
+    /// by their scores, then the others by their plausibilities. Then at most `options.rotations` rotations of order three or more
+    /// (EXPERIMENTAL), one of each cyclic group: those of highest order first, then the best.
     pub symmetries: Vec<Symmetry>,
     /// Numbers behind the outcome.
     pub report: Report,
@@ -270,7 +268,7 @@ fn search(
             continue;
         }
         let map = assembler.with_parts(map, kind, progress)?;
-        sure += usize::from(map.judged.plausibility >= SURE);
+        sure += usize::from(doubt(map.judged.plausibility) == 0.0);
         if map.judged.accepted(options.plausibility) {
             best = best.min(map.judged.isometry_score);
         }
@@ -281,16 +279,13 @@ fn search(
     Ok(maps)
 }
 
-/// Leaves maps of one kind in their order, that of the scores, but for those less plausible than [`SURE`], which come behind, the more
-/// plausible first.
+/// Leaves maps of one kind in their order, that of the scores, but for those that may be none, which come behind, the more plausible
+/// first.
 fn rank<M>(maps: &mut [M], kind_and_plausibility: impl Fn(&M) -> (SymmetryKind, f64)) {
-    let place = |map: &M| {
-        let (kind, plausibility) = kind_and_plausibility(map);
-        (kind, SURE - plausibility.min(SURE))
-    };
     maps.sort_by(|a, b| {
-        let ((kind, doubt), (other_kind, other_doubt)) = (place(a), place(b));
-        kind.cmp(&other_kind).then(doubt.total_cmp(&other_doubt))
+        let ((kind, plausibility), (other_kind, other)) =
+            (kind_and_plausibility(a), kind_and_plausibility(b));
+        kind.cmp(&other_kind).then(doubt(plausibility).total_cmp(&doubt(other)))
     });
 }
 

@@ -14,11 +14,13 @@ mod blending;
 mod carrier;
 mod mapped;
 mod motion;
+mod scatter;
 mod takeover;
 mod turned_parts;
 
 pub use carrier::Carrier;
 
+use crate::acceptance::Rigidity;
 use crate::embedded_triangles::TrianglePoint;
 use crate::error::Result;
 use crate::full_refinement::VertexImages;
@@ -61,9 +63,8 @@ struct Part<'a> {
 pub struct Fitted {
     /// Images of the vertices.
     pub images: VertexImages,
-    /// How far from their mean the parts around a point put it, in sqrt(area): root mean square over the parts, median over the
-    /// surface. Small if the map is nearly a rigid motion almost everywhere; `None` if nothing was fitted.
-    pub disagreement: Option<f64>,
+    /// What the parts say of the map; `None` if nothing was fitted.
+    pub rigidity: Option<Rigidity>,
 }
 
 /// Moves the images of an oriented shell's vertices to where the rigid parts put them.
@@ -82,7 +83,7 @@ pub fn fit(
     token: &CancelToken,
 ) -> Result<Fitted> {
     if !shell.orientable || shell.scale == 0.0 {
-        return Ok(Fitted { images: images.clone(), disagreement: None });
+        return Ok(Fitted { images: images.clone(), rigidity: None });
     }
     let mirrored = kind == SymmetryKind::Reflection;
     let mut mapped = Mapped::new(shell, images.clone());
@@ -102,7 +103,9 @@ pub fn fit(
         let (partners, points) = threads::map(threads, ranges, project).into_iter().flatten().unzip();
         mapped.replace_all(VertexImages { partners, points });
     }
-    Ok(Fitted { images: mapped.found, disagreement })
+    let rigidity =
+        disagreement.map(|disagreement| Rigidity { disagreement, scatter: scatter::scatter(&mapped) });
+    Ok(Fitted { images: mapped.found, rigidity })
 }
 
 /// Discs spread over the shell.

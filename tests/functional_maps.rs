@@ -3,7 +3,7 @@
 mod support;
 
 use faer::Mat;
-use intrinsym::acceptance::Judgement;
+use intrinsym::acceptance::{Judgement, Rigidity};
 use intrinsym::candidate_score::{Score, Scorer};
 use intrinsym::dense::product;
 use intrinsym::eigenbasis::Eigenbasis;
@@ -419,12 +419,17 @@ fn a_map_is_the_less_plausible_the_worse_any_measure_is() {
     assert!(plausibility(0.01, 0.3) > plausibility(0.01, 0.5));
     // A map near to the identity is isometric for free.
     assert!(judge(&score(0.01), 0.3).plausibility > Judgement::new(&score(0.01), 0.3, 0.2).plausibility);
-    // Parts that move as one speak for it, parts that do not against it, and without parts nothing changes.
-    let with_parts = |apart| judge(&score(0.01), 0.3).with_disagreement(apart).plausibility;
+    // Parts that move as one and images that lie evenly speak for it, others against it, and without parts nothing changes.
+    let with_parts = |disagreement, scatter| {
+        judge(&score(0.01), 0.3).with_parts(Some(Rigidity { disagreement, scatter })).plausibility
+    };
     assert!(
-        with_parts(Some(0.001)) > with_parts(Some(0.01)) && with_parts(Some(0.01)) > with_parts(Some(0.1))
+        with_parts(0.001, 0.01) > with_parts(0.01, 0.01) && with_parts(0.01, 0.01) > with_parts(0.1, 0.01)
     );
-    assert_eq!(judge(&score(0.01), 0.3).with_disagreement(None), judge(&score(0.01), 0.3));
+    assert!(
+        with_parts(0.01, 0.0) > with_parts(0.01, 0.02) && with_parts(0.01, 0.02) > with_parts(0.01, 0.04)
+    );
+    assert_eq!(judge(&score(0.01), 0.3).with_parts(None), judge(&score(0.01), 0.3));
     // What the network believes is no evidence of a symmetry.
     let contradicted = Score { disagreement: 0.5, ..score(0.01) };
     assert_eq!(judge(&contradicted, 0.3), judge(&score(0.01), 0.3));

@@ -30,6 +30,7 @@ fn exact_symmetry(polygons: &PolygonMesh, partners: &[u32]) -> Symmetry {
         side: partners.iter().enumerate().map(side).collect(),
         fixed_curve: Vec::new(),
         score: -3.0,
+        plausibility: 1.0,
         mean_confidence: 1.0,
         exact_share: 1.0,
     }

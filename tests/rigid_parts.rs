@@ -156,14 +156,21 @@ fn bust() -> (PolygonMesh, Vec<u32>) {
     (mesh, mirrored)
 }
 
-/// The displacement that turns the bust's head by an angle, and its neck by a part of it.
-fn head_turned(shell: &Shell, angle: f64) -> impl Fn(Vector) -> Vector {
+/// How far up the bust's neck a position is: 0 on the body, 1 on the head.
+fn up_the_neck(shell: &Shell) -> impl Fn(Vector) -> f64 {
     let heights = || shell.positions.iter().map(|position| position[2]);
     let (top, bottom) = (heights().fold(f64::MIN, f64::max), heights().fold(f64::MAX, f64::min));
     move |position: Vector| {
-        let up = ((position[2] - bottom) / (top - bottom) - 0.6) / 0.15;
-        let share = up.clamp(0.0, 1.0);
-        let turned = rotated(position, [0.0, 0.0, 1.0], angle * share * share * (3.0 - 2.0 * share));
+        let share = (((position[2] - bottom) / (top - bottom) - 0.6) / 0.15).clamp(0.0, 1.0);
+        share * share * (3.0 - 2.0 * share)
+    }
+}
+
+/// The displacement that turns the bust's head by an angle, and its neck by a part of it.
+fn head_turned(shell: &Shell, angle: f64) -> impl Fn(Vector) -> Vector {
+    let up = up_the_neck(shell);
+    move |position: Vector| {
+        let turned = rotated(position, [0.0, 0.0, 1.0], angle * up(position));
         [0, 1, 2].map(|axis| turned[axis] - position[axis])
     }
 }
@@ -181,27 +188,40 @@ fn a_head_mapped_as_if_it_were_turned_is_found() {
 }
 
 #[test]
+fn a_head_that_is_not_mirrored_is_found() {
+    let (mesh, truth) = bust();
+    let shell = shell(&mesh);
+    // The head's images are where they were, so the map folds in the neck.
+    let up = up_the_neck(&shell);
+    let images = moved(&shell, &truth, |image| [-2.0 * up(image) * image[0], 0.0, 0.0]);
+    let before = off(&shell, &images, &truth);
+    let after = off(&shell, &fitted(&shell, &images, Reflection), &truth);
+    assert!(before > 0.04 && after < 0.1 * before, "{before} {after}");
+}
+
+#[test]
 fn parts_disagree_where_the_sides_differ() {
-    let disagreement = |mesh: &PolygonMesh, truth: &[u32], kind| {
+    let rigidity = |mesh: &PolygonMesh, truth: &[u32], kind| {
         let shell = shell(mesh);
         let images = moved(&shell, truth, |_| [0.0; 3]);
-        fitted_on(2, &shell, &images, kind).disagreement.unwrap()
+        fitted_on(2, &shell, &images, kind).rigidity.unwrap()
     };
     let (mesh, truth) = bust();
-    let same = disagreement(&mesh, &truth, Reflection);
-    assert!(same < 1e-4, "{same}");
+    let same = rigidity(&mesh, &truth, Reflection);
+    assert!(same.disagreement < 1e-4 && same.scatter == 0.0, "{same:?}");
     // One side is swollen here and sunken there.
     let mut uneven = mesh.clone();
     for position in uneven.positions.iter_mut().filter(|position| position[0] > 0.0) {
         let wave = 1.0 + 0.3 * position[0] * (5.0 * position[2]).sin();
         *position = position.map(|coordinate| wave * coordinate);
     }
-    let differing = disagreement(&uneven, &truth, Reflection);
-    assert!(differing > 0.01, "{differing}");
+    let differing = rigidity(&uneven, &truth, Reflection);
+    assert!(differing.disagreement > 0.01, "{differing:?}");
     // A pose bends places, not most of the surface; and a half turn moves no part as a reflection does.
     let (posed, truth) = (example("human"), example_truth("human"));
-    let bent = disagreement(&posed, &truth, Reflection);
-    assert!(bent < 0.01 && disagreement(&posed, &truth, HalfTurn) > 2.0 * bent, "{bent}");
+    let (bent, turned) = (rigidity(&posed, &truth, Reflection), rigidity(&posed, &truth, HalfTurn));
+    assert!(bent.disagreement < 0.01 && turned.disagreement > 2.0 * bent.disagreement, "{bent:?}");
+    assert!(bent.scatter == 0.0, "{bent:?}");
 }
 
 #[test]
@@ -215,7 +235,7 @@ fn threads_change_nothing() {
         let found = on(threads);
         assert_eq!(alone.images.partners, found.images.partners);
         assert_eq!(alone.images.points, found.images.points);
-        assert_eq!(alone.disagreement, found.disagreement);
+        assert_eq!(alone.rigidity, found.rigidity);
     }
 }
 
@@ -234,7 +254,7 @@ fn a_surface_without_two_sides_keeps_its_map() {
     let images = moved(&shell, &truth, waves(0.05));
     let found = fitted(&shell, &images, Reflection);
     assert_eq!((found.partners, found.points), (images.partners.clone(), images.points.clone()));
-    assert_eq!(fitted_on(2, &shell, &images, Reflection).disagreement, None);
+    assert_eq!(fitted_on(2, &shell, &images, Reflection).rigidity, None);
 }
 
 #[test]

@@ -52,6 +52,7 @@ def test_acceptance_learns_what_tells_right_maps_from_others(tmp_path, monkeypat
             judged = {"signature_mismatch": mismatch * rng.lognormal(0, 0.8), "isometry_score": float(rng.normal())}
             judged |= {"displacement": float(rng.lognormal()), "plausibility": 0.5}
             judged["disagreement"] = (0.005 if prefix == "even" else 0.02) * rng.lognormal(0, 0.8)
+            judged["scatter"] = (0.0 if prefix == "even" else 0.02) + 0.02 * rng.random()
             write_answer(tmp_path / "answers", f"{prefix}-{index:04d}", np.arange(len(mirror)) if wrong else mirror, judged)
     words = [str(tmp_path / "symmetric"), str(tmp_path / "asymmetric"), "--keep", str(tmp_path / "answers")]
     monkeypatch.setattr(sys, "argv", ["acceptance", *words])

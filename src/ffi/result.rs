@@ -434,6 +434,7 @@ impl Stored {
             side: self.sides,
             fixed_curve: Vec::new(),
             score: 0.0,
+            plausibility: 1.0,
             exact_share: 0.0,
         })
     }

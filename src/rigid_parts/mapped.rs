@@ -5,7 +5,7 @@ use crate::adjacency::Adjacency;
 use crate::embedded_triangles::TrianglePoint;
 use crate::full_refinement::VertexImages;
 use crate::mesh::Shell;
-use crate::mesh::vector::{Vector, cross, point_areas, squared_norm, subtract};
+use crate::mesh::vector::{Vector, cross, dot, point_areas, squared_norm, subtract};
 use crate::sampling::{area_weighted_vertices, farthest_points};
 use crate::surface_walk::SurfaceWalk;
 use std::cmp::Ordering;
@@ -184,6 +184,32 @@ impl<'a> Mapped<'a> {
         self.walk.nearest(goal, start)
     }
 
+    /// How far the map of some vertices is from an isometry that mirrors the surface, or does not: how much it stretches or shrinks
+    /// edges (mean of |ln(length of the image / length)|, at most 1 each), plus the share of the area that it turns the wrong way.
+    pub fn strain(&self, of: &[bool], mirrored: bool) -> f64 {
+        let (mut stretched, mut length) = (0.0, f64::MIN_POSITIVE);
+        let (mut wrong, mut area) = (0.0, f64::MIN_POSITIVE);
+        for corners in self.shell.triangles.iter().filter(|corners| corners.iter().all(|&c| of[c as usize])) {
+            let edges = |positions: &[Vector]| {
+                let [a, b, c] = corners.map(|corner| positions[corner as usize]);
+                [subtract(b, a), subtract(c, b), subtract(a, c)]
+            };
+            let (own, image) = (edges(&self.shell.positions), edges(&self.images));
+            for (own, image) in own.iter().zip(&image) {
+                let [own, image] = [own, image].map(|edge| squared_norm(*edge).sqrt().max(f64::MIN_POSITIVE));
+                stretched += own * (image / own).ln().abs().min(1.0);
+                length += own;
+            }
+            let twice = squared_norm(cross(own[0], own[1])).sqrt();
+            let normal = cross(image[0], image[1]);
+            let there = |&corner: &u32| self.normals[self.found.partners[corner as usize] as usize];
+            let facing: f64 = corners.iter().map(|corner| dot(normal, there(corner))).sum();
+            wrong += if (facing > 0.0) == mirrored { twice } else { 0.0 };
+            area += twice;
+        }
+        stretched / length + wrong / area
+    }
+
     /// Gives all vertices other images.
     pub fn replace_all(&mut self, found: VertexImages) {
         self.images = found.points.iter().map(|point| at(self.shell, point, &self.shell.positions)).collect();
@@ -236,4 +262,45 @@ fn normals(shell: &Shell) -> Vec<Vector> {
 
 fn unit(vector: Vector) -> Vector {
     vector.map(|x| x / squared_norm(vector).sqrt().max(f64::MIN_POSITIVE))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::full_refinement::VertexImages;
+    use crate::mesh::Shell;
+    use crate::rigid_parts::strip;
+
+    /// Strain of all of a flat strip of 41 x 5 vertices whose columns go where `to` says.
+    fn strain_of(to: impl Fn(u32) -> u32, mirrored: bool) -> f64 {
+        let shell = strip(|column, row| [f64::from(column) / 40.0, f64::from(row) / 20.0, 0.0]);
+        let partners = partners(&shell, to);
+        let mapped = Mapped::new(&shell, VertexImages::at_vertices(&shell.triangles, partners));
+        mapped.strain(&[true; 5 * 41], mirrored)
+    }
+
+    fn partners(shell: &Shell, to: impl Fn(u32) -> u32) -> Vec<u32> {
+        let vertex =
+            |point: u32| (0..).zip(&shell.points).find(|(_, own)| **own == point).expect("a vertex").0;
+        shell.points.iter().map(|point| vertex(5 * to(point / 5) + point % 5)).collect()
+    }
+
+    #[test]
+    fn a_mirror_image_has_no_strain_and_what_is_not_turned_over_has() {
+        assert!(strain_of(|column| 40 - column, true) < 1e-6);
+        assert!((strain_of(|column| 40 - column, false) - 1.0).abs() < 1e-6);
+        assert!((strain_of(|column| column, true) - 1.0).abs() < 1e-6);
+        // The first quarter lies on the one after it.
+        let folded = strain_of(|column| if column < 10 { 20 + column } else { 40 - column }, true);
+        assert!((folded - 0.25).abs() < 0.05, "{folded}");
+    }
+
+    #[test]
+    fn what_is_torn_or_squeezed_has_strain() {
+        let torn = strain_of(|column| if column < 20 { 19 - column } else { 60 - column }, true);
+        let squeezed = strain_of(|column| 40 - column.min(30), true);
+        assert!(torn > 0.01 && torn < 0.1, "{torn}");
+        // A quarter loses all of its length, and none of its height.
+        assert!(squeezed > 0.04 && squeezed < 0.1, "{squeezed}");
+    }
 }

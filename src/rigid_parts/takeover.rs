@@ -2,14 +2,15 @@
 //!
 //! Small parts around it are fitted by both motions: those that the new one fits better follow it, those that the old one fits better
 //! keep it, and between them, as along a round neck, where both fit, the motions pass into each other by a turn that grows with the way. That must leave the
-//! rest of the surface in one piece, since what is turned is the end of a limb, and must not tear the map.
+//! rest of the surface in one piece, since what is turned is the end of a limb, and must make a better map of the surroundings: one that
+//! stretches, tears and turns inside out much less of them.
 
 use super::mapped::{Disc, Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, mean};
-use super::turned_parts::{Settled, seeds, settle};
+use super::turned_parts::{seeds, settle};
 use crate::embedded_triangles::TrianglePoint;
 use crate::error::Result;
-use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::vector::Vector;
 use crate::threads;
 
 /// Radius of the small parts along edges, in sqrt(area), and how many they are all over the surface.
@@ -35,17 +36,6 @@ const SURELY_FITS: f64 = 0.025;
 const MISFITS: f64 = 1.25;
 /// Share of the surface that may be cut off from the rest.
 const CUT_OFF: f64 = 0.03;
-/// An edge is torn if its image is this many times as long.
-const TORN: f64 = std::f64::consts::E;
-/// If more small parts follow the new motion than keep the old one, this many times as many edges as before may be torn,
-const TEARS: f64 = 1.3;
-/// and any number if the map's motion leaves this much, in sqrt(area), and the new one this share of it.
-const FITS_NOTHING: f64 = 0.035;
-const FAR_BETTER: f64 = 0.29;
-/// Whoever follows: any number if the map's motion fits nothing at all and the new one leaves this share of it, and at most this many times
-/// what is usual.
-const CONCLUSIVE: f64 = 0.2;
-const AS_USUAL: f64 = 1.1;
 
 /// Where a part is turned.
 #[derive(Clone, Copy)]
@@ -57,6 +47,8 @@ pub(super) struct Surroundings<'a> {
     pub mirrored: bool,
     /// What parts that fit leave, in sqrt(area).
     pub usual: f64,
+    /// Share of their strain that the new map may leave.
+    pub strain_left: f64,
     pub threads: usize,
 }
 
@@ -91,33 +83,27 @@ struct Goal {
     strongest: Option<(Motion, f64)>,
 }
 
-/// Maps what a part's new motion fits by it, unless that contradicts the rest of the surface. The map's own motion leaves `own`.
+/// Maps what a part's new motion fits by it, if that makes a better map of the surroundings.
 ///
 /// # Errors
 /// [`crate::Error::Internal`].
-pub(super) fn take_over(
-    mapped: &mut Mapped,
-    surroundings: Surroundings,
-    own: &Settled,
-    found: &Settled,
-) -> Result<()> {
+pub(super) fn take_over(mapped: &mut Mapped, surroundings: Surroundings, found: &Motion) -> Result<()> {
     let around = mapped.within(&[surroundings.middle], REACH);
     let evenly: Vec<(u32, f64)> = around.iter().map(|&(vertex, _)| (vertex, 1.0)).collect();
     let sought = mapped.sought(&mapped.places(&mapped.picked(&evenly, SOUGHT_POINTS)));
-    let parts = parts(mapped, surroundings, &around, &sought, &found.motion)?;
+    let parts = parts(mapped, surroundings, &around, &sought, found)?;
     let goals = goals(mapped, &parts, &around);
     let region = grown(mapped, surroundings.middle, &goals);
     if cut_off(mapped, &region) > CUT_OFF {
         return Ok(());
     }
     let images = images(mapped, &mapped.within(&region, SMALL_RADIUS), &goals, &sought, surroundings.threads);
-    let tolerated = match conclusive(own, found, surroundings.usual) {
-        true => 1.0,
-        false => tolerated_tears(&parts, own, found, torn(mapped, &around)),
-    };
+    let mut near = vec![false; mapped.areas.len()];
+    around.iter().for_each(|&(vertex, _)| near[vertex as usize] = true);
+    let before = mapped.strain(&near, surroundings.mirrored);
     let replaced: Vec<_> =
         images.into_iter().map(|(vertex, image)| (vertex, mapped.replace(vertex, image))).collect();
-    if torn(mapped, &around) > tolerated {
+    if mapped.strain(&near, surroundings.mirrored) > surroundings.strain_left * before {
         for (vertex, image) in replaced {
             mapped.replace(vertex, image);
         }
@@ -140,22 +126,6 @@ fn images(
     };
     let changed = vertices.iter().filter(|&&(vertex, _)| goals[vertex as usize].new > 0.0);
     threads::map(threads, changed.collect(), image)
-}
-
-/// Whether the new motion fits as parts do that fit, where the map's fits nothing.
-fn conclusive(own: &Settled, found: &Settled, usual: f64) -> bool {
-    own.unlike > FITS_NOTHING && found.unlike < CONCLUSIVE * own.unlike && found.unlike < AS_USUAL * usual
-}
-
-/// Share of the edges around that may be torn afterwards, of which `before` are.
-fn tolerated_tears(parts: &[Part], own: &Settled, found: &Settled, before: f64) -> f64 {
-    let say = |verdict: Verdict| parts.iter().filter(|part| part.verdict == verdict).count();
-    let far_better = own.unlike > FITS_NOTHING && found.unlike < FAR_BETTER * own.unlike;
-    match say(Verdict::Follows) > say(Verdict::Keeps) {
-        true if far_better => 1.0,
-        true => TEARS * before,
-        false => before,
-    }
 }
 
 /// The small parts around, with what both motions make of them.
@@ -293,19 +263,4 @@ fn joined(mapped: &Mapped, first: u32, reached: &mut [bool], through: impl Fn(u3
         next += 1;
     }
     joined
-}
-
-/// Share of the edges around that the map tears.
-fn torn(mapped: &Mapped, around: &[(u32, f64)]) -> f64 {
-    let (mut torn, mut all) = (0usize, 0usize);
-    for &(vertex, _) in around {
-        for &near in mapped.graph.of(vertex as usize) {
-            let length = |positions: &[Vector]| {
-                squared_norm(subtract(positions[vertex as usize], positions[near as usize])).sqrt()
-            };
-            torn += usize::from(length(&mapped.images) > TORN * length(&mapped.shell.positions));
-            all += 1;
-        }
-    }
-    torn as f64 / all.max(1) as f64
 }

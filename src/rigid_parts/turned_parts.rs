@@ -28,8 +28,8 @@ const QUICK_ROUNDS: usize = 3;
 const TURNS: usize = 12;
 /// Quick fits of turned motions: after so many rounds, this many of the best are left.
 const LEFT: [(usize, usize); 2] = [(2, 20), (3, 12)];
-/// The best must leave this share of what a quick fit of the map's motion does.
-const PROMISING: f64 = 0.9;
+/// The best must leave no more than this share of what a quick fit of the map's motion does.
+const PROMISING: f64 = 1.1;
 /// Turns nearer than this, in radians, count as one, and this many are fitted with all points.
 const SAME_TURN: f64 = 0.5;
 const FITTED_TURNS: usize = 4;
@@ -37,10 +37,14 @@ const FITTED_TURNS: usize = 4;
 const BAD: f64 = 2.0;
 const LEAST_BAD: f64 = 0.015;
 /// A turned motion fits well up to this many times what is usual, or up to this, in sqrt(area).
-const GOOD: f64 = 2.0;
+const GOOD: f64 = 4.0;
 const SURELY_GOOD: f64 = 0.02;
-/// It must leave this share of what the map's leaves.
-const BETTER: f64 = 0.45;
+/// It must leave no more than this share of what the map's leaves.
+const BETTER: f64 = 0.85;
+/// One that leaves less than this share is far better.
+const FAR_BETTER: f64 = 0.45;
+/// Share of the strain of its surroundings that the map with a far better motion may leave, and with another.
+const STRAIN_LEFT: [f64; 2] = [0.87, 0.8];
 /// Turned motions that leave up to this many times the least are as good as it: the one that turns least is taken.
 const AS_GOOD: f64 = 1.3;
 const COARSE: Approach = Approach { lever: 0.2, noise: 0.008, held: 0.05 };
@@ -61,8 +65,8 @@ struct Part {
 /// A part and a motion turned against the map's that fits it.
 struct Turned {
     part: Part,
-    /// How much less the motion leaves, squared.
-    gain: f64,
+    /// Share of what the map's motion leaves that this one does.
+    left: f64,
     found: Settled,
 }
 
@@ -90,11 +94,11 @@ pub(super) fn right(mapped: &mut Mapped, mirrored: bool, threads: usize, token: 
         token.check()?;
         let found = turned(mapped, &part, &own, mirrored)?;
         let good = found.filter(|found| found.unlike < (GOOD * usual).max(SURELY_GOOD));
-        Ok(good.map(|found| Turned { part, gain: own.unlike.powi(2) - found.unlike.powi(2), found }))
+        Ok(good.map(|found| Turned { part, left: found.unlike / own.unlike, found }))
     };
     let found = threads::map(threads, bad.collect(), search).into_iter().collect::<Result<Vec<_>>>()?;
     let mut found: Vec<Turned> = found.into_iter().flatten().collect();
-    found.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    found.sort_by(|a, b| a.left.total_cmp(&b.left));
     if found.is_empty() {
         return Ok(());
     }
@@ -104,8 +108,13 @@ pub(super) fn right(mapped: &mut Mapped, mirrored: bool, threads: usize, token: 
         // Another part may have brought this one along.
         let own = as_mapped(mapped, &part.picked, ROUNDS, mirrored)?;
         if found.unlike < BETTER * own.unlike {
-            let surroundings = Surroundings { middle: part.middle, discs: &discs, mirrored, usual, threads };
-            take_over(mapped, surroundings, &own, &found)?;
+            let strain_left = match found.unlike < FAR_BETTER * own.unlike {
+                true => STRAIN_LEFT[0],
+                false => STRAIN_LEFT[1],
+            };
+            let surroundings =
+                Surroundings { middle: part.middle, discs: &discs, mirrored, usual, strain_left, threads };
+            take_over(mapped, surroundings, &found.motion)?;
         }
     }
     Ok(())

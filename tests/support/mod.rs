@@ -299,7 +299,10 @@ pub fn assert_keeps_its_contract(mesh: &Mesh, options: &Options, found: &Detecti
     assert_eq!(found.outcome == Outcome::Found, !found.symmetries.is_empty());
     let rotations = found.symmetries.iter().filter(|symmetry| symmetry.kind.is_rotation()).count();
     assert!(found.symmetries.len() - rotations <= options.symmetries && rotations <= options.rotations);
-    let rank = |symmetry: &Symmetry| (symmetry.kind.place(), symmetry.score);
+    let rank = |symmetry: &Symmetry| {
+        let sure = symmetry.kind.is_rotation() || symmetry.plausibility >= 0.95;
+        (symmetry.kind.place(), !sure, if sure { symmetry.score } else { -symmetry.plausibility })
+    };
     assert!(
         found.symmetries.iter().map(rank).is_sorted(),
         "reflections, half turns, rotations, each best first"

@@ -140,6 +140,7 @@ fn no_symmetry(vertices: usize) -> Symmetry {
         side: vec![0; vertices],
         fixed_curve: Vec::new(),
         score: f64::INFINITY,
+        plausibility: 0.0,
         mean_confidence: 0.0,
         exact_share: 0.0,
     }
