@@ -338,8 +338,13 @@ fn about_rotations(listed: usize, continuous: bool) -> String {
 }
 
 fn sentence(map: &ShellSymmetry, least: usize) -> String {
-    let parts = match map.judged.disagreement {
-        Some(apart) => format!(", rigid parts of it put a point {apart:.4} sqrt(area) apart"),
+    let parts = match map.judged.disagreement.zip(map.judged.scatter) {
+        Some((apart, scatter)) => {
+            format!(
+                ", rigid parts of it put a point {apart:.4} sqrt(area) apart, images leave {:.1} % of the surface empty beyond what is usual",
+                100.0 * scatter
+            )
+        }
         None => String::new(),
     };
     format!(
