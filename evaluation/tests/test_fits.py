@@ -62,6 +62,8 @@ def test_acceptance_learns_what_tells_right_maps_from_others(tmp_path, monkeypat
     weights = [float(line.split("|")[2]) for line in printed.splitlines() if line.startswith(("| ln", "| iso"))]
     alone, with_parts = weights[:3], weights[3:]
     assert alone.pop(1) < -1.5 and max(map(abs, alone)) < 1.2
+    (scatter,) = [float(line.split("|")[2]) for line in printed.splitlines() if line.startswith("| scatter")]
+    assert scatter < -20
     assert with_parts.pop(3) < -1 and with_parts.pop(1) < -1.5 and max(map(abs, with_parts)) < 1.2
     assert "from 50 % on: 35 of 35 right maps accepted, 40 of 40 asymmetric shapes" in printed  # as stated now
 
