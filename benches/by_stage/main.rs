@@ -124,7 +124,11 @@ fn measure(criterion: &mut Criterion, frequency: u32) {
     timer.time("mirrored vertices", find);
     timer.time("fixed curve", || zero_set(&mesh.triangles, &map.odd));
     let curve = zero_set(&mesh.triangles, &map.odd);
-    let summary = || Summary { kind: SymmetryKind::Reflection, score: found.score.total() };
+    let summary = || Summary {
+        kind: SymmetryKind::Reflection,
+        score: found.score.total(),
+        plausibility: found.judged.plausibility,
+    };
     timer.time_with("correspondence", || curve.clone(), |curve| symmetry(&mesh, &map, curve, summary()));
     timer.time("detect", || detect(&mesh, &options, &quiet));
     if timer.vertices == COUNTED {
