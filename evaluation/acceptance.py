@@ -32,8 +32,8 @@ FEATURES = {
 # The models by their names in the source, and how many of the measures each takes.
 MODELS = {"WEIGHTS": 3, "WEIGHTS_WITH_PARTS": 5}
 SCATTER = list(FEATURES).index("scatter")
-# What no scatter adds to the log-odds. A fit that is left free adds three times as much and trusts the other measures less; but on
-# a meshing that is nearly its own mirror image, as a modelled lump's may be, every smooth map has no scatter.
+# What no scatter adds to the log-odds. A fit that is left free adds more than three times as much; but hardly one in a hundred of these
+# asymmetric shapes has a map without scatter, others may: `examples/blob.ply` has, and was called symmetric.
 NO_SCATTER = 1.0
 # Share of the shapes that have a symmetry, where a plausibility is a probability.
 SYMMETRIC_SHARE = 0.4

@@ -24,7 +24,7 @@ pub struct Judgement {
     pub displacement: f64,
     /// That of [`Rigidity`]; `None` where no parts are fitted, and for half turns and rotations.
     pub disagreement: Option<f64>,
-    /// The same.
+    /// That of [`Rigidity`], likewise.
     pub scatter: Option<f64>,
     /// Probability, 0..=1, that a map of these measures is a symmetry, where two of five shapes have one.
     pub plausibility: f64,
