@@ -31,7 +31,7 @@ const NETWORK_PROPOSALS: [(usize, usize); 3] = [(12, 8), (8, 8), (6, 4)];
 /// Least certain signs that are flipped.
 const FLIPPED: usize = 5;
 /// A candidate that scores below this ends the search.
-const CONVINCING: f64 = -4.2;
+const CONVINCING: f64 = -3.2;
 /// Mean distance, in radii of the embedding, from which two maps count as different symmetries.
 pub const DISTINCT: f64 = 0.25;
 /// A further symmetry whose score (without the network's say) is worse than the best one's by this is none.

@@ -19,7 +19,7 @@
 //! | other shells, confidence, sides | [`companions`], [`confidence`], [`fixed_curve`] |
 //! | connectivity that is itself mirrored -> the exact bijection | [`automorphism`] |
 //! | vertices that are mirrored where edges are not | [`mirrored_vertices`] |
-//! | a fine shell <-> its simplified proxy | [`surface_walk`], [`proxy`] |
+//! | a fine shell <-> its simplified proxy | [`surface_walk`], [`proxy`], [`stated_signs`] |
 //! | the map where parts are rigid | [`rigid_parts`] |
 //! | what the next call on the same connectivity needs | [`judging_mesh`] |
 //! | what the caller gets | [`correspondence`], [`assembly`], [`pipeline`], [`detect_again`], [`report`] |
@@ -77,6 +77,7 @@ pub mod sign_network;
 pub mod signature;
 pub mod sparse_cholesky;
 pub mod spread_points;
+pub mod stated_signs;
 pub mod surface_walk;
 pub mod symmetry_kind;
 pub mod threads;

@@ -32,8 +32,8 @@ pub struct Options {
     pub rotations: usize,
     /// A sign network of the caller's own instead of the embedded one: trusted input.
     pub model: Option<PathBuf>,
-    /// Signs that a person knows, from the first eigenfunction on: 1 even, -1 odd, 0 unknown. They overrule
-    /// the network.
+    /// Signs that a person knows of the mesh's eigenfunctions ([`crate::pipeline::eigen`]), from the first on: 1 even, -1 odd,
+    /// 0 unknown. They overrule the network.
     pub known_signs: Vec<i8>,
 }
 
@@ -98,7 +98,7 @@ pub const OPTIONS: [OptionSpec; 10] = [
     },
     OptionSpec {
         name: "proxy_vertices",
-        default: 15_000,
+        default: 6_000,
         minimum: 1_000,
         maximum: 100_000_000,
         help: "Vertices above which the map is found on a simplified mesh of about so many and carried back.",
@@ -159,6 +159,11 @@ impl Options {
             }),
             None => Ok(()),
         }
+    }
+
+    /// Whether any sign is known.
+    pub fn states_signs(&self) -> bool {
+        self.known_signs.iter().any(|&sign| sign != 0)
     }
 
     /// The values in the order of [`OPTIONS`].

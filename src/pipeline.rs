@@ -21,6 +21,7 @@ use crate::rotations;
 use crate::sampling::Samples;
 use crate::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, of_images, signs};
 use crate::sign_network::SignPrediction;
+use crate::stated_signs;
 use crate::symmetry_kind::SymmetryKind;
 use crate::threads;
 use std::sync::Arc;
@@ -57,7 +58,8 @@ pub struct Report {
     pub repairs: RepairReport,
     /// Eigenvalues of the largest shell, scaled to unit area, the constant function's zero left out.
     pub eigenvalues: Vec<f64>,
-    /// Parity of the first eigenfunctions as the sign network sees it; empty without the network.
+    /// Parity of the first eigenfunctions of the largest shell or its proxy as the sign network sees it, overruled by what the caller
+    /// states; empty without both.
     pub signs: Vec<SignPrediction>,
     /// How the best finished map was judged, accepted or not; `None` if no candidate reverses orientation.
     pub judged: Option<Judgement>,
@@ -150,10 +152,16 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     clock.lap("half-edges");
     let basis = Eigenbasis::new(&surface, options.eigenfunctions, options.threads, progress)?;
     clock.lap("eigenfunctions");
+    let known = match &proxy {
+        Some(proxy) if options.states_signs() => {
+            stated_signs::on_proxy(&shells[0], proxy, &surface, &basis, &options.known_signs, progress)?
+        }
+        _ => options.known_signs.clone(),
+    };
     let (samples, (orbits, signs)) = threads::join(
         options.threads,
         || Samples::farthest(&basis, options.samples),
-        || (orbits(&surface, &basis), signs(&surface, &basis, options)),
+        || (orbits(&surface, &basis), signs(&surface, &basis, options, &known)),
     );
     let (shell, signs) = (PreparedShell { surface, basis, samples }, signs?);
     clock.lap("samples, signs");
@@ -162,7 +170,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let mirrored = mirrored.map(|images| of_images(&shell, &assembler.target, images)).transpose()?;
     clock.lap("connectivity");
     // Whoever states signs asks for the symmetry that has them.
-    let any_will_do = options.symmetries == 1 && options.known_signs.iter().all(|&sign| sign == 0);
+    let any_will_do = options.symmetries == 1 && !options.states_signs();
     let certain = mirrored.as_ref().filter(|map| any_will_do && map.judged.accepted(CERTAIN));
     let mut maps = match certain {
         Some(map) => vec![(

@@ -75,7 +75,7 @@ impl PreparedShell {
     }
 }
 
-/// Parity of a shell's first eigenfunctions as the network sees it, overruled by the signs the caller knows.
+/// Parity of a shell's first eigenfunctions as the network sees it, overruled by the signs that are `known`.
 ///
 /// Empty if the caller wants no network and knows nothing, or the library was built without one.
 ///
@@ -85,6 +85,7 @@ pub fn signs(
     surface: &IntrinsicSurface,
     basis: &Eigenbasis,
     options: &Options,
+    known: &[i8],
 ) -> Result<Vec<SignPrediction>> {
     let k = basis.count().min(PREDICTED_SIGNS);
     let mut signs = match &options.model {
@@ -93,7 +94,7 @@ pub fn signs(
         None if cfg!(feature = "onnx") => predict(SignNetwork::shared()?, surface, basis, k)?,
         None => Vec::new(),
     };
-    let known = &options.known_signs[..options.known_signs.len().min(basis.count())];
+    let known = &known[..known.len().min(basis.count())];
     if known.iter().any(|&sign| sign != 0) {
         signs.resize(signs.len().max(known.len()), SignPrediction::UNKNOWN);
         for (sign, &known) in signs.iter_mut().zip(known).filter(|(_, known)| **known != 0) {

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 54] = [
+const ORDER: [&str; 55] = [
     "error",
     "options",
     "limits",
@@ -47,6 +47,7 @@ const ORDER: [&str; 54] = [
     "mirrored_vertices",
     "surface_walk",
     "proxy",
+    "stated_signs",
     "rigid_parts",
     "companions",
     "judging_mesh",

@@ -2,13 +2,17 @@
 
 mod support;
 
+use intrinsym::eigenbasis::{Accuracy, Eigenbasis};
 use intrinsym::embedded_triangles::TrianglePoint;
 use intrinsym::full_refinement::VertexImages;
+use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::mesh::Shell;
 use intrinsym::options::Options;
 use intrinsym::pipeline::{Detection, Outcome, detect};
 use intrinsym::progress::Progress;
 use intrinsym::proxy::Proxy;
+use intrinsym::stated_signs;
+use std::collections::HashMap;
 use support::*;
 
 fn through_proxy(polygons: &intrinsym::mesh::PolygonMesh, proxy_vertices: usize) -> Detection {
@@ -151,4 +155,44 @@ fn other_shells_are_paired_behind_a_proxy() {
     let best = through_proxy(&polygons, 3000).symmetries.swap_remove(0);
     let (mean, far) = errors(&polygons, &best.partner, &example_truth("human_shells"));
     assert!(mean < 0.005 && far < 0.02, "{mean} {far}");
+}
+
+#[test]
+fn signs_that_are_stated_of_a_mesh_hold_on_its_proxy() {
+    let fine = human_shell();
+    let polygons = example("human");
+    let truth = example_truth("human");
+    let progress = Progress::default();
+    let own = IntrinsicSurface::new(&fine);
+    let own = Eigenbasis::with_accuracy(&own, 12, Accuracy::Full, 1, &progress).unwrap();
+    assert_eq!(polygons.positions.len(), fine.points.len());
+    // How alike a function, given at some vertices of the human, and its mirror image are, -1..=1.
+    let parity = |vertices: &[u32], mass: &[f64], functions: &faer::Mat<f64>, j: usize| -> f64 {
+        let index: HashMap<u32, usize> = vertices.iter().copied().zip(0..).collect();
+        let (mut sum, mut all) = (0.0, 0.0);
+        for (i, &vertex) in vertices.iter().enumerate() {
+            let mirrored = fine.points.binary_search(&truth[fine.points[vertex as usize] as usize]).unwrap();
+            if let Some(&image) = index.get(&(mirrored as u32)) {
+                sum += mass[i] * functions[(i, j)] * functions[(image, j)];
+                all += mass[i] * functions[(i, j)].powi(2);
+            }
+        }
+        sum / all
+    };
+    let all: Vec<u32> = (0..fine.points.len() as u32).collect();
+    let mass = IntrinsicSurface::new(&fine).lumped_mass;
+    let known: Vec<i8> = (0..12).map(|j| parity(&all, &mass, &own.eigenfunctions, j).round() as i8).collect();
+    let count = |signs: &[i8]| signs.iter().filter(|sign| **sign != 0).count();
+    assert!(known.contains(&1) && known.contains(&-1), "{known:?}");
+    // Two functions of nearly the same eigenvalue are mixtures of an even and an odd one.
+    assert_eq!(count(&known), 10, "{known:?}");
+    let proxy = Proxy::new(&fine, 3000, 1).unwrap();
+    let surface = IntrinsicSurface::new(&proxy.shell);
+    let basis = Eigenbasis::new(&surface, 40, 1, &progress).unwrap();
+    let signs = stated_signs::on_proxy(&fine, &proxy, &surface, &basis, &known, &progress).unwrap();
+    assert!(count(&signs) >= 9, "{signs:?}");
+    for (j, &sign) in signs.iter().enumerate().filter(|(_, sign)| **sign != 0) {
+        let seen = parity(proxy.vertices(), &surface.lumped_mass, &basis.eigenfunctions, j);
+        assert!(seen * f64::from(sign) > 0.5, "function {j}: {sign} stated, {seen} seen");
+    }
 }

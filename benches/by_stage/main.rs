@@ -170,8 +170,8 @@ fn time_search(
     options: &Options,
 ) -> ShellSymmetry {
     let quiet = Progress::default();
-    timer.time("sign network", || signs(&shell.surface, &shell.basis, options));
-    let signs = signs(&shell.surface, &shell.basis, options).expect("signs");
+    timer.time("sign network", || signs(&shell.surface, &shell.basis, options, &[]));
+    let signs = signs(&shell.surface, &shell.basis, options, &[]).expect("signs");
     let search = || candidates(shell, &signs, options.symmetries, options, &quiet);
     timer.time("candidates", search);
     let best = &search().expect("candidates")[0];
