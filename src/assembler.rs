@@ -13,7 +13,7 @@ use crate::full_refinement::{MatchTarget, VertexImages};
 use crate::mesh::{Mesh, NONE, Shell, anchors};
 use crate::mirrored_vertices;
 use crate::options::Options;
-use crate::progress::Progress;
+use crate::progress::{CancelToken, Progress};
 use crate::proxy::Proxy;
 use crate::rigid_parts::{self, Carrier, Fitted};
 use crate::shell_symmetry::{PreparedShell, ShellSymmetry};
@@ -120,16 +120,11 @@ impl<'a> Assembler<'a> {
         &self,
         found: ShellSymmetry,
         kind: SymmetryKind,
-        progress: &Progress,
+        threads: usize,
+        token: &CancelToken,
     ) -> Result<ShellSymmetry> {
-        let Fitted { images, rigidity } = rigid_parts::fit(
-            self.solved(),
-            &self.shell.surface,
-            &found.images,
-            kind,
-            self.target.threads(),
-            progress.token(),
-        )?;
+        let Fitted { images, rigidity } =
+            rigid_parts::fit(self.solved(), &self.shell.surface, &found.images, kind, threads, token)?;
         let judged = match kind {
             SymmetryKind::Reflection => found.judged.with_parts(rigidity),
             SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => {

@@ -22,6 +22,7 @@
 //! | a fine shell <-> its simplified proxy | [`surface_walk`], [`proxy`], [`stated_signs`] |
 //! | the map where parts are rigid | [`rigid_parts`] |
 //! | what the next call on the same connectivity needs | [`judging_mesh`] |
+//! | candidates -> finished maps | [`finishing`] |
 //! | what the caller gets | [`correspondence`], [`assembly`], [`pipeline`], [`detect_again`], [`report`] |
 //! | a symmetry -> mirrored selections, attributes, displacements, positions | [`mirror_tools`] |
 //! | a symmetry -> colours that make pairs visible, a picture | [`pair_colour`], `picture` |
@@ -48,6 +49,7 @@ pub mod eigenbasis;
 pub mod embedded_triangles;
 pub mod error;
 pub mod ffi;
+pub mod finishing;
 pub mod fixed_curve;
 pub mod full_refinement;
 pub mod functional_map;

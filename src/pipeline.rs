@@ -1,14 +1,14 @@
 //! `detect`: the only caller of all stages.
 
-use crate::acceptance::{Judgement, doubt};
+use crate::acceptance::Judgement;
 use crate::assembler::Assembler;
 use crate::automorphism::{Automorphism, Connectivity};
-use crate::candidates::{DISTINCT, GAP};
+use crate::candidates::GAP;
 use crate::continuous_family::{Orbits, orbits};
 use crate::correspondence::Symmetry;
-use crate::displacement::mean_displacement;
 use crate::eigenbasis::{Accuracy, Eigenbasis};
 use crate::error::Result;
+use crate::finishing::finish_best;
 use crate::judging_mesh::JudgingMesh;
 use crate::laplacian::IntrinsicSurface;
 use crate::limits::{check_memory, estimated_memory};
@@ -19,7 +19,7 @@ use crate::progress::{CancelToken, Progress};
 use crate::proxy::Proxy;
 use crate::rotations;
 use crate::sampling::Samples;
-use crate::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, of_images, signs};
+use crate::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, of_images, signs};
 use crate::sign_network::SignPrediction;
 use crate::stated_signs;
 use crate::symmetry_kind::SymmetryKind;
@@ -174,10 +174,16 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let certain = mirrored.as_ref().filter(|map| any_will_do && map.judged.accepted(CERTAIN));
     let mut maps = match certain {
         Some(map) => vec![(
-            assembler.with_parts(map.clone(), SymmetryKind::Reflection, progress)?,
+            assembler.with_parts(map.clone(), SymmetryKind::Reflection, options.threads, progress.token())?,
             SymmetryKind::Reflection,
         )],
-        None => search(&assembler, &signs, options, progress, &mut clock)?,
+        None => {
+            let found = candidates(&shell, &signs, options.symmetries, options, progress)?;
+            clock.lap("candidates");
+            let found = finish_best(&assembler, &found, options, progress)?;
+            clock.lap("refinement");
+            found
+        }
     };
     let (judged, mut evidence) = verdict(maps.first().map(|(map, _)| map), options.plausibility);
     let best = maps.first().cloned();
@@ -188,7 +194,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         if maps.is_empty() {
             evidence += ", and that is the answer";
             maps.push((
-                assembler.with_parts(map, SymmetryKind::Reflection, progress)?,
+                assembler.with_parts(map, SymmetryKind::Reflection, options.threads, progress.token())?,
                 SymmetryKind::Reflection,
             ));
         }
@@ -213,7 +219,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         let listed = maps.len();
         if !orbits.continuous {
             for (map, kind) in rotations::find(&shell, &assembler.target, &maps, options, progress)? {
-                let map = assembler.with_parts(map, kind, progress)?;
+                let map = assembler.with_parts(map, kind, options.threads, progress.token())?;
                 if map.judged.accepted(options.plausibility) {
                     maps.push((map, kind));
                 }
@@ -251,57 +257,6 @@ fn connectivity(mesh: &Mesh, token: CancelToken) -> Result<(Connectivity, Option
     let connectivity = Connectivity::new(half_edges);
     let unrivalled = connectivity.find_unrivalled(SymmetryKind::Reflection, &Progress::new(None, token))?;
     Ok((connectivity, unrivalled))
-}
-
-/// The best maps of the spectral search, finished: reflections, then half turns, the best first.
-fn search(
-    assembler: &Assembler,
-    signs: &[SignPrediction],
-    options: &Options,
-    progress: &Progress,
-    clock: &mut Clock,
-) -> Result<Vec<(ShellSymmetry, SymmetryKind)>> {
-    let found = candidates(assembler.shell, signs, options.symmetries, options, progress)?;
-    clock.lap("candidates");
-    let mut maps: Vec<(ShellSymmetry, SymmetryKind)> = Vec::new();
-    let (mut sure, mut best) = (0, f64::INFINITY);
-    for candidate in &found {
-        if sure == options.symmetries || candidate.score.isometry() >= best + GAP {
-            continue;
-        }
-        let kind = candidate.score.kind().unwrap_or(SymmetryKind::Reflection);
-        let map = finish(assembler.shell, &assembler.target, candidate, progress)?;
-        let met = |other: &ShellSymmetry| is_same(assembler.shell, &map, other);
-        if maps.iter().any(|(other, of_kind)| *of_kind == kind && met(other)) {
-            continue;
-        }
-        let map = assembler.with_parts(map, kind, progress)?;
-        sure += usize::from(doubt(map.judged.plausibility) == 0.0);
-        if map.judged.accepted(options.plausibility) {
-            best = best.min(map.judged.isometry_score);
-        }
-        maps.push((map, kind));
-    }
-    rank(&mut maps, |(map, kind)| (*kind, map.judged.plausibility));
-    clock.lap("refinement");
-    Ok(maps)
-}
-
-/// Leaves maps of one kind in their order, that of the scores, but for those that may be none, which come behind, the more plausible
-/// first.
-fn rank<M>(maps: &mut [M], kind_and_plausibility: impl Fn(&M) -> (SymmetryKind, f64)) {
-    maps.sort_by(|a, b| {
-        let ((kind, plausibility), (other_kind, other)) =
-            (kind_and_plausibility(a), kind_and_plausibility(b));
-        kind.cmp(&other_kind).then(doubt(plausibility).total_cmp(&doubt(other)))
-    });
-}
-
-/// Whether refinement has led two candidates to one map.
-fn is_same(shell: &PreparedShell, map: &ShellSymmetry, other: &ShellSymmetry) -> bool {
-    let there = &map.images.partners;
-    let and_back: Vec<u32> = there.iter().map(|&partner| other.images.partners[partner as usize]).collect();
-    mean_displacement(&shell.basis, &shell.surface.lumped_mass, &and_back) < DISTINCT
 }
 
 /// How the best map was judged, and that in words.
@@ -427,25 +382,4 @@ pub fn eigen(mesh: &Mesh, count: usize, progress: &Progress) -> Result<Eigen> {
     }
     progress.report("done", 1.0)?;
     Ok(Eigen { eigenvalues: basis.eigenvalues, eigenfunctions, lumped_mass, residuals: basis.residuals })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use SymmetryKind::{HalfTurn, Reflection};
-
-    #[test]
-    fn plausibility_ranks_maps_of_a_kind_only_where_there_is_doubt() {
-        let ranked = |mut maps: Vec<(SymmetryKind, f64)>| {
-            rank(&mut maps, |map| *map);
-            maps.into_iter().map(|(_, plausibility)| plausibility).collect::<Vec<f64>>()
-        };
-        assert_eq!(ranked(vec![(Reflection, 0.96), (Reflection, 0.99)]), [0.96, 0.99]);
-        assert_eq!(ranked(vec![(Reflection, 0.6), (Reflection, 0.4), (Reflection, 0.9)]), [0.9, 0.6, 0.4]);
-        assert_eq!(
-            ranked(vec![(Reflection, 0.5), (Reflection, 0.98), (Reflection, 0.96)]),
-            [0.98, 0.96, 0.5]
-        );
-        assert_eq!(ranked(vec![(Reflection, 0.1), (HalfTurn, 1.0)]), [0.1, 1.0]);
-    }
 }

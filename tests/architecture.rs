@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 55] = [
+const ORDER: [&str; 56] = [
     "error",
     "options",
     "limits",
@@ -53,6 +53,7 @@ const ORDER: [&str; 55] = [
     "judging_mesh",
     "assembly",
     "assembler",
+    "finishing",
     "pipeline",
     "detect_again",
     "report",
