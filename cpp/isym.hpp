@@ -215,6 +215,12 @@ public:
     check(isym_result_order(get(), symmetry, &order));
     return order;
   }
+  // How plausible it is, 0 to 1, that it is a symmetry of the shape at all.
+  double plausibility(std::size_t symmetry = 0) const {
+    double plausibility = 0;
+    check(isym_result_plausibility(get(), symmetry, &plausibility));
+    return plausibility;
+  }
   std::vector<std::int32_t> partners(std::size_t symmetry = 0) const {
     std::vector<std::int32_t> values(vertex_count_);
     check(isym_result_partners(get(), symmetry, values.data(), values.size()));

@@ -378,6 +378,12 @@ isym_status isym_result_order(const isym_result *result,
                               size_t symmetry,
                               size_t *order);
 
+// Reads how plausible it is, 0..1, that symmetry `symmetry` is one of the shape at all: the option `plausibility` says from where on one
+// counts. A restored one has 1: it was accepted before.
+isym_status isym_result_plausibility(const isym_result *result,
+                                     size_t symmetry,
+                                     double *plausibility);
+
 // Copies the partner vertex of each vertex out; -1 for a vertex that no face uses.
 isym_status isym_result_partners(const isym_result *result,
                                  size_t symmetry,

@@ -23,11 +23,16 @@ def keep(object, core_mesh, found, index=0):
     return about(found[index]) + family
 
 
+# From this plausibility on nothing is said of it.
+SURE = 0.95
+
+
 def about(symmetry):
     """One sentence about a symmetry."""
     kind = "Reflection" if symmetry.kind == intrinsym.SymmetryKind.REFLECTION else "Half turn"
     exact = f", {symmetry.exact_share:.0%} from mirrored connectivity" if symmetry.exact_share > 0 else ""
-    return f"{kind}, mean confidence {symmetry.mean_confidence:.2f}{exact}"
+    doubtful = f", doubtful: {symmetry.plausibility:.0%} plausible" if symmetry.plausibility < SURE else ""
+    return f"{kind}, mean confidence {symmetry.mean_confidence:.2f}{exact}{doubtful}"
 
 
 class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Detect, and what it keeps on the mesh."""
 
+from types import SimpleNamespace
+
 import bpy
 import numpy as np
 import pytest
@@ -16,6 +18,14 @@ def test_the_posed_human_is_paired_exactly(human, truth):
     side = attribute(mesh, "symmetry_side")
     assert np.array_equal(side[truth], -side)
     assert positions(mesh)[side == 1, 0].mean() > positions(mesh)[side == -1, 0].mean()
+
+
+def test_a_doubtful_symmetry_is_called_so():
+    found = SimpleNamespace(kind=1, mean_confidence=0.5, exact_share=0.0, plausibility=0.62)
+    about = module("ops_detect").about
+    assert about(found).endswith("mean confidence 0.50, doubtful: 62% plausible")
+    found.plausibility = 0.97
+    assert about(found).endswith("mean confidence 0.50")
 
 
 def test_exact_points_lie_on_the_faces_that_are_named(quadruped):

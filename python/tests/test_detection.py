@@ -18,6 +18,7 @@ def test_partners_and_report_are_those_of_the_command_line(command_line, detecti
     assert np.array_equal(np.loadtxt(out / "map", dtype=np.int64), symmetry.partner)
     theirs = json.loads((out / "json").read_text())
     assert theirs["symmetries"] == detection.report["symmetries"]
+    assert theirs["symmetries"][0]["plausibility"] == pytest.approx(symmetry.plausibility, abs=1e-9)
 
 
 def test_a_posed_human_of_quads_gives_its_exact_mirror_table():
@@ -25,6 +26,7 @@ def test_a_posed_human_of_quads_gives_its_exact_mirror_table():
     (found,) = mesh.detect()
     assert found.kind is intrinsym.SymmetryKind.REFLECTION
     assert found.exact_share == 1.0
+    assert 0.95 < found.plausibility <= 1
     assert np.array_equal(found.partner, truth_of("human"))
     (line,) = found.fixed_curve
     assert line.closed

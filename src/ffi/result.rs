@@ -165,6 +165,23 @@ pub unsafe extern "C" fn isym_result_order(
     })
 }
 
+/// Reads how plausible it is, 0..1, that symmetry `symmetry` is one of the shape at all: the option `plausibility` says from where on one
+/// counts. A restored one has 1: it was accepted before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn isym_result_plausibility(
+    result: *const isym_result,
+    symmetry: usize,
+    plausibility: *mut f64,
+) -> isym_status {
+    boundary(|| {
+        let result = RESULTS.get(result)?;
+        // SAFETY: the caller's one promise.
+        let output = unsafe { Output::new(plausibility, 1, "plausibility") }?;
+        output.write(&[result.symmetry(symmetry)?.plausibility]);
+        Ok(())
+    })
+}
+
 /// Copies the partner vertex of each vertex out; -1 for a vertex that no face uses.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_partners(

@@ -178,6 +178,11 @@ static void what_cannot_be(const isym_mesh *mesh, isym_options *options, const c
     EXPECT(order == 2);
     FAILS(ISYM_ERROR_NULL, isym_result_order(half_turn, 0, NULL));
     FAILS(ISYM_ERROR_INDEX, isym_result_order(half_turn, 1, &order));
+    double plausibility = 0;
+    OK(isym_result_plausibility(half_turn, 0, &plausibility));
+    EXPECT(plausibility == 1);
+    FAILS(ISYM_ERROR_NULL, isym_result_plausibility(half_turn, 0, NULL));
+    FAILS(ISYM_ERROR_INDEX, isym_result_plausibility(half_turn, 1, &plausibility));
     OK(isym_result_free(half_turn));
     FAILS(ISYM_ERROR_VALUE, isym_result_restore(mesh, ISYM_KIND_ROTATION, none, zeros, sides, indices, indices, zeros, 9,
                                                 &found));

@@ -121,6 +121,13 @@ class Symmetry:
         return order.value
 
     @property
+    def plausibility(self) -> float:
+        """How plausible it is, 0..1, that it is a symmetry of the shape at all. A restored one has 1."""
+        plausibility = ctypes.c_double()
+        LIBRARY.isym_result_plausibility(self._result.pointer, self._index, ctypes.byref(plausibility))
+        return plausibility.value
+
+    @property
     def score(self) -> float:
         """Lower is better; comparable between symmetries of one mesh only."""
         return self._summary.score
