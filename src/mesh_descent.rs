@@ -16,8 +16,9 @@ use std::ops::Range;
 
 /// Work for which a thread is started.
 const LEAST_PER_THREAD: usize = 500;
-/// Rounds in which each vertex also tries its neighbours' answers.
+/// Rounds in which each vertex also tries its neighbours' answers, where the search starts from vertices and from points.
 const SWEEPS: usize = 2;
+const SWEEPS_FROM_POINTS: usize = 1;
 
 /// What is nearest to a source.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,17 +68,19 @@ pub enum Seeds<'a> {
 }
 
 impl MeshDescent<'_> {
-    /// Searches from the seeds, then in [`SWEEPS`] rounds each source also tries its neighbours' answers of the round
+    /// Searches from the seeds, then in one or two rounds each source also tries its neighbours' answers of the round
     /// before. Some 15 distances a source from points, 25 from vertices.
     ///
     /// Sources not reached from a seed keep [`NONE`].
     pub fn run(&self, sources: &Adjacency, seeds: Seeds) -> Vec<Answer> {
-        let mut answers = match seeds {
-            Seeds::Vertices(pairs) => self.spread(sources, pairs),
-            Seeds::Points(points) => self.in_parallel(points.len(), |range| Task::Walk(range, points)),
+        let (mut answers, sweeps) = match seeds {
+            Seeds::Vertices(pairs) => (self.spread(sources, pairs), SWEEPS),
+            Seeds::Points(points) => {
+                (self.in_parallel(points.len(), |range| Task::Walk(range, points)), SWEEPS_FROM_POINTS)
+            }
         };
         let mut changed = vec![true; answers.len()];
-        for _ in 0..SWEEPS {
+        for _ in 0..sweeps {
             let sweep = Sweep { sources, answers: &answers, changed: &changed };
             let better = self.in_parallel(answers.len(), |range| Task::Sweep(range, &sweep));
             for ((changed, before), after) in changed.iter_mut().zip(&answers).zip(&better) {

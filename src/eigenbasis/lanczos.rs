@@ -46,7 +46,13 @@ pub fn eigenpairs(
     Ok(operator.in_vertex_order(lanczos(&operator, count, tolerance, progress)?, 1))
 }
 
-fn lanczos(operator: &ShiftInvert, count: usize, tolerance: f64, progress: &Progress) -> Result<RitzPairs> {
+/// The same of a factorised operator, its rows in the order of elimination and times the square root of the mass.
+pub fn lanczos(
+    operator: &ShiftInvert,
+    count: usize,
+    tolerance: f64,
+    progress: &Progress,
+) -> Result<RitzPairs> {
     let rough = tolerance >= ROUGH;
     let first_check = (if rough { 3 * count / 2 } else { 2 * count }).div_ceil(BLOCK) + 2;
     // A rough answer is not worth a second look: the dense eigenvalue problem costs more than the steps.

@@ -25,17 +25,15 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 /// Columns that are filtered at once, few enough to stay in the cache; widths are multiples of it.
 const PANEL: usize = 16;
 /// Vertices for each eigenpair from which a coarser operator is made.
-const VERTICES_PER_PAIR: usize = 20;
-/// Coarse vertices for each eigenpair that are enough for a start; a vertex with very many neighbours may leave fewer.
-const LEAST_PER_PAIR: usize = 2;
-/// Relative residual where there is no coarse start.
-const LONE_TOLERANCE: f64 = 1e-5;
+const VERTICES_PER_PAIR: usize = 8;
+/// Coarse vertices for each eigenpair that are enough for a start; vertices with very many neighbours may leave fewer.
+const LEAST_PER_PAIR: f64 = 1.1;
 /// Shift for each pair: a tenth of the last eigenvalue, which Weyl's law puts near `4 pi width`. With less, the filter
 /// raises the first functions so far above the last that these drown in rounding errors.
 const SHIFT_PER_PAIR: f64 = 1.25;
 /// Degree of the filter on the finest level; none is needed on those below.
 const FINEST_DEGREE: usize = 3;
-/// Relative residual to which the coarsest problem is solved.
+/// Relative residual to which the coarsest problem is solved, or a mesh that has no coarser one, to start from.
 const COARSE_TOLERANCE: f64 = 1e-2;
 
 /// The `count` lowest eigenpairs (the constant included) and some more, approximately: functions at the vertices,
@@ -50,11 +48,11 @@ pub fn eigenpairs(
     threads: usize,
     progress: &Progress,
 ) -> Result<RitzPairs> {
-    let width = width(count);
-    if pays(mass.len(), width) {
-        corrected(stiffness, mass, Sizes { width, kept: count }, FINEST_DEGREE, threads, progress)
+    let sizes = Sizes { width: width(count), kept: count };
+    if pays(mass.len(), sizes.width) {
+        corrected(stiffness, mass, sizes, FINEST_DEGREE, threads, progress)
     } else {
-        lanczos::eigenpairs(stiffness, mass, count, LONE_TOLERANCE, progress)
+        lone(stiffness, mass, sizes, threads, progress)
     }
 }
 
@@ -103,6 +101,21 @@ struct Sizes {
     kept: usize,
 }
 
+/// The lowest eigenpairs of a mesh that has no coarser one: a rough answer is the start, and is corrected on the mesh itself.
+fn lone(
+    stiffness: &SymmetricSparse,
+    mass: &[f64],
+    sizes: Sizes,
+    threads: usize,
+    progress: &Progress,
+) -> Result<RitzPairs> {
+    let analysis = Analysis::new(stiffness)?;
+    let operator = ShiftInvert::new(&analysis, stiffness, mass, SHIFT_PER_PAIR * sizes.width as f64)?;
+    let start = lanczos::lanczos(&operator, sizes.width, COARSE_TOLERANCE, progress)?;
+    let pairs = improve(&operator, start.vectors, sizes, FINEST_DEGREE, threads, progress)?;
+    Ok(operator.in_vertex_order(pairs, threads))
+}
+
 /// The lowest eigenpairs from a coarse start.
 fn corrected(
     stiffness: &SymmetricSparse,
@@ -114,8 +127,8 @@ fn corrected(
 ) -> Result<RitzPairs> {
     let width = sizes.width;
     let coarse = Coarsening::new(stiffness, mass);
-    if coarse.mass.len() < LEAST_PER_PAIR * width {
-        return lanczos::eigenpairs(stiffness, mass, sizes.kept, LONE_TOLERANCE, progress);
+    if (coarse.mass.len() as f64) < LEAST_PER_PAIR * width as f64 {
+        return lone(stiffness, mass, sizes, threads, progress);
     }
     let (start, analysis) = if pays(coarse.mass.len(), width) {
         let all = Sizes { width, kept: width };
