@@ -6,16 +6,17 @@
 //! stretches, tears and turns inside out much less of them.
 
 use super::mapped::{Disc, Mapped, Sought};
-use super::motion::{Approach, Motion, Oriented, mean};
+use super::motion::{Approach, Motion, Oriented, Place, mean};
 use super::turned_parts::{seeds, settle};
 use crate::embedded_triangles::TrianglePoint;
 use crate::error::Result;
 use crate::mesh::vector::Vector;
+use crate::progress::CancelToken;
 use crate::threads;
 
 /// Radius of the small parts along edges, in sqrt(area), and how many they are all over the surface.
-pub(super) const SMALL_RADIUS: f64 = 0.1;
-pub(super) const SMALL_PARTS: usize = 300;
+const SMALL_RADIUS: f64 = 0.1;
+const SMALL_PARTS: usize = 300;
 /// How far the surroundings reach along edges, in sqrt(area).
 const REACH: f64 = 0.4;
 /// Points that a small part's motion is fitted to, and points around all in which images are sought.
@@ -39,17 +40,81 @@ const CUT_OFF: f64 = 0.03;
 
 /// Where a part is turned.
 #[derive(Clone, Copy)]
-pub(super) struct Surroundings<'a> {
+pub(super) struct Surroundings {
     /// The part's middle.
     pub middle: u32,
-    /// Small parts all over the surface.
-    pub discs: &'a [Disc],
     pub mirrored: bool,
     /// What parts that fit leave, in sqrt(area).
     pub usual: f64,
     /// Share of their strain that the new map may leave.
     pub strain_left: f64,
     pub threads: usize,
+}
+
+/// Small parts all over the surface, and how the map moves each, once asked for.
+pub(super) struct SmallParts {
+    discs: Vec<Disc>,
+    as_mapped: Vec<Option<SmallPart>>,
+}
+
+/// How the map moves a small part.
+struct SmallPart {
+    places: Vec<Place>,
+    /// Mean position.
+    centre: Vector,
+    motion: Motion,
+    /// What it leaves once it is brought to the surface, in sqrt(area).
+    left: f64,
+}
+
+impl SmallParts {
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn new(mapped: &Mapped, threads: usize, token: &CancelToken) -> Result<SmallParts> {
+        let discs = super::discs(mapped, SMALL_RADIUS, SMALL_PARTS, threads, token)?;
+        Ok(SmallParts { as_mapped: discs.iter().map(|_| None).collect(), discs })
+    }
+
+    /// The parts whose middle is `near`, each with how the map moves it.
+    fn around(
+        &mut self,
+        mapped: &Mapped,
+        near: &[bool],
+        mirrored: bool,
+        threads: usize,
+    ) -> Result<Vec<(&Disc, &SmallPart)>> {
+        let is_near = |disc: &Disc| near[disc.middle as usize];
+        let missing = |index: &usize| self.as_mapped[*index].is_none() && is_near(&self.discs[*index]);
+        let missing = (0..self.discs.len()).filter(missing).collect();
+        let fit =
+            |index: usize| SmallPart::new(mapped, &self.discs[index], mirrored).map(|part| (index, part));
+        for fitted in threads::map(threads, missing, fit) {
+            let (index, part) = fitted?;
+            self.as_mapped[index] = Some(part);
+        }
+        let parts = self.discs.iter().zip(&self.as_mapped);
+        Ok(parts
+            .filter(|(disc, _)| is_near(disc))
+            .filter_map(|(disc, part)| Some((disc, part.as_ref()?)))
+            .collect())
+    }
+
+    /// To be called when the map changes.
+    fn forget(&mut self) {
+        self.as_mapped.fill_with(|| None);
+    }
+}
+
+impl SmallPart {
+    fn new(mapped: &Mapped, disc: &Disc, mirrored: bool) -> Result<SmallPart> {
+        let places = mapped.places(&mapped.picked(&disc.members, POINTS));
+        let motion = Motion::between(&places, mirrored);
+        let partners = places.iter().map(|place| place.partner).collect();
+        let left = settle(mapped, motion, &places, partners, OWN_ROUNDS, OWN)?.unlike;
+        let weights: Vec<f64> = places.iter().map(|place| place.weight).collect();
+        let centre = mean(places.iter().map(|place| place.own.position), &weights);
+        Ok(SmallPart { places, centre, motion, left })
+    }
 }
 
 /// What the fits say about a small part.
@@ -83,23 +148,29 @@ struct Goal {
     strongest: Option<(Motion, f64)>,
 }
 
-/// Maps what a part's new motion fits by it, if that makes a better map of the surroundings.
+/// Maps what a part's new motion fits by it, if that makes a better map of the surroundings; returns whether it does.
 ///
 /// # Errors
 /// [`crate::Error::Internal`].
-pub(super) fn take_over(mapped: &mut Mapped, surroundings: Surroundings, found: &Motion) -> Result<()> {
+pub(super) fn take_over(
+    mapped: &mut Mapped,
+    small: &mut SmallParts,
+    surroundings: Surroundings,
+    found: &Motion,
+) -> Result<bool> {
     let around = mapped.within(&[surroundings.middle], REACH);
     let evenly: Vec<(u32, f64)> = around.iter().map(|&(vertex, _)| (vertex, 1.0)).collect();
     let sought = mapped.sought(&mapped.places(&mapped.picked(&evenly, SOUGHT_POINTS)));
-    let parts = parts(mapped, surroundings, &around, &sought, found)?;
+    let mut near = vec![false; mapped.areas.len()];
+    around.iter().for_each(|&(vertex, _)| near[vertex as usize] = true);
+    let small_around = small.around(mapped, &near, surroundings.mirrored, surroundings.threads)?;
+    let parts = parts(mapped, surroundings, small_around, &sought, found)?;
     let goals = goals(mapped, &parts, &around);
     let region = grown(mapped, surroundings.middle, &goals);
     if cut_off(mapped, &region) > CUT_OFF {
-        return Ok(());
+        return Ok(false);
     }
     let images = images(mapped, &mapped.within(&region, SMALL_RADIUS), &goals, &sought, surroundings.threads);
-    let mut near = vec![false; mapped.areas.len()];
-    around.iter().for_each(|&(vertex, _)| near[vertex as usize] = true);
     let before = mapped.strain(&near, surroundings.mirrored);
     let replaced: Vec<_> =
         images.into_iter().map(|(vertex, image)| (vertex, mapped.replace(vertex, image))).collect();
@@ -107,8 +178,10 @@ pub(super) fn take_over(mapped: &mut Mapped, surroundings: Surroundings, found: 
         for (vertex, image) in replaced {
             mapped.replace(vertex, image);
         }
+        return Ok(false);
     }
-    Ok(())
+    small.forget();
+    Ok(true)
 }
 
 /// Images at their goals, of those of the vertices that the new motion has a say in.
@@ -131,34 +204,24 @@ fn images(
 /// The small parts around, with what both motions make of them.
 fn parts<'a>(
     mapped: &Mapped,
-    Surroundings { discs, mirrored, usual, threads, .. }: Surroundings<'a>,
-    around: &[(u32, f64)],
+    Surroundings { usual, threads, .. }: Surroundings,
+    small: Vec<(&'a Disc, &SmallPart)>,
     sought: &Sought,
     found: &Motion,
 ) -> Result<Vec<Part<'a>>> {
-    let mut near = vec![false; mapped.areas.len()];
-    around.iter().for_each(|&(vertex, _)| near[vertex as usize] = true);
-    let judged = |disc: &'a Disc| {
-        let places = mapped.places(&mapped.picked(&disc.members, POINTS));
-        let start = Motion::between(&places, mirrored);
-        let partners = places.iter().map(|place| place.partner).collect();
-        let own = settle(mapped, start, &places, partners, OWN_ROUNDS, OWN)?;
-        let new = settle(mapped, *found, &places, seeds(found, &places, sought), NEW_ROUNDS, NEW)?;
+    let judged = |(disc, SmallPart { places, centre, motion, left }): (&'a Disc, &SmallPart)| {
+        let new = settle(mapped, *found, places, seeds(found, places, sought), NEW_ROUNDS, NEW)?;
         let fits = (FITS * usual).max(SURELY_FITS);
-        let verdict = if new.unlike < FOLLOWS * own.unlike && new.unlike < fits {
+        let verdict = if new.unlike < FOLLOWS * left && new.unlike < fits {
             Verdict::Follows
-        } else if new.unlike > KEEPS * own.unlike || new.unlike > MISFITS * fits {
+        } else if new.unlike > KEEPS * left || new.unlike > MISFITS * fits {
             Verdict::Keeps
         } else {
             Verdict::Either
         };
-        let weights: Vec<f64> = places.iter().map(|place| place.weight).collect();
-        let centre = mean(places.iter().map(|place| place.own.position), &weights);
-        let left = new.unlike / own.unlike;
-        Ok(Part { disc, centre, own: start, new: new.motion, left, verdict })
+        Ok(Part { disc, centre: *centre, own: *motion, new: new.motion, left: new.unlike / left, verdict })
     };
-    let discs = discs.iter().filter(|disc| near[disc.middle as usize]).collect();
-    threads::map(threads, discs, judged).into_iter().collect()
+    threads::map(threads, small, judged).into_iter().collect()
 }
 
 /// Where the parts' motions, each as far as it takes over, put each vertex.

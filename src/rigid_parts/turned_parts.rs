@@ -6,7 +6,7 @@
 
 use super::mapped::{Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, Place, mean};
-use super::takeover::{SMALL_PARTS, SMALL_RADIUS, Surroundings, take_over};
+use super::takeover::{SmallParts, Surroundings, take_over};
 use crate::error::Result;
 use crate::mesh::rotation::{Matrix, principal_axes, rotation};
 use crate::mesh::vector::{Vector, subtract};
@@ -65,8 +65,8 @@ struct Part {
 /// A part and a motion turned against the map's that fits it.
 struct Turned {
     part: Part,
-    /// Share of what the map's motion leaves that this one does.
-    left: f64,
+    /// What the map's motion leaves.
+    own: f64,
     found: Settled,
 }
 
@@ -94,27 +94,27 @@ pub(super) fn right(mapped: &mut Mapped, mirrored: bool, threads: usize, token: 
         token.check()?;
         let found = turned(mapped, &part, &own, mirrored)?;
         let good = found.filter(|found| found.unlike < (GOOD * usual).max(SURELY_GOOD));
-        Ok(good.map(|found| Turned { part, left: found.unlike / own.unlike, found }))
+        Ok(good.map(|found| Turned { part, own: own.unlike, found }))
     };
     let found = threads::map(threads, bad.collect(), search).into_iter().collect::<Result<Vec<_>>>()?;
     let mut found: Vec<Turned> = found.into_iter().flatten().collect();
-    found.sort_by(|a, b| a.left.total_cmp(&b.left));
+    let left = |turned: &Turned| turned.found.unlike / turned.own;
+    found.sort_by(|a, b| left(a).total_cmp(&left(b)));
     if found.is_empty() {
         return Ok(());
     }
-    let discs = super::discs(mapped, SMALL_RADIUS, SMALL_PARTS, threads, token)?;
-    for Turned { part, found, .. } in found {
+    let mut small = SmallParts::new(mapped, threads, token)?;
+    let mut changed = false;
+    for Turned { part, mut own, found } in found {
         token.check()?;
-        // Another part may have brought this one along.
-        let own = as_mapped(mapped, &part.picked, ROUNDS, mirrored)?;
-        if found.unlike < BETTER * own.unlike {
-            let strain_left = match found.unlike < FAR_BETTER * own.unlike {
-                true => STRAIN_LEFT[0],
-                false => STRAIN_LEFT[1],
-            };
-            let surroundings =
-                Surroundings { middle: part.middle, discs: &discs, mirrored, usual, strain_left, threads };
-            take_over(mapped, surroundings, &found.motion)?;
+        if changed {
+            // Another part may have brought this one along.
+            own = as_mapped(mapped, &part.picked, ROUNDS, mirrored)?.unlike;
+        }
+        if found.unlike < BETTER * own {
+            let strain_left = if found.unlike < FAR_BETTER * own { STRAIN_LEFT[0] } else { STRAIN_LEFT[1] };
+            let surroundings = Surroundings { middle: part.middle, mirrored, usual, strain_left, threads };
+            changed |= take_over(mapped, &mut small, surroundings, &found.motion)?;
         }
     }
     Ok(())
