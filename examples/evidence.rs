@@ -36,7 +36,8 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let mesh = Mesh::new(&io::read(path, &limits)?.polygons, &limits)?;
     let solved = &mesh.shells()[0];
     let shell = PreparedShell::new(IntrinsicSurface::with_mean_curvature(solved), &options, &progress)?;
-    let found = candidates(&shell, &signs(&shell.surface, &shell.basis, &options)?, 1, &options, &progress)?;
+    let found =
+        candidates(&shell, &signs(&shell.surface, &shell.basis, &options, &[])?, 1, &options, &progress)?;
     let Some(candidate) = found.first() else { return Ok(String::new()) };
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
     let map = finish(&shell, &target, candidate, &progress)?;

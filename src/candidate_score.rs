@@ -140,12 +140,14 @@ impl<'a> Scorer<'a> {
     }
 
     fn disagreement(&self, map: &Mat<f64>) -> f64 {
-        let total: f64 = self.predicted.iter().map(|sign| sign.abs()).sum();
+        // A person may know more signs than a map of candidates has functions.
+        let predicted = &self.predicted[..self.predicted.len().min(map.nrows())];
+        let total: f64 = predicted.iter().map(|sign| sign.abs()).sum();
         if total == 0.0 {
             return 0.0;
         }
         let against = |(i, sign): (usize, &f64)| sign.abs() - sign * map[(i, i)].clamp(-1.0, 1.0);
-        self.predicted.iter().enumerate().map(against).sum::<f64>() / (2.0 * total)
+        predicted.iter().enumerate().map(against).sum::<f64>() / (2.0 * total)
     }
 }
 

@@ -4,7 +4,7 @@
 //! keeps the turn. Which way it takes hangs on little: where the coarse map is cut back to, and how fast it grows
 //! again. The partners' mean curvatures tell the results apart: of maps of one shape, those with the smaller
 //! difference are the more accurate ones (measured in `docs/method.md`). So several are grown to a middle size, at little
-//! cost, and only the best of them further.
+//! cost, on half of the points, and only the best of them further.
 
 use crate::error::Result;
 use crate::full_refinement::{MatchTarget, VertexImages, refine};
@@ -20,6 +20,8 @@ use faer::Mat;
 const WAYS: [(usize, usize); 4] = [(20, 5), (10, 10), (15, 10), (25, 10)];
 /// Size at which one of them is chosen.
 const CHOICE_SIZE: usize = 80;
+/// Points on which they grow until then.
+const WAY_POINTS: usize = 2000;
 /// Step by which that one grows on.
 const LAST_STEP: usize = 10;
 
@@ -39,14 +41,15 @@ pub fn grow(
 ) -> Result<(Mat<f64>, VertexImages)> {
     let (count, token, guide) = (target.basis.count(), progress.token(), Guide::MeanCurvature);
     let middle = CHOICE_SIZE.min(count);
-    let seeds = images.seeds();
+    let few = SpreadPoints::new(target, WAY_POINTS, middle)?;
+    let seeds = few.seeds(&points.vertices, images.partners.iter().copied());
     let alone = target.with_threads(1);
     let grown = |(first, step): (usize, usize)| {
         let first = first.min(middle);
         let start = coarse.submatrix(0, 0, first, first).to_owned();
         let sizes: Vec<usize> = (first..middle).step_by(step).chain([middle]).collect();
-        let (map, images) = refine(&alone, &points.sources(), start, &seeds, &sizes, guide, token)?;
-        Ok((curvature_mismatch(target, points, &images), map, images))
+        let (map, images) = refine(&alone, &few.sources(), start, &seeds, &sizes, guide, token)?;
+        Ok((curvature_mismatch(target, &few, &images), map, images))
     };
     progress.report("refining", 0.8)?;
     let ways = if target.surface.mean_curvature.is_empty() { &WAYS[..1] } else { &WAYS[..] };
@@ -56,7 +59,8 @@ pub fn grow(
     let (_, map, images) = best.expect("there is a way");
     progress.report("refining", 0.85)?;
     let sizes: Vec<usize> = (middle + LAST_STEP..count).step_by(LAST_STEP).chain([count]).collect();
-    refine(target, &points.sources(), map, &images.seeds(), &sizes, guide, token)
+    let seeds = points.seeds(&few.vertices, images.partners.iter().copied());
+    refine(target, &points.sources(), map, &seeds, &sizes, guide, token)
 }
 
 /// Mean difference of the diffused mean curvatures of the points and their images, summed over the times of diffusion.

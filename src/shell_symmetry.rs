@@ -28,7 +28,7 @@ const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
 /// a symmetry, too.
 const COARSE_SIZE: usize = 50;
 /// Points on which it and the guided map are refined.
-const REFINED_POINTS: usize = 2000;
+const REFINED_POINTS: usize = 4000;
 
 /// Reflections among which the best one is sought, by their scores and, if these leave doubts, by how they are judged when finished.
 const RIVALS: usize = 4;

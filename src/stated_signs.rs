@@ -41,7 +41,9 @@ pub fn on_proxy(
         .collect();
     let weighted = Mat::from_fn(own.nrows(), own.ncols(), |i, j| mass[i] * own[(i, j)] / lengths[j]);
     let likeness = product(basis.eigenfunctions.transpose(), weighted.as_ref());
-    Ok(parities(likeness.as_ref(), known))
+    let mut signs = parities(likeness.as_ref(), known);
+    signs.truncate(signs.iter().rposition(|sign| *sign != 0).map_or(0, |last| last + 1));
+    Ok(signs)
 }
 
 /// Row i of `likeness` has the cosines of function i with those whose signs are known.

@@ -237,6 +237,10 @@ fn a_shape_whose_connectivity_admits_one_plausible_reflection_is_not_searched() 
     };
     assert!(!searched("human", &[]) && !searched("human", &[0, 0]));
     assert!(searched("human", &[0, 1]), "a person's signs ask for the symmetry that has them");
+    assert!(
+        searched("quadruped", &[[0; 39].as_slice(), &[1]].concat()),
+        "more signs than candidates have functions"
+    );
     assert!(searched("quadruped", &[]));
 }
 

@@ -6,7 +6,7 @@ use faer::Mat;
 use intrinsym::acceptance::{Judgement, Rigidity};
 use intrinsym::candidate_score::{Score, Scorer};
 use intrinsym::dense::product;
-use intrinsym::eigenbasis::Eigenbasis;
+use intrinsym::eigenbasis::{Accuracy, Eigenbasis};
 use intrinsym::embedded_triangles::Fans;
 use intrinsym::fixed_curve::{odd_function, zero_set};
 use intrinsym::full_refinement::{self, MatchTarget, VertexImages};
@@ -151,7 +151,8 @@ impl Shape {
         let shell = validated(mesh).shells().swap_remove(0);
         assert_eq!(shell.points.len(), truth.len());
         let surface = IntrinsicSurface::new(&shell);
-        let basis = Eigenbasis::new(&surface, 60, 1, &Progress::default()).unwrap();
+        // Exact: what is tested is what is made of them.
+        let basis = Eigenbasis::with_accuracy(&surface, 60, Accuracy::Full, 1, &Progress::default()).unwrap();
         Shape { shell, surface, basis, truth }
     }
 
