@@ -2,7 +2,7 @@
 //! same connectivity. Stages by themselves, with confidence intervals, are measured by `benches/by_stage`.
 //!
 //!     cargo bench --profile release --bench stages -- MESH [--repeats 5] [--eigenfunctions 150] [--threads 1]
-//!         [--proxy-vertices 15000] [--write PREFIX]
+//!         [--proxy-vertices 6000] [--write PREFIX]
 //!
 //! MESH is a file, or a number f: the creature of the tests on a geodesic sphere of `10 f^2 + 2` vertices, its left
 //! and right triangulated differently. The first run is the process's first (cold). Then as many times `detect_again` on a
