@@ -1,12 +1,14 @@
 //! Between the caller's mesh and the shell that is solved: exact maps there, and finished maps back, with all that is
 //! found once they are back.
 
+use crate::adjacency::nearest_seeds;
 use crate::assembly::{PointMap, Summary, symmetry};
 use crate::automorphism::{Automorphism, Connectivity};
 use crate::companions::{self, Primary};
 use crate::confidence::Evidence;
 use crate::correspondence::Symmetry;
 use crate::displacement::mean_displacement;
+use crate::embedded_triangles::Fans;
 use crate::error::Result;
 use crate::fixed_curve::{odd_function, zero_set};
 use crate::full_refinement::{MatchTarget, VertexImages};
@@ -158,18 +160,26 @@ impl<'a> Assembler<'a> {
         }
     }
 
-    /// Images under the only bijection of the largest shell that the connectivity admits, if it is of all its points.
+    /// Images under the only pairing of the largest shell that the connectivity admits; a vertex that it leaves out goes where one
+    /// beside it goes. `None` if it pairs less than half of the shell.
     pub fn images_of_all(&self, found: &Automorphism) -> Option<VertexImages> {
         let shell = &self.shells[0];
-        if !shell.points.iter().all(|&point| found.unrivalled[point as usize]) {
-            return None;
-        }
         let mut local = vec![NONE; self.mesh.positions.len()];
         for (index, &point) in shell.points.iter().enumerate() {
             local[point as usize] = index as u32;
         }
-        let partner = |&point: &u32| local[found.partner[point as usize] as usize];
-        let partners: Vec<u32> = shell.points.iter().map(partner).collect();
+        let partner = |&point: &u32| match found.unrivalled[point as usize] {
+            true => local[found.partner[point as usize] as usize],
+            false => NONE,
+        };
+        let mut partners: Vec<u32> = shell.points.iter().map(partner).collect();
+        let left_out = partners.iter().filter(|&&partner| partner == NONE).count();
+        if 2 * left_out > partners.len() {
+            return None;
+        }
+        if left_out > 0 {
+            fill_from_neighbours(&mut partners, &shell.triangles);
+        }
         Some(match self.proxy {
             Some(proxy) => proxy.restrict(&partners),
             None => VertexImages::at_vertices(&shell.triangles, partners),
@@ -201,5 +211,19 @@ impl<'a> Assembler<'a> {
             map.insert_sides(&self.shells[own], own, companion, &anchors_odd);
         }
         Ok(())
+    }
+}
+
+/// Gives vertices without a partner that of the nearest vertex with one, counted in edges.
+fn fill_from_neighbours(partners: &mut [u32], triangles: &[[u32; 3]]) {
+    let fans = Fans::new(partners.len(), triangles);
+    let has_partner = |vertex: &u32| partners[*vertex as usize] != NONE;
+    let paired: Vec<u32> = (0..partners.len() as u32).filter(has_partner).collect();
+    let around = |vertex: u32| fans.of(vertex).iter().flat_map(|&triangle| triangles[triangle as usize]);
+    let nearest = nearest_seeds(partners.len(), &paired, around);
+    for vertex in 0..partners.len() {
+        if partners[vertex] == NONE {
+            partners[vertex] = partners[paired[nearest[vertex] as usize] as usize];
+        }
     }
 }

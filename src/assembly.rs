@@ -100,6 +100,8 @@ impl PointMap {
             {
                 self.exact[point] = true;
                 self.confidence[point] = 1.0;
+            } else if found.unrivalled[point] {
+                self.confidence[point] = self.confidence[point].max(CONFIDENCE_IF_MIRRORED);
             }
         }
         self.make_odd(mesh);

@@ -11,11 +11,13 @@
 //!    orientation. A shell's rarest colour gives few seeds, so the search needs no estimate.
 //! 2. Each seed is walked over its whole shell ([`matching`]); a walk that ends without contradiction is
 //!    an exact bijection, its own inverse. Seeds are ordered, and rival bijections judged, by the estimate.
-//! 3. Where no walk ends, patches are grown around defects ([`partial`]).
+//! 3. Where no walk ends, one patch is grown around the defects of the main shell ([`almost`]), several near the estimate
+//!    on others, or where that is not nearly all of it ([`partial`]).
 //!
 //! Shells may map to themselves or swap. Polygons are walked, not triangles: quads are often mirrored
 //! where their triangulation is not. Cost O(size) per seed with a bound on all walks together; memory O(size).
 
+mod almost;
 mod colours;
 mod estimate;
 mod matching;
@@ -30,6 +32,7 @@ use crate::symmetry_kind::SymmetryKind;
 use colours::{Classes, Colours};
 use estimate::{Distances, Estimate};
 use matching::Matching;
+use partial::Context;
 use shells::Shells;
 
 /// Most vertices tried as the image of one pivot.
@@ -54,8 +57,15 @@ pub struct Automorphism {
     /// Whether every shell is mapped by a bijection of the whole of it.
     pub complete: bool,
     /// Whether a point's pair belongs to the only bijection that the connectivity of its shell admits, which
-    /// holds most of the vertices. Shape can say nothing against it: no mesh is so by chance.
+    /// holds most of the vertices, or to the only pairing of nine tenths of them. Shape can say nothing against it: no mesh is so by chance.
     pub unrivalled: Vec<bool>,
+}
+
+impl Automorphism {
+    /// Whether an unrivalled pairing is not a bijection of its whole shell.
+    pub fn has_defects(&self) -> bool {
+        self.unrivalled.iter().zip(&self.exact).any(|(&unrivalled, &exact)| unrivalled && !exact)
+    }
 }
 
 /// The connectivity of a mesh, prepared for searches.
@@ -75,7 +85,7 @@ impl Connectivity {
         Connectivity { half_edges, shells, colours, classes }
     }
 
-    /// Finds the only pairing of the main shell that its connectivity admits; no estimate is needed.
+    /// Finds the only pairing of the main shell that its connectivity admits, but for a few defects; no estimate is needed.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
@@ -113,18 +123,48 @@ impl Connectivity {
         let mut matching = Matching::new(half_edges, kind);
         let matched = match_whole_shells(&mut matching, shells, &self.classes, &estimate, progress)?;
         let exact: Vec<bool> = matching.vertex_image.iter().map(|&image| image != NONE).collect();
-        if estimate.is_any() {
-            let inexact = &matched.inexact;
-            partial::match_shells(&mut matching, shells, &self.colours, &estimate, inexact, progress)?;
-        }
+        let unrivalled = match matched.inexact.is_empty() {
+            true => matched.unrivalled,
+            false => self.match_defective_shells(&mut matching, &estimate, matched, progress)?,
+        };
         let mut found = by_points(half_edges, &matching.vertex_image, &exact);
-        if let (Some(found), Some(shell)) = (&mut found, matched.unrivalled) {
+        if let (Some(found), Some(shell)) = (&mut found, unrivalled) {
             for &vertex in shells.vertices(shell) {
                 let point = half_edges.point_of_vertex[vertex as usize] as usize;
-                found.unrivalled[point] = found.exact[point];
+                found.unrivalled[point] = found.partner[point] != NONE;
             }
         }
         Ok(found)
+    }
+
+    /// Pairs what it can of the shells without a bijection; gives the main shell, if what is paired of it has no rival.
+    fn match_defective_shells(
+        &self,
+        matching: &mut Matching,
+        estimate: &Estimate,
+        mut matched: WholeShells,
+        progress: &Progress,
+    ) -> Result<Option<usize>> {
+        let shells = &self.shells;
+        let far = Context { shells, estimate, valences: &self.colours.valences, classes: &self.classes };
+        if let Some(shell) = matched.defective {
+            let mark = matching.mark();
+            if almost::match_shell(matching, &far, shell, progress)? {
+                let vertices = shells.vertices(shell);
+                if is_not_refuted(&estimate.distances(matching, vertices, vertices.len())) {
+                    matched.inexact.retain(|&other| other != shell);
+                    matched.unrivalled = Some(shell);
+                } else {
+                    matching.rollback(mark);
+                }
+            }
+        }
+        if estimate.is_any() && !matched.inexact.is_empty() {
+            let near = Classes::new(&self.colours.near);
+            let context = Context { classes: &near, ..far };
+            partial::match_shells(matching, &context, &matched.inexact, progress)?;
+        }
+        Ok(matched.unrivalled)
     }
 }
 
@@ -148,15 +188,28 @@ pub fn find(
 /// What walking whole shells gave.
 #[derive(Default)]
 struct WholeShells {
-    /// Shells without a bijection.
+    /// Shells without a bijection, or with one that the estimate refutes.
     inexact: Vec<usize>,
+    /// The shell with most of the vertices, if it has no bijection.
+    defective: Option<usize>,
     /// The shell with most of the vertices, if its bijection is the only one.
     unrivalled: Option<usize>,
+}
+
+/// Whether a shell of so many vertices has most of all.
+fn is_main(matching: &Matching, vertices: usize) -> bool {
+    2 * vertices > matching.half_edges.vertex_count()
+}
+
+/// Whether an only bijection may stand against the estimate.
+fn is_not_refuted(distances: &Distances) -> bool {
+    distances.share_within.is_none_or(|share| share >= NOT_REFUTED)
 }
 
 /// The verdict on one shell.
 enum Whole {
     None,
+    Refused,
     Bijection,
     OnlyBijection,
 }
@@ -177,7 +230,12 @@ fn match_whole_shells(
             continue;
         }
         match match_whole_shell(matching, shells, classes, estimate, shell, &mut budget, progress)? {
-            Whole::None => matched.inexact.push(shell),
+            Whole::None => {
+                matched.inexact.push(shell);
+                let main = is_main(matching, shells.vertices(shell).len());
+                matched.defective = matched.defective.or(main.then_some(shell));
+            }
+            Whole::Refused => matched.inexact.push(shell),
             Whole::Bijection => {}
             Whole::OnlyBijection => matched.unrivalled = Some(shell),
         }
@@ -195,7 +253,7 @@ fn match_whole_shell(
     progress: &Progress,
 ) -> Result<Whole> {
     let vertices = shells.vertices(shell);
-    let main = 2 * vertices.len() > matching.half_edges.vertex_count();
+    let main = is_main(matching, vertices.len());
     let pivot = pivot(vertices, classes, estimate);
     let PivotImages { near, far, exhaustive } = images_of_pivot(matching, shells, classes, estimate, pivot);
     let seeds = |images: &[u32]| -> Vec<_> {
@@ -224,9 +282,9 @@ fn match_whole_shell(
     let Some((distances, start, target)) = best else { return Ok(Whole::None) };
     let unrivalled = main && found == 1 && exhaustive && *budget > 0;
     let near = distances.mean <= estimate::tolerance(vertices.len());
-    let accepted = near || unrivalled && distances.share_within.is_none_or(|share| share >= NOT_REFUTED);
+    let accepted = near || unrivalled && is_not_refuted(&distances);
     Ok(match accepted && matching.walk(start, target, classes, &mut { u64::MAX }) {
-        false => Whole::None,
+        false => Whole::Refused,
         true if unrivalled => Whole::OnlyBijection,
         true => Whole::Bijection,
     })

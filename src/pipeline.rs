@@ -166,6 +166,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let (shell, signs) = (PreparedShell { surface, basis, samples }, signs?);
     clock.lap("samples, signs");
     let assembler = Assembler::new(mesh, &shells, &shell, proxy.as_ref(), connectivity, options);
+    let defects = unrivalled.as_ref().is_some_and(Automorphism::has_defects);
     let mirrored = unrivalled.and_then(|found| assembler.images_of_all(&found));
     let mirrored = mirrored.map(|images| of_images(&shell, &assembler.target, images)).transpose()?;
     clock.lap("connectivity");
@@ -190,7 +191,10 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     retain_symmetries(&mut maps, options.plausibility);
     maps.truncate(options.symmetries);
     if let Some(map) = mirrored {
-        evidence += "; its connectivity admits one reflection";
+        evidence += match defects {
+            true => "; but for a few defects its connectivity admits one reflection",
+            false => "; its connectivity admits one reflection",
+        };
         if maps.is_empty() {
             evidence += ", and that is the answer";
             maps.push((

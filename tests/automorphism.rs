@@ -312,6 +312,51 @@ fn around_a_split_edge_the_rest_is_paired() {
 }
 
 #[test]
+fn but_for_a_few_defects_a_figure_is_paired_without_any_estimate() {
+    let whole = Figure::of_voxels(&person(), 3).triangulated();
+    let mut shuffle = Shuffle(8);
+    for (splits, flips) in [(0, 1), (1, 0), (1, 1), (0, 3), (2, 1), (2, 2)] {
+        let mut figure = whole.clone();
+        (0..splits).for_each(|_| figure.split_edge(shuffle.below(whole.faces.len())));
+        (0..flips).for_each(|_| figure.flip_edge(shuffle.below(whole.faces.len())));
+        let found = figure.find(&nothing(&figure), Reflection);
+        let found = found.unwrap_or_else(|| panic!("{splits} splits, {flips} flips"));
+        let truth = figure.truth();
+        assert!(!found.complete && found.exact.iter().all(|&exact| !exact));
+        assert!(found.covered > truth.len() * 99 / 100, "{} of {}", found.covered, truth.len());
+        for (point, &image) in found.partner.iter().enumerate() {
+            assert_eq!(found.unrivalled[point], image != NONE);
+            assert!(image == NONE || image == truth[point]);
+        }
+        // An estimate of something else is not overruled.
+        let identity: Vec<u32> = (0..figure.places.len() as u32).collect();
+        assert_eq!(figure.find(&identity, Reflection), None);
+    }
+}
+
+#[test]
+fn with_defects_and_two_mirror_planes_nothing_says_which() {
+    let half: Vec<Cell> = (0..6).map(|x| [x, 0, 0]).chain([[2, 1, 0], [5, 1, 0], [5, 2, 0]]).collect();
+    let back = half.iter().map(|&[x, y, z]| [x, y, -1 - z]);
+    let cells: Vec<Cell> = half.iter().copied().chain(back).collect();
+    let whole = Figure::of_voxels(&mirrored(&cells), 3);
+    assert_eq!(whole.find(&nothing(&whole), Reflection), None, "it has two reflections");
+    let triangles = whole.triangulated();
+    for mut figure in [whole, triangles] {
+        figure.faces.pop();
+        assert_eq!(figure.find(&nothing(&figure), Reflection), None);
+    }
+}
+
+#[test]
+fn much_that_has_no_mirror_image_is_more_than_defects() {
+    let sword: Vec<Cell> = (4..12).flat_map(|y| [[4, y, 0], [4, y, 1]]).collect();
+    let cells: Vec<Cell> = person().into_iter().chain(sword).collect();
+    let figure = Figure::of_voxels(&cells, 3).triangulated();
+    assert_eq!(figure.find(&nothing(&figure), Reflection), None);
+}
+
+#[test]
 fn a_few_flips_leave_a_partial_match_and_many_leave_none() {
     let whole = Figure::of_voxels(&person(), 3).triangulated();
     let truth = whole.truth();

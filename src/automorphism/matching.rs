@@ -44,6 +44,16 @@ impl<'a> Matching<'a> {
         }
     }
 
+    /// What is paired: reflection or half turn.
+    pub fn kind(&self) -> SymmetryKind {
+        self.kind
+    }
+
+    /// Image of a half-edge or [`NONE`].
+    pub fn image_of(&self, half_edge: u32) -> u32 {
+        self.image[half_edge as usize]
+    }
+
     /// All ways to send `vertex` to `image`, as half-edge pairs that fix everything else.
     pub fn seeds(&self, vertex: u32, image: u32) -> Vec<(u32, u32)> {
         let start = self.half_edges.outgoing[vertex as usize];
@@ -154,9 +164,7 @@ impl<'a> Matching<'a> {
             return false;
         }
         if known == NONE {
-            self.vertex_image[vertex as usize] = partner;
-            self.vertex_image[partner as usize] = vertex;
-            self.vertex_log.push(vertex);
+            self.pair(vertex, partner);
         }
         self.image[half_edge as usize] = image;
         self.image[image as usize] = half_edge;
@@ -218,6 +226,13 @@ impl<'a> Matching<'a> {
     /// Half-edges across which growing stopped since `mark`, with the images that did not fit.
     pub fn refused_since(&self, mark: Mark) -> &[(u32, u32)] {
         &self.refused[mark.refused..]
+    }
+
+    /// Enters a pair of vertices that have none.
+    pub fn pair(&mut self, vertex: u32, partner: u32) {
+        self.vertex_image[vertex as usize] = partner;
+        self.vertex_image[partner as usize] = vertex;
+        self.vertex_log.push(vertex);
     }
 
     /// Forgets the image of a vertex and of its partner.

@@ -6,7 +6,7 @@
 //! patches together must cover half of the shell and half of its irregular vertices. The ring of
 //! faces at each contradiction is dropped.
 
-use super::colours::{Classes, Colours};
+use super::colours::Classes;
 use super::estimate::{self, Estimate};
 use super::matching::{Mark, Matching};
 use super::shells::Shells;
@@ -16,17 +16,17 @@ use crate::progress::Progress;
 use std::collections::HashMap;
 
 /// Smaller shells have too little to tell a partial match from chance.
-const SMALLEST_SHELL: usize = 24;
+pub(super) const SMALLEST_SHELL: usize = 24;
 /// Seeds per shell.
 const SEEDS: usize = 64;
 /// Most images tried per seed.
 const SEED_IMAGES: usize = 8;
 /// Faces of the trial around a seed.
-const TRIAL_FACES: usize = 200;
+pub(super) const TRIAL_FACES: usize = 200;
 /// A patch as large as this is compared with the estimate before it grows on.
 const EARLY_FACES: usize = 50_000;
 /// Failed full growths per shell before giving up.
-const FAILURES: usize = 8;
+pub(super) const FAILURES: usize = 8;
 /// Least number of irregular vertices paired by a patch.
 const IRREGULAR: usize = 4;
 /// Most contradictions of a patch per paired face.
@@ -36,40 +36,32 @@ const COVERED: f64 = 0.5;
 const NEAR: f64 = 0.7;
 
 /// What the growth reads.
-struct Context<'a> {
-    shells: &'a Shells,
-    estimate: &'a Estimate,
+pub(super) struct Context<'a> {
+    pub shells: &'a Shells,
+    pub estimate: &'a Estimate,
     /// Colours by valence, face degrees and boundary.
-    valences: &'a [u64],
-    /// Classes by near surroundings.
-    classes: Classes,
+    pub valences: &'a [u64],
+    /// Classes by surroundings: lookalikes are each other's possible images.
+    pub classes: &'a Classes,
 }
 
 /// Pairs what it can of the shells in `which`; adds to what `matching` holds.
 pub(super) fn match_shells(
     matching: &mut Matching,
-    shells: &Shells,
-    colours: &Colours,
-    estimate: &Estimate,
+    context: &Context,
     which: &[usize],
     progress: &Progress,
 ) -> Result<()> {
-    let large: Vec<usize> =
-        which.iter().copied().filter(|&shell| shells.vertices(shell).len() >= SMALLEST_SHELL).collect();
-    if large.is_empty() {
-        return Ok(());
-    }
-    let classes = Classes::new(&colours.near);
-    let context = Context { shells, estimate, valences: &colours.valences, classes };
-    for shell in large {
-        match_shell(matching, &context, shell, progress)?;
+    let is_large = |shell: &&usize| context.shells.vertices(**shell).len() >= SMALLEST_SHELL;
+    for &shell in which.iter().filter(is_large) {
+        match_shell(matching, context, shell, progress)?;
     }
     Ok(())
 }
 
 fn match_shell(matching: &mut Matching, context: &Context, shell: usize, progress: &Progress) -> Result<()> {
     let vertices = context.shells.vertices(shell);
-    if !is_mostly_repeated(context, vertices) {
+    if !is_repeated(context.classes, vertices, COVERED) {
         return Ok(());
     }
     let regular = most_common_valence(context, vertices);
@@ -101,13 +93,13 @@ fn match_shell(matching: &mut Matching, context: &Context, shell: usize, progres
     Ok(())
 }
 
-/// Whether enough vertices have a lookalike at all; on meshes without mirrored connectivity few do.
-fn is_mostly_repeated(context: &Context, vertices: &[u32]) -> bool {
-    let repeated = vertices.iter().filter(|&&vertex| context.classes.members(vertex).len() > 1).count();
-    repeated as f64 >= COVERED * vertices.len() as f64
+/// Whether at least such a share of vertices has a lookalike at all; on meshes without mirrored connectivity few do.
+pub(super) fn is_repeated(classes: &Classes, vertices: &[u32], share: f64) -> bool {
+    let repeated = vertices.iter().filter(|&&vertex| classes.members(vertex).len() > 1).count();
+    repeated as f64 >= share * vertices.len() as f64
 }
 
-fn most_common_valence(context: &Context, vertices: &[u32]) -> u64 {
+pub(super) fn most_common_valence(context: &Context, vertices: &[u32]) -> u64 {
     let mut counts = HashMap::new();
     for &vertex in vertices {
         *counts.entry(context.valences[vertex as usize]).or_insert(0usize) += 1;
@@ -117,7 +109,7 @@ fn most_common_valence(context: &Context, vertices: &[u32]) -> u64 {
 }
 
 /// Vertices with the half-edge pair whose trial growth fits best, best first.
-fn seeds(
+pub(super) fn seeds(
     matching: &mut Matching,
     context: &Context,
     vertices: &[u32],
@@ -154,13 +146,18 @@ fn best_trial(
     {
         let mark = matching.mark();
         let faces = matching.grow(start, target, context.valences, TRIAL_FACES);
-        let score = faces.saturating_sub(2 * contradicted_faces(matching, mark));
+        let score = score_of_trial(matching, mark, faces);
         matching.rollback(mark);
         if score > best.map_or(8, |(least, ..)| least) {
             best = Some((score, vertex, start, target));
         }
     }
     best
+}
+
+/// What the growth of a number of `faces` since `mark` is worth: those, less two for each that did not fit.
+pub(super) fn score_of_trial(matching: &Matching, mark: Mark, faces: usize) -> usize {
+    faces.saturating_sub(2 * contradicted_faces(matching, mark))
 }
 
 fn contradicted_faces(matching: &Matching, mark: Mark) -> usize {
@@ -197,7 +194,7 @@ fn is_patch_sound(
 }
 
 /// Unpairs the corners of faces where growing stopped, and their partners.
-fn drop_rings_at_contradictions(matching: &mut Matching, since: Mark) {
+pub(super) fn drop_rings_at_contradictions(matching: &mut Matching, since: Mark) {
     for (half_edge, image) in matching.refused_since(since).to_vec() {
         for side in [half_edge, image] {
             let whole = matching.half_edges.face[side as usize] != NONE;
