@@ -41,7 +41,7 @@ impl Limits {
 /// `solved` are the vertices on which the map is sought.
 pub fn estimated_memory(vertices: usize, solved: usize, eigenfunctions: usize) -> u64 {
     const FIXED: usize = 60_000_000;
-    const A_VERTEX: usize = 640;
+    const A_VERTEX: usize = 700;
     const A_SOLVED_VERTEX: usize = 600;
     const AN_EIGENFUNCTION: usize = 36;
     (FIXED + A_VERTEX * vertices + solved * (A_SOLVED_VERTEX + AN_EIGENFUNCTION * eigenfunctions)) as u64
