@@ -31,7 +31,7 @@ use crate::progress::Progress;
 use crate::symmetry_kind::SymmetryKind;
 use colours::{Classes, Colours};
 use estimate::{Distances, Estimate};
-use matching::Matching;
+use matching::{Mark, Matching};
 use partial::Context;
 use shells::Shells;
 
@@ -41,6 +41,10 @@ const PIVOT_IMAGES: usize = 64;
 const WALKS: u64 = 24;
 /// A bijection this close to the estimate (mean distance in edges) ends the search for a closer one.
 const CLOSE: f64 = 0.25;
+/// A walk that can only lead to a bijection near the estimate is looked at when it has paired this share of the mesh's half-edges, and
+/// ends there if it is farther from the estimate than so many times what a bijection may be.
+const LOOKED_AT: u64 = 8;
+const FAR: f64 = 2.0;
 /// The only bijection of the main shell is accepted against the estimate if this share of it agrees: an
 /// estimate that swaps the legs is overruled, one of another symmetry is not.
 const NOT_REFUTED: f64 = 0.3;
@@ -74,6 +78,15 @@ pub struct Connectivity {
     shells: Shells,
     colours: Colours,
     classes: Classes,
+    reflections: Bijections,
+}
+
+/// How many bijections the main shell has, as far as it is known.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Bijections {
+    Unknown,
+    None,
+    Several,
 }
 
 impl Connectivity {
@@ -82,16 +95,21 @@ impl Connectivity {
         let colours = Colours::new(&half_edges);
         let classes = Classes::new(&colours.far);
         let shells = Shells::new(&half_edges);
-        Connectivity { half_edges, shells, colours, classes }
+        Connectivity { half_edges, shells, colours, classes, reflections: Bijections::Unknown }
     }
 
-    /// Finds the only pairing of the main shell that its connectivity admits, but for a few defects; no estimate is needed.
+    /// Finds the only reflection of the main shell that its connectivity admits, but for a few defects; no estimate is needed. That there
+    /// is none, or more than one, is remembered for later searches.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
-    pub fn find_unrivalled(&self, kind: SymmetryKind, progress: &Progress) -> Result<Option<Automorphism>> {
+    pub fn find_unrivalled(&mut self, progress: &Progress) -> Result<Option<Automorphism>> {
+        self.reflections = Bijections::Unknown;
         let points = self.half_edges.point_count;
-        self.find(&vec![NONE; points], &vec![0.0; points], kind, progress)
+        let (estimate, confidence) = (vec![NONE; points], vec![0.0; points]);
+        let (found, bijections) = self.search(&estimate, &confidence, SymmetryKind::Reflection, progress)?;
+        self.reflections = bijections;
+        Ok(found)
     }
 
     /// Finds the pairing by connectivity that agrees best with an estimate.
@@ -118,10 +136,23 @@ impl Connectivity {
         if kind.is_rotation() {
             return Ok(None);
         }
+        Ok(self.search(estimate, confidence, kind, progress)?.0)
+    }
+
+    /// That, and how many bijections the main shell has.
+    fn search(
+        &self,
+        estimate: &[u32],
+        confidence: &[f32],
+        kind: SymmetryKind,
+        progress: &Progress,
+    ) -> Result<(Option<Automorphism>, Bijections)> {
         let (half_edges, shells) = (&self.half_edges, &self.shells);
         let estimate = Estimate::new(half_edges, estimate, confidence);
         let mut matching = Matching::new(half_edges, kind);
-        let matched = match_whole_shells(&mut matching, shells, &self.classes, &estimate, progress)?;
+        let known = if kind == SymmetryKind::Reflection { self.reflections } else { Bijections::Unknown };
+        let matched = match_whole_shells(&mut matching, shells, &self.classes, &estimate, known, progress)?;
+        let bijections = matched.bijections;
         let exact: Vec<bool> = matching.vertex_image.iter().map(|&image| image != NONE).collect();
         let unrivalled = match matched.inexact.is_empty() {
             true => matched.unrivalled,
@@ -134,7 +165,7 @@ impl Connectivity {
                 found.unrivalled[point] = found.partner[point] != NONE;
             }
         }
-        Ok(found)
+        Ok((found, bijections))
     }
 
     /// Pairs what it can of the shells without a bijection; gives the main shell, if what is paired of it has no rival.
@@ -186,7 +217,6 @@ pub fn find(
 }
 
 /// What walking whole shells gave.
-#[derive(Default)]
 struct WholeShells {
     /// Shells without a bijection, or with one that the estimate refutes.
     inexact: Vec<usize>,
@@ -194,6 +224,8 @@ struct WholeShells {
     defective: Option<usize>,
     /// The shell with most of the vertices, if its bijection is the only one.
     unrivalled: Option<usize>,
+    /// How many bijections that shell has.
+    bijections: Bijections,
 }
 
 /// Whether a shell of so many vertices has most of all.
@@ -214,80 +246,128 @@ enum Whole {
     OnlyBijection,
 }
 
+/// How the bijections of one shell are sought.
+struct Search<'a> {
+    shells: &'a Shells,
+    classes: &'a Classes,
+    estimate: &'a Estimate,
+    /// Steps that are left.
+    budget: u64,
+    /// What is known, and then found, of the main shell.
+    bijections: Bijections,
+}
+
 /// Maps what it can shell by shell, largest first.
 fn match_whole_shells(
     matching: &mut Matching,
     shells: &Shells,
     classes: &Classes,
     estimate: &Estimate,
+    bijections: Bijections,
     progress: &Progress,
 ) -> Result<WholeShells> {
-    let mut budget = WALKS * matching.half_edges.len() as u64;
-    let mut matched = WholeShells::default();
+    let budget = WALKS * matching.half_edges.len() as u64;
+    let mut search = Search { shells, classes, estimate, budget, bijections };
+    let (mut inexact, mut defective, mut unrivalled) = (Vec::new(), None, None);
     for shell in shells.by_size() {
         progress.check()?;
         if matching.vertex_image[shells.vertices(shell)[0] as usize] != NONE {
             continue;
         }
-        match match_whole_shell(matching, shells, classes, estimate, shell, &mut budget, progress)? {
+        match search.match_whole_shell(matching, shell, progress)? {
             Whole::None => {
-                matched.inexact.push(shell);
+                inexact.push(shell);
                 let main = is_main(matching, shells.vertices(shell).len());
-                matched.defective = matched.defective.or(main.then_some(shell));
+                defective = defective.or(main.then_some(shell));
             }
-            Whole::Refused => matched.inexact.push(shell),
+            Whole::Refused => inexact.push(shell),
             Whole::Bijection => {}
-            Whole::OnlyBijection => matched.unrivalled = Some(shell),
+            Whole::OnlyBijection => unrivalled = Some(shell),
         }
     }
-    Ok(matched)
+    Ok(WholeShells { inexact, defective, unrivalled, bijections: search.bijections })
 }
 
-fn match_whole_shell(
-    matching: &mut Matching,
-    shells: &Shells,
-    classes: &Classes,
-    estimate: &Estimate,
-    shell: usize,
-    budget: &mut u64,
-    progress: &Progress,
-) -> Result<Whole> {
-    let vertices = shells.vertices(shell);
-    let main = is_main(matching, vertices.len());
-    let pivot = pivot(vertices, classes, estimate);
-    let PivotImages { near, far, exhaustive } = images_of_pivot(matching, shells, classes, estimate, pivot);
-    let seeds = |images: &[u32]| -> Vec<_> {
-        images.iter().flat_map(|&image| matching.seeds(pivot, image)).collect()
-    };
-    let (near, far) = (seeds(&near), seeds(&far));
-    let mark = matching.mark();
-    let mut best: Option<(Distances, u32, u32)> = None;
-    let mut found = 0;
-    for (tried, &(start, target)) in near.iter().chain(&far).enumerate() {
-        progress.check()?;
-        // The main shell's rivals are worth knowing: one that is found at all. Then only what may be close is.
-        let close = best.as_ref().is_some_and(|(distances, ..)| distances.mean <= CLOSE);
-        if (!main || found > 1) && close || main && found > 1 && tried >= near.len() {
-            break;
+impl Search<'_> {
+    fn match_whole_shell(
+        &mut self,
+        matching: &mut Matching,
+        shell: usize,
+        progress: &Progress,
+    ) -> Result<Whole> {
+        let vertices = self.shells.vertices(shell);
+        let main = is_main(matching, vertices.len());
+        if main && self.bijections == Bijections::None {
+            return Ok(Whole::None);
         }
-        if matching.walk(start, target, classes, budget) {
-            found += 1;
-            let distances = estimate.distances(matching, vertices, vertices.len());
-            if best.as_ref().is_none_or(|(least, ..)| distances.mean < least.mean) {
-                best = Some((distances, start, target));
+        let pivot = pivot(vertices, self.classes, self.estimate);
+        let PivotImages { near, far, exhaustive } =
+            images_of_pivot(matching, self.shells, self.classes, self.estimate, pivot);
+        let seeds = |images: &[u32]| -> Vec<_> {
+            images.iter().flat_map(|&image| matching.seeds(pivot, image)).collect()
+        };
+        let (near, far) = (seeds(&near), seeds(&far));
+        let mark = matching.mark();
+        let mut best: Option<(Distances, u32, u32)> = None;
+        let mut found = if main && self.bijections == Bijections::Several { 2 } else { 0 };
+        for (tried, &(start, target)) in near.iter().chain(&far).enumerate() {
+            progress.check()?;
+            // The main shell's rivals are worth knowing: one that is found at all. Then only what may be close is.
+            let close = best.as_ref().is_some_and(|(distances, ..)| distances.mean <= CLOSE);
+            let rivalled = !main || found > 1;
+            if rivalled && close || main && rivalled && tried >= near.len() {
+                break;
             }
-            matching.rollback(mark);
+            if self.walk(matching, start, target, vertices.len(), rivalled) {
+                found += 1;
+                let distances = self.estimate.distances(matching, vertices, vertices.len());
+                if best.as_ref().is_none_or(|(least, ..)| distances.mean < least.mean) {
+                    best = Some((distances, start, target));
+                }
+                matching.rollback(mark);
+            }
         }
+        let all_tried = exhaustive && self.budget > 0;
+        if main {
+            self.bijections = match found {
+                0 if all_tried => Bijections::None,
+                0 | 1 => Bijections::Unknown,
+                _ => Bijections::Several,
+            };
+        }
+        let Some((distances, start, target)) = best else {
+            // A main shell with bijections far from the estimate has no defects.
+            return Ok(if found > 1 { Whole::Refused } else { Whole::None });
+        };
+        let unrivalled = main && found == 1 && all_tried;
+        let near = distances.mean <= estimate::tolerance(vertices.len());
+        let accepted = near || unrivalled && is_not_refuted(&distances);
+        Ok(match accepted && matching.walk(start, target, self.classes, &mut { u64::MAX }) {
+            false => Whole::Refused,
+            true if unrivalled => Whole::OnlyBijection,
+            true => Whole::Bijection,
+        })
     }
-    let Some((distances, start, target)) = best else { return Ok(Whole::None) };
-    let unrivalled = main && found == 1 && exhaustive && *budget > 0;
-    let near = distances.mean <= estimate::tolerance(vertices.len());
-    let accepted = near || unrivalled && is_not_refuted(&distances);
-    Ok(match accepted && matching.walk(start, target, classes, &mut { u64::MAX }) {
-        false => Whole::Refused,
-        true if unrivalled => Whole::OnlyBijection,
-        true => Whole::Bijection,
-    })
+
+    /// Walks from one pair of half-edges; one that is of no use unless it stays near the estimate ends where it does not.
+    fn walk(
+        &mut self,
+        matching: &mut Matching,
+        start: u32,
+        target: u32,
+        size: usize,
+        only_near: bool,
+    ) -> bool {
+        if !only_near || !self.estimate.is_any() {
+            return matching.walk(start, target, self.classes, &mut self.budget);
+        }
+        let near = |matching: &Matching, mark: Mark| {
+            let paired = matching.paired_since(mark);
+            self.estimate.distances(matching, &paired, size).mean <= FAR * estimate::tolerance(size)
+        };
+        let steps = matching.half_edges.len() as u64 / LOOKED_AT;
+        matching.walk_while(start, target, self.classes, &mut self.budget, steps, near)
+    }
 }
 
 /// The vertex with the fewest possible images; of those, one with the surest estimate.

@@ -258,8 +258,8 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
 /// The connectivity, and the only reflection that it admits if there is just one: all that needs no positions.
 fn connectivity(mesh: &Mesh, token: CancelToken) -> Result<(Connectivity, Option<Automorphism>)> {
     let half_edges = HalfEdges::new(mesh.positions.len(), &mesh.polygon_offsets, &mesh.polygon_points)?;
-    let connectivity = Connectivity::new(half_edges);
-    let unrivalled = connectivity.find_unrivalled(SymmetryKind::Reflection, &Progress::new(None, token))?;
+    let mut connectivity = Connectivity::new(half_edges);
+    let unrivalled = connectivity.find_unrivalled(&Progress::new(None, token))?;
     Ok((connectivity, unrivalled))
 }
 

@@ -3,7 +3,7 @@
 //! A figure is the surface of a set of voxels, each face cut into a grid of quads: irregular vertices at
 //! its edges and corners, regular grids between. Reflecting x gives the truth.
 
-use intrinsym::automorphism::{Automorphism, find};
+use intrinsym::automorphism::{Automorphism, Connectivity, find};
 use intrinsym::mesh::NONE;
 use intrinsym::mesh::half_edges::HalfEdges;
 use intrinsym::progress::Progress;
@@ -91,10 +91,13 @@ impl Figure {
         HalfEdges::new(self.places.len(), &offsets, &self.faces.concat()).unwrap()
     }
 
+    /// The pairing, which must be the same whether a search without an estimate came before or not.
     fn find(&self, estimate: &[u32], kind: SymmetryKind) -> Option<Automorphism> {
-        let found =
-            find(&self.half_edges(), estimate, &vec![0.5; self.places.len()], kind, &Progress::default())
-                .unwrap();
+        let (confidence, quiet) = (vec![0.5; self.places.len()], Progress::default());
+        let found = find(&self.half_edges(), estimate, &confidence, kind, &quiet).unwrap();
+        let mut searched = Connectivity::new(self.half_edges());
+        searched.find_unrivalled(&quiet).unwrap();
+        assert_eq!(searched.find(estimate, &confidence, kind, &quiet).unwrap(), found);
         if let Some(automorphism) = &found {
             self.assert_involution(automorphism);
         }

@@ -142,9 +142,9 @@ fn time_connectivity(timer: &mut Timer, mesh: &Mesh) -> Connectivity {
     timer.time("half-edges", connect);
     let half_edges = connect().expect("half-edges");
     timer.time_with("colours", || half_edges.clone(), Connectivity::new);
-    let connectivity = Connectivity::new(half_edges);
+    let mut connectivity = Connectivity::new(half_edges);
     let quiet = Progress::default();
-    timer.time("lone reflection", || connectivity.find_unrivalled(SymmetryKind::Reflection, &quiet));
+    timer.time("lone reflection", || connectivity.find_unrivalled(&quiet));
     connectivity
 }
 

@@ -70,10 +70,26 @@ impl<'a> Matching<'a> {
     ///
     /// Each step lowers `budget`; at 0 the walk counts as failed.
     pub fn walk(&mut self, start: u32, target: u32, classes: &Classes, budget: &mut u64) -> bool {
+        self.walk_while(start, target, classes, budget, u64::MAX, |_, _| true)
+    }
+
+    /// The same, but after so many steps the walk is taken back, too, unless `goes_on` says otherwise of what is paired since a mark.
+    pub fn walk_while(
+        &mut self,
+        start: u32,
+        target: u32,
+        classes: &Classes,
+        budget: &mut u64,
+        steps: u64,
+        goes_on: impl Fn(&Self, Mark) -> bool,
+    ) -> bool {
         let mark = self.mark();
         let mut paired = self.join(start, target, classes) && self.join(start ^ 1, target ^ 1, classes);
         let mut head = mark.half_edges;
         while let Some(&half_edge) = self.half_edge_log.get(head).filter(|_| paired && *budget > 0) {
+            if (head - mark.half_edges) as u64 == steps && !goes_on(self, mark) {
+                break;
+            }
             head += 1;
             *budget -= 1;
             let image = self.image[half_edge as usize];
