@@ -23,8 +23,12 @@ import bpy  # noqa: E402
 import numpy as np  # noqa: E402
 from generate import human as makehuman  # noqa: E402
 from mathutils.bvhtree import BVHTree  # noqa: E402
+from mathutils.kdtree import KDTree  # noqa: E402
 
 SAMPLES = 200
+#: Bounds of the bands of stretch, and the radius over which stretch is averaged, in the square root of the area.
+BANDS = (0.0, 0.01, 0.02, 0.05, 0.1, np.inf)
+STRETCH_RADIUS = 0.03
 ARM = ("clavicle", "shoulder", "upperarm", "lowerarm", "wrist", "metacarpal", "finger")
 
 
@@ -38,10 +42,25 @@ class Body:
     def stretch(self):
         """Mean of |ln(length of an edge / length of its mirror image)| in the pose, weighted by length: 0 for an
         intrinsic symmetry."""
+        _, lengths, stretches = self._stretched_edges()
+        return np.average(stretches, weights=lengths)
+
+    def stretch_around(self, radius):
+        """(vertices,) the same of the edges at each vertex, averaged over the vertices within `radius`."""
+        ends, lengths, stretches = self._stretched_edges()
+        sums, weights = np.zeros(len(self.posed)), np.zeros(len(self.posed))
+        for side in ends.T:
+            np.add.at(sums, side, stretches * lengths)
+            np.add.at(weights, side, lengths)
+        tree = _tree(self.posed)
+        own = sums / weights
+        return np.array([own[[entry[1] for entry in tree.find_range(point, radius)]].mean() for point in self.posed])
+
+    def _stretched_edges(self):
         ends = np.array([(a, b) for face in self.faces for a, b in zip(face, face[1:] + face[:1])])
         edges = (np.diff(self.posed[pairs], axis=1)[:, 0] for pairs in (ends, self.mirror[ends]))
         lengths, images = (np.linalg.norm(edge, axis=1) for edge in edges)
-        return np.average(np.abs(np.log(lengths / images)), weights=lengths)
+        return ends, lengths, np.abs(np.log(lengths / images))
 
     def object(self, points):
         mesh = bpy.data.meshes.new(self.name)
@@ -77,6 +96,14 @@ def _barycentric(points, triangles):
     opposite = ((b, c), (c, a), (a, b))
     part = [np.einsum("qx,qx->q", np.cross(q - p, points - p), normal) / area for p, q in opposite]
     return np.clip(np.stack(part, axis=1), 0, 1)
+
+
+def _tree(points):
+    tree = KDTree(len(points))
+    for index, point in enumerate(points.tolist()):
+        tree.insert(point, index)
+    tree.balance()
+    return tree
 
 
 def suzannes():
@@ -248,6 +275,29 @@ def row(body, case):
     return "| " + " | ".join(cells) + " |"
 
 
+def by_stretch(body, case):
+    """Rows of the table that says where the pose stretches the surface, and how well each such band is paired."""
+    object, truth = make(body, case)
+    points, reach = positions(object.data), mean_edge(object.data)
+    wanted = truth.images(points)
+    size = np.sqrt(sum(face.area for face in object.data.polygons))
+    corners, weights = truth.corners_and_weights(points)
+    stretch = np.einsum("qk,qk->q", weights, body.stretch_around(STRETCH_RADIUS * size)[corners])
+    tree = _tree(points)
+    best = np.array([tree.find(place)[2] for place in wanted.tolist()])
+    bpy.ops.intrinsic_symmetry.detect()
+    error = np.linalg.norm(points[attribute(object.data, "symmetry_partner")] - wanted, axis=1)
+    bpy.data.objects.remove(object)
+    rows = []
+    for low, high in zip(BANDS, BANDS[1:]):
+        band = (low <= stretch) & (stretch < high)
+        name = f"{100 * low:.0f} to {100 * high:.0f} %" if np.isfinite(high) else f"above {100 * low:.0f} %"
+        shares = [band.mean(), (error[band] <= reach).mean(), (best[band] <= reach).mean()]
+        cells = [case, name, *(f"{100 * share:.1f} %" for share in shares), f"{100 * error[band].mean() / size:.2f} %"]
+        rows.append("| " + " | ".join(cells) + " |")
+    return rows
+
+
 def weights_round_trip(body, case):
     """Mirrors the left arm's weights to the right arm, which has none, and compares with the true ones."""
     object, truth = make(body, case)
@@ -283,11 +333,12 @@ def main():
             rows.append(row(body, case))
             print(rows[-1], flush=True)
     trips = [weights_round_trip(bodies[-1], case) for case in list(CASES)[1:]]
-    print(*trips, sep="\n")
+    bands = [row for case in list(CASES)[-2:] for row in by_stretch(bodies[-1], case)]
+    print(*trips, *bands, sep="\n")
     text = (HERE / "table.md.in").read_text()
     text = text.replace("@BLENDER@", bpy.app.version_string).replace("@SAMPLES@", str(SAMPLES))
     stretches = "\n".join(f"| {body.name} | {body.stretch():.2f} |" for body in bodies)
-    for mark, lines in (("@STRETCHES@", stretches), ("@ROWS@", "\n".join(rows)), ("@TRIPS@", "\n".join(trips))):
+    for mark, lines in (("@STRETCHES@", stretches), ("@ROWS@", "\n".join(rows)), ("@TRIPS@", "\n".join(trips)), ("@BANDS@", "\n".join(bands))):
         text = text.replace(mark, lines)
     (ROOT / "docs" / "blender_table.md").write_text(text)
 

@@ -10,7 +10,7 @@ Five lines give a map::
 
 The same from arrays: ``intrinsym.detect(V, F)``. Everything that the C library can do is here, with numpy
 arrays in and out; the library checks what it is given, and its errors come as exceptions with its text.
-Functions may be called from several threads at once; each call runs in one thread and lets the others go on.
+Functions may be called from several threads at once, and let other threads go on; a detection uses up to ``threads`` of its own.
 """
 
 from ._library import ENVIRONMENT_VARIABLE, library_path, library_version
