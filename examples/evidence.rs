@@ -40,10 +40,17 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
         candidates(&shell, &signs(&shell.surface, &shell.basis, &options, &[])?, 1, &options, &progress)?;
     let Some(candidate) = found.first() else { return Ok(String::new()) };
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
-    let map = finish(&shell, &target, candidate, &progress)?;
-    let images =
-        rigid_parts::fit(solved, &shell.surface, &map.images, SymmetryKind::Reflection, 1, progress.token())?
-            .images;
+    let map = finish(&shell, &target, candidate, 0, &progress)?;
+    let images = rigid_parts::fit(
+        solved,
+        &shell.surface,
+        &map.images,
+        SymmetryKind::Reflection,
+        true,
+        1,
+        progress.token(),
+    )?
+    .images;
     let map = ShellSymmetry { images, ..map };
     let evidence = Evidence::new(&target, &map, 2);
     let vertex = |local: u32| mesh.vertex_of_point[solved.points[local as usize] as usize];

@@ -13,6 +13,9 @@ const WEIGHTS_WITH_PARTS: [f64; 6] = [-29.5253, -1.8208, -4.7430, 5.2456, -4.696
 /// Of maps as plausible as this, the score tells which is best.
 const SURE: f64 = 0.95;
 
+/// No map comes to count whose plausibility, by the three measures, is less than this share of what is asked (`docs/method.md`).
+const HOPELESS: f64 = 0.04;
+
 /// What a finished map was judged by, and the verdict.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
 pub struct Judgement {
@@ -85,6 +88,12 @@ impl Judgement {
         [self.isometry_score, mismatch.ln(), displacement.ln()]
     }
 
+    /// Whether a map judged without its rigid parts is too far from counting, for who asks for at least `percent` of plausibility, to come
+    /// to count when they are fitted.
+    pub fn is_hopeless(&self, percent: usize) -> bool {
+        100.0 * self.plausibility < HOPELESS * percent as f64
+    }
+
     /// Whether the map counts as a symmetry for who asks for at least `percent` of plausibility.
     pub fn accepted(&self, percent: usize) -> bool {
         100.0 * self.plausibility >= percent as f64
@@ -118,6 +127,13 @@ mod tests {
         assert!(by_parts(0.003, 0.01) > 0.9 && by_parts(0.03, 0.01) < 0.1);
         assert!(by_parts(0.01, 0.0) > 0.9 && by_parts(0.01, 0.04) < 0.7);
         assert_eq!(judged.with_parts(None), judged);
+    }
+
+    #[test]
+    fn no_map_is_hopeless_for_who_takes_any() {
+        let poor = Judgement::new(&SCORE, 1.5, 0.2);
+        assert!(poor.is_hopeless(50) && !poor.is_hopeless(0), "{poor:?}");
+        assert!(!Judgement::new(&SCORE, 0.3, 0.7).is_hopeless(50));
     }
 
     #[test]

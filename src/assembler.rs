@@ -33,6 +33,8 @@ pub struct Assembler<'a> {
     /// For each point of every other shell the vertex of `shell` on which it sits.
     anchors: Vec<Vec<u32>>,
     connectivity: Connectivity,
+    /// From which plausibility on a map counts, in percent.
+    pub least: usize,
 }
 
 impl<'a> Assembler<'a> {
@@ -52,7 +54,8 @@ impl<'a> Assembler<'a> {
             }
         }
         let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
-        Assembler { mesh, shells, shell, proxy, target, anchors, connectivity }
+        let least = options.plausibility;
+        Assembler { mesh, shells, shell, proxy, target, anchors, connectivity, least }
     }
 
     /// The symmetry of the caller's mesh that a map with images by [`Assembler::with_parts`] is.
@@ -114,7 +117,8 @@ impl<'a> Assembler<'a> {
     }
 
     /// The map with images that follow the rigid parts of the largest shell, judged anew: a reflection by what its parts
-    /// say, others by how far they move the surface, since the motions of a half turn's parts may all be the identity, and agree.
+    /// say, others by how far they move the surface, since the motions of a half turn's parts may all be the identity, and agree. In a map
+    /// that will not count whatever they say, turned parts are not sought.
     ///
     /// # Errors
     /// Those of [`rigid_parts::fit`].
@@ -125,8 +129,16 @@ impl<'a> Assembler<'a> {
         threads: usize,
         token: &CancelToken,
     ) -> Result<ShellSymmetry> {
-        let Fitted { images, rigidity } =
-            rigid_parts::fit(self.solved(), &self.shell.surface, &found.images, kind, threads, token)?;
+        let turned = !found.judged.is_hopeless(self.least);
+        let Fitted { images, rigidity } = rigid_parts::fit(
+            self.solved(),
+            &self.shell.surface,
+            &found.images,
+            kind,
+            turned,
+            threads,
+            token,
+        )?;
         let judged = match kind {
             SymmetryKind::Reflection => found.judged.with_parts(rigidity),
             SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => {

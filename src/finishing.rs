@@ -74,7 +74,7 @@ fn finish_new(
 ) -> Result<Option<Finished>> {
     let kind = candidate.score.kind().unwrap_or(SymmetryKind::Reflection);
     let (target, quiet) = (assembler.target.with_threads(threads), Progress::new(None, token.clone()));
-    let map = finish(assembler.shell, &target, candidate, &quiet)?;
+    let map = finish(assembler.shell, &target, candidate, assembler.least, &quiet)?;
     let partners = map.images.partners.clone();
     if is_met(assembler.shell, &partners, kind, others) {
         return Ok(None);

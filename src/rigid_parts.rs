@@ -69,7 +69,8 @@ pub struct Fitted {
 
 /// Moves the images of an oriented shell's vertices to where the rigid parts put them.
 ///
-/// `surface` is that of the shell. Images of a shell that is not oriented, or has no area, stay. O(vertices log vertices), with some
+/// `surface` is that of the shell; parts that a pose has turned far are sought if `turned`, which takes longer than all else, most of all
+/// on a map that is no symmetry. Images of a shell that is not oriented, or has no area, stay. O(vertices log vertices), with some
 /// ten to thirty parts at each vertex, and a sparse factorisation in each pass.
 ///
 /// # Errors
@@ -79,6 +80,7 @@ pub fn fit(
     surface: &IntrinsicSurface,
     images: &VertexImages,
     kind: SymmetryKind,
+    turned: bool,
     threads: usize,
     token: &CancelToken,
 ) -> Result<Fitted> {
@@ -87,7 +89,9 @@ pub fn fit(
     }
     let mirrored = kind == SymmetryKind::Reflection;
     let mut mapped = Mapped::new(shell, images.clone());
-    turned_parts::right(&mut mapped, mirrored, threads, token)?;
+    if turned {
+        turned_parts::right(&mut mapped, mirrored, threads, token)?;
+    }
     let analysis = Analysis::new(&surface.stiffness)?;
     let mut disagreement = None;
     for (radius, count) in PASSES {

@@ -169,7 +169,7 @@ impl Groups<'_> {
         if !may_be {
             return Ok(false);
         }
-        let map = finish(self.shell, &self.target, &candidate, self.progress)?;
+        let map = finish(self.shell, &self.target, &candidate, 0, self.progress)?;
         let identity: Vec<u32> = (0..self.rows.len() as u32).collect();
         let powers = powers(&map.images.partners, |power| mean_distance(&self.rows, &identity, power));
         let of_samples = |images: &[u32]| self.at_samples(images);

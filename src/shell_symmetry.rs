@@ -4,7 +4,7 @@ use crate::acceptance::Judgement;
 use crate::candidate_score::{Score, Scorer};
 use crate::candidates::{self, CANDIDATE_SAMPLES, CANDIDATE_SIZE, Candidate, parities};
 use crate::compositions;
-use crate::displacement::mean_displacement;
+use crate::displacement::{mean_displacement, mean_displacement_of};
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::full_refinement::{self, MatchTarget, Sources, VertexImages};
@@ -154,7 +154,8 @@ pub fn candidates(
 }
 
 /// Refines a candidate on all samples, then on points spread over the shell, which is `target`, where it grows to its full
-/// size, then once on all its vertices; at each step projected as the target says.
+/// size, then once on all its vertices; at each step projected as the target says. One that will not count for who asks for `least` percent
+/// of plausibility does not grow.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -162,6 +163,7 @@ pub fn finish(
     shell: &PreparedShell,
     target: &MatchTarget,
     candidate: &Candidate,
+    least: usize,
     progress: &Progress,
 ) -> Result<ShellSymmetry> {
     let refiner = SampleRefiner::new(&shell.samples);
@@ -178,10 +180,18 @@ pub fn finish(
     progress.report("refining", 0.75)?;
     let (map, images) = refine(&few, map, &seeds, COARSE_SIZE.min(count), Guide::Eigenfunctions)?;
     let mismatch = signature_mismatch(shell, &points.vertices, &points.mass, &images);
-    let (map, images) = grow(target, &points, &map, &images, progress)?;
+    let displacement = mean_displacement_of(&shell.basis, &points.vertices, &points.mass, &images.partners);
+    let hopeless = Judgement::new(&candidate.score, mismatch, displacement).is_hopeless(least);
+    let (map, images) = match hopeless {
+        true => (map, images),
+        false => grow(target, &points, &map, &images, progress)?,
+    };
     let seeds: Vec<(u32, u32)> = points.vertices.iter().copied().zip(images.partners).collect();
     progress.report("refining", 0.9)?;
-    let (map, images) = refine(&all, map, &seeds, count, Guide::MeanCurvature)?;
+    let (map, images) = match hopeless {
+        true => refine(&all, map, &seeds, COARSE_SIZE.min(count), Guide::Eigenfunctions)?,
+        false => refine(&all, map, &seeds, count, Guide::MeanCurvature)?,
+    };
     let judged = judge(shell, &candidate.score, mismatch, &images);
     let doubts = shell.samples.vertices.iter().copied().zip(candidate.doubts.iter().copied()).collect();
     Ok(ShellSymmetry { map, images, score: candidate.score, doubts, judged })

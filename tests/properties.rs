@@ -234,7 +234,7 @@ fn with_signs(shell: &mut PreparedShell, signs: &[bool]) -> (Candidate, Vec<u32>
     let predicted = shell_symmetry::signs(&shell.surface, &shell.basis, &options, &[]).unwrap();
     let best = shell_symmetry::candidates(shell, &predicted, 1, &options, &progress).unwrap().swap_remove(0);
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
-    let partners = shell_symmetry::finish(shell, &target, &best, &progress).unwrap().images.partners;
+    let partners = shell_symmetry::finish(shell, &target, &best, 0, &progress).unwrap().images.partners;
     (best, partners)
 }
 

@@ -60,7 +60,7 @@ fn off(shell: &Shell, images: &VertexImages, truth: &[u32]) -> f64 {
 }
 
 fn fitted_on(threads: usize, shell: &Shell, images: &VertexImages, kind: SymmetryKind) -> Fitted {
-    fit(shell, &IntrinsicSurface::new(shell), images, kind, threads, &CancelToken::default()).unwrap()
+    fit(shell, &IntrinsicSurface::new(shell), images, kind, true, threads, &CancelToken::default()).unwrap()
 }
 
 fn fitted(shell: &Shell, images: &VertexImages, kind: SymmetryKind) -> VertexImages {
@@ -276,6 +276,6 @@ fn it_can_be_cancelled() {
     let token = CancelToken::default();
     token.cancel();
     let (surface, images) = (IntrinsicSurface::new(&shell), moved(&shell, &truth, |_| [0.0; 3]));
-    let found = fit(&shell, &surface, &images, Reflection, 2, &token);
+    let found = fit(&shell, &surface, &images, Reflection, true, 2, &token);
     assert!(matches!(found, Err(Error::Cancelled)));
 }

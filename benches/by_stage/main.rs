@@ -100,7 +100,7 @@ fn measure(criterion: &mut Criterion, frequency: u32) {
     let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
     let found = time_search(&mut timer, &shell, &target, &options);
     let (surface, kind) = (&shell.surface, SymmetryKind::Reflection);
-    let fit = || rigid_parts::fit(solved, surface, &found.images, kind, options.threads, quiet.token());
+    let fit = || rigid_parts::fit(solved, surface, &found.images, kind, true, options.threads, quiet.token());
     timer.time("rigid parts", fit);
     let found = ShellSymmetry { images: fit().expect("images").images, ..found.clone() };
     timer.time("confidence", || Evidence::new(&target, &found, 2).confidence());
@@ -142,9 +142,12 @@ fn time_connectivity(timer: &mut Timer, mesh: &Mesh) -> Connectivity {
     timer.time("half-edges", connect);
     let half_edges = connect().expect("half-edges");
     timer.time_with("colours", || half_edges.clone(), Connectivity::new);
-    let mut connectivity = Connectivity::new(half_edges);
     let quiet = Progress::default();
-    timer.time("lone reflection", || connectivity.find_unrivalled(&quiet));
+    let fresh = || Connectivity::new(half_edges.clone());
+    timer.time_with("lone reflection", fresh, |mut connectivity| connectivity.find_unrivalled(&quiet));
+    // The later search knows what this one found.
+    let mut connectivity = fresh();
+    connectivity.find_unrivalled(&quiet).expect("a search");
     connectivity
 }
 
@@ -175,8 +178,8 @@ fn time_search(
     let search = || candidates(shell, &signs, options.symmetries, options, &quiet);
     timer.time("candidates", search);
     let best = &search().expect("candidates")[0];
-    timer.time("refinement", || finish(shell, target, best, &quiet));
-    let found = finish(shell, target, best, &quiet).expect("a map");
+    timer.time("refinement", || finish(shell, target, best, 0, &quiet));
+    let found = finish(shell, target, best, 0, &quiet).expect("a map");
     let vertices: Vec<u32> = (0..shell.surface.vertex_count() as u32).collect();
     let (basis, mass) = (&shell.basis, &shell.surface.lumped_mass);
     timer.time("verdict", || {

@@ -6,8 +6,10 @@ use crate::embedded_triangles::TrianglePoint;
 use crate::full_refinement::VertexImages;
 use crate::mesh::Shell;
 use crate::mesh::vector::{Vector, cross, dot, point_areas, squared_norm, subtract};
+use crate::refinement::nearest;
 use crate::sampling::{area_weighted_vertices, farthest_points};
 use crate::surface_walk::SurfaceWalk;
+use faer::Mat;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
@@ -38,7 +40,8 @@ pub(super) struct Disc {
 /// Vertices among which images are sought.
 pub(super) struct Sought {
     vertices: Vec<u32>,
-    points: Vec<Oriented>,
+    /// Their places and normals.
+    rows: Mat<f32>,
 }
 
 /// A vertex and a way to it along edges; the shorter way is the greater.
@@ -137,7 +140,8 @@ impl<'a> Mapped<'a> {
     /// The places' images.
     pub fn sought(&self, places: &[Place]) -> Sought {
         let vertices: Vec<u32> = places.iter().map(|place| place.partner).collect();
-        Sought { points: vertices.iter().map(|&vertex| self.oriented(vertex)).collect(), vertices }
+        let points: Vec<Oriented> = vertices.iter().map(|&vertex| self.oriented(vertex)).collect();
+        Sought { rows: rows(&points), vertices }
     }
 
     /// A vertex's position and normal.
@@ -225,15 +229,20 @@ impl<'a> Mapped<'a> {
 }
 
 impl Sought {
-    /// The vertex most like `goal`.
-    pub fn most_alike(&self, goal: Oriented) -> u32 {
-        let (mut best, mut least) = (0, f64::INFINITY);
-        for (index, &there) in self.points.iter().enumerate() {
-            let there = unlike(goal, there);
-            (best, least) = if there < least { (index, there) } else { (best, least) };
-        }
-        self.vertices[best]
+    /// For each goal the vertex most like it.
+    pub fn most_alike(&self, goals: &[Oriented]) -> Vec<u32> {
+        let found = nearest(rows(goals).as_ref(), self.rows.as_ref());
+        found.into_iter().map(|index| self.vertices[index as usize]).collect()
     }
+}
+
+/// Rows whose distances are how unlike the points are.
+fn rows(points: &[Oriented]) -> Mat<f32> {
+    let number = |point: &Oriented, j: usize| match j {
+        0..3 => point.position[j],
+        _ => TURN * point.normal[j - 3],
+    };
+    Mat::from_fn(points.len(), 6, |i, j| number(&points[i], j) as f32)
 }
 
 fn unlike(goal: Oriented, there: Oriented) -> f64 {

@@ -192,13 +192,17 @@ fn images(
     sought: &Sought,
     threads: usize,
 ) -> Vec<(usize, (u32, TrianglePoint))> {
-    let image = |&(vertex, _): &(u32, f64)| {
-        let goal = goals[vertex as usize].at(mapped.oriented(vertex));
-        let start = mapped.alike(goal, sought.most_alike(goal)).0;
-        (vertex as usize, mapped.walk.nearest(goal.position, start))
+    let changed =
+        vertices.iter().map(|&(vertex, _)| vertex).filter(|&vertex| goals[vertex as usize].new > 0.0);
+    let changed: Vec<u32> = changed.collect();
+    let at: Vec<Oriented> =
+        changed.iter().map(|&vertex| goals[vertex as usize].at(mapped.oriented(vertex))).collect();
+    let starts = sought.most_alike(&at);
+    let image = |index: usize| {
+        let start = mapped.alike(at[index], starts[index]).0;
+        (changed[index] as usize, mapped.walk.nearest(at[index].position, start))
     };
-    let changed = vertices.iter().filter(|&&(vertex, _)| goals[vertex as usize].new > 0.0);
-    threads::map(threads, changed.collect(), image)
+    threads::map(threads, (0..changed.len()).collect(), image)
 }
 
 /// The small parts around, with what both motions make of them.

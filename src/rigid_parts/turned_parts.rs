@@ -218,7 +218,8 @@ fn turns(start: &Motion, places: &[Place]) -> Vec<Motion> {
 
 /// For each place the one of the sought vertices most like where the motion puts it.
 pub(super) fn seeds(motion: &Motion, places: &[Place], sought: &Sought) -> Vec<u32> {
-    places.iter().map(|place| sought.most_alike(motion.of_oriented(place.own))).collect()
+    let goals: Vec<Oriented> = places.iter().map(|place| motion.of_oriented(place.own)).collect();
+    sought.most_alike(&goals)
 }
 
 /// Brings a motion to the surface, sought from the vertices `near` the places' images.
