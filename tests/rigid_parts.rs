@@ -200,6 +200,19 @@ fn a_head_that_is_not_mirrored_is_found() {
 }
 
 #[test]
+fn turned_heads_are_left_alone_where_nobody_asks_for_them() {
+    let (mesh, truth) = bust();
+    let shell = shell(&mesh);
+    let images = moved(&shell, &truth, head_turned(&shell, 1.2));
+    let surface = IntrinsicSurface::new(&shell);
+    let off_if = |turned| {
+        let found = fit(&shell, &surface, &images, Reflection, turned, 2, &CancelToken::default()).unwrap();
+        off(&shell, &found.images, &truth)
+    };
+    assert!(off_if(false) > 5.0 * off_if(true), "{} {}", off_if(false), off_if(true));
+}
+
+#[test]
 fn parts_disagree_where_the_sides_differ() {
     let rigidity = |mesh: &PolygonMesh, truth: &[u32], kind| {
         let shell = shell(mesh);
