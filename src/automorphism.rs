@@ -41,7 +41,7 @@ const PIVOT_IMAGES: usize = 64;
 const WALKS: u64 = 24;
 /// A bijection this close to the estimate (mean distance in edges) ends the search for a closer one.
 const CLOSE: f64 = 0.25;
-/// A walk that can only lead to a bijection near the estimate is looked at when it has paired this share of the mesh's half-edges, and
+/// A walk that can only lead to a bijection near the estimate is looked at when it has paired one in so many of the mesh's half-edges, and
 /// ends there if it is farther from the estimate than so many times what a bijection may be.
 const LOOKED_AT: u64 = 8;
 const FAR: f64 = 2.0;
