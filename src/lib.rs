@@ -12,7 +12,7 @@
 //! | eigenfunctions -> parity of each, with its probability | [`sign_network`] |
 //! | eigenfunctions -> parity vectors | [`parity_search`] |
 //! | parity -> functional map, refined and scored | [`functional_map`], [`refinement`], [`candidate_score`], [`candidates`], [`compositions`] |
-//! | functional map -> map of all vertices | [`adjacency`], [`embedded_triangles`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`], [`spread_points`] |
+//! | functional map -> map of all vertices | [`adjacency`], [`embedded_triangles`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`], [`spread_points`], [`shortest_ways`], [`torn_pieces`] |
 //! | eigenfunctions -> is there a continuous family of symmetries | [`continuous_family`] |
 //! | finished map -> is it a symmetry at all | [`signature`], [`displacement`], [`acceptance`] |
 //! | all spectral stages of one shell | [`shell_symmetry`], [`rotations`] (experimental) |
@@ -75,6 +75,7 @@ pub mod rigid_parts;
 pub mod rotations;
 pub mod sampling;
 pub mod shell_symmetry;
+pub mod shortest_ways;
 pub mod sign_network;
 pub mod signature;
 pub mod sparse_cholesky;
@@ -83,6 +84,7 @@ pub mod stated_signs;
 pub mod surface_walk;
 pub mod symmetry_kind;
 pub mod threads;
+pub mod torn_pieces;
 pub mod vertex_rows;
 
 pub use error::{Error, Result};

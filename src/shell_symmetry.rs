@@ -19,6 +19,7 @@ use crate::sign_network::{REFERENCES, SignNetwork, SignPrediction};
 use crate::signature;
 use crate::spread_points::SpreadPoints;
 use crate::symmetry_kind::SymmetryKind;
+use crate::torn_pieces::{Mender, PointMap};
 use crate::vertex_rows::Guide;
 use faer::Mat;
 
@@ -29,6 +30,9 @@ const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
 const COARSE_SIZE: usize = 50;
 /// Points on which it and the guided map are refined.
 const REFINED_POINTS: usize = 4000;
+
+/// A map whose torn pieces are mended must not differ in the signatures of partners by this many times what the torn one does.
+const MISMATCH_OF_MENDED: f64 = 1.2;
 
 /// Reflections among which the best one is sought, by their scores and, if these leave doubts, by how they are judged when finished.
 const RIVALS: usize = 4;
@@ -179,7 +183,18 @@ pub fn finish(
     };
     progress.report("refining", 0.75)?;
     let (map, images) = refine(&few, map, &seeds, COARSE_SIZE.min(count), Guide::Eigenfunctions)?;
-    let mismatch = signature_mismatch(shell, &points.vertices, &points.mass, &images);
+    let mismatch_of =
+        |images: &VertexImages| signature_mismatch(shell, &points.vertices, &points.mass, images);
+    let mismatch = mismatch_of(&images);
+    let mut coarse = PointMap { map, images };
+    let better = |mended: &PointMap, before: &PointMap| {
+        mismatch_of(&mended.images) < MISMATCH_OF_MENDED * mismatch_of(&before.images)
+    };
+    let mismatch = match Mender::new(target, &points).mend(&mut coarse, better, progress.token())? {
+        true => mismatch_of(&coarse.images),
+        false => mismatch,
+    };
+    let PointMap { map, images } = coarse;
     let displacement = mean_displacement_of(&shell.basis, &points.vertices, &points.mass, &images.partners);
     let hopeless = Judgement::new(&candidate.score, mismatch, displacement).is_hopeless(least);
     let (map, images) = match hopeless {

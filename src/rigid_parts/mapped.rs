@@ -8,10 +8,10 @@ use crate::mesh::Shell;
 use crate::mesh::vector::{Vector, cross, dot, point_areas, squared_norm, subtract};
 use crate::refinement::nearest;
 use crate::sampling::{area_weighted_vertices, farthest_points};
+use crate::shortest_ways::Search;
 use crate::surface_walk::SurfaceWalk;
 use faer::Mat;
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+use std::ops::ControlFlow;
 
 /// A turn of the normal by one radian is as unlike as this distance, in sqrt(area).
 const TURN: f64 = 0.06;
@@ -44,27 +44,6 @@ pub(super) struct Sought {
     rows: Mat<f32>,
 }
 
-/// A vertex and a way to it along edges; the shorter way is the greater.
-#[derive(PartialEq)]
-struct Reached {
-    distance: f64,
-    vertex: u32,
-}
-
-impl Eq for Reached {}
-
-impl Ord for Reached {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.distance.total_cmp(&self.distance).then(other.vertex.cmp(&self.vertex))
-    }
-}
-
-impl PartialOrd for Reached {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
 impl<'a> Mapped<'a> {
     pub fn new(shell: &'a Shell, found: VertexImages) -> Mapped<'a> {
         let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
@@ -94,28 +73,17 @@ impl<'a> Mapped<'a> {
 
     /// Vertices nearer than `radius` to one of `sources` along edges, the nearest first, with their distances.
     pub fn within(&self, sources: &[u32], radius: f64) -> Vec<(u32, f64)> {
-        let mut reached = Vec::new();
-        let mut nearest = vec![f64::INFINITY; self.areas.len()];
-        let mut queue = BinaryHeap::new();
-        for &vertex in sources {
-            nearest[vertex as usize] = 0.0;
-            queue.push(Reached { distance: 0.0, vertex });
-        }
-        while let Some(Reached { distance, vertex }) = queue.pop() {
-            if distance > nearest[vertex as usize] {
-                continue;
-            }
-            reached.push((vertex, distance));
+        let edges = |vertex: u32| {
             let from = self.shell.positions[vertex as usize];
-            for &near in self.graph.of(vertex as usize) {
-                let edge = subtract(self.shell.positions[near as usize], from);
-                let distance = distance + squared_norm(edge).sqrt();
-                if distance < radius && distance < nearest[near as usize] {
-                    nearest[near as usize] = distance;
-                    queue.push(Reached { distance, vertex: near });
-                }
-            }
-        }
+            let length =
+                move |near: u32| squared_norm(subtract(self.shell.positions[near as usize], from)).sqrt();
+            self.graph.of(vertex as usize).iter().map(move |&near| (near, length(near)))
+        };
+        let mut reached = Vec::new();
+        Search::new(self.areas.len()).run(sources, radius, edges, |vertex, distance| {
+            reached.push((vertex, distance));
+            ControlFlow::Continue(())
+        });
         reached
     }
 
