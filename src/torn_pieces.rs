@@ -26,7 +26,9 @@ const TRUSTED: f64 = 0.05;
 /// Trusted points whose distances tell where a point belongs, and the fewest among which they are chosen.
 const ANCHORS: usize = 32;
 const LEAST_TRUSTED: usize = 100;
-/// A mended map must leave less than this share of the difference of distances of what was torn off.
+/// Of what was torn off less than this share may still be, or distances from what is right must differ by less than the other share
+/// of what they did.
+const TORN_LEFT: f64 = 0.1;
 const MISFIT_LEFT: f64 = 0.45;
 /// Times as a map is mended.
 const ROUNDS: usize = 3;
@@ -83,10 +85,12 @@ impl<'a> Mender<'a> {
             }
             let Some(anchored) = self.anchored(&pieces, &found.images) else { break };
             let mended = self.follow(&anchored, found, token)?;
-            let less_torn = self.pieces(&mended.images).torn_off() < pieces.torn_off();
-            let before = self.misfit(&anchored, &found.images);
-            let fits = self.misfit(&anchored, &mended.images) < MISFIT_LEFT * before;
-            if !(less_torn && fits && better(&mended, found)) {
+            let torn_left = self.pieces(&mended.images).torn_off() / pieces.torn_off();
+            let misfit = |images| self.misfit(&anchored, images);
+            let misfit_left = misfit(&mended.images) / misfit(&found.images);
+            let mends =
+                torn_left < 1.0 && misfit_left < if torn_left < TORN_LEFT { 1.0 } else { MISFIT_LEFT };
+            if !(mends && better(&mended, found)) {
                 break;
             }
             *found = mended;

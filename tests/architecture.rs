@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 56] = [
+const ORDER: [&str; 58] = [
     "error",
     "options",
     "limits",
@@ -33,6 +33,8 @@ const ORDER: [&str; 56] = [
     "mesh_descent",
     "full_refinement",
     "spread_points",
+    "shortest_ways",
+    "torn_pieces",
     "continuous_family",
     "signature",
     "guided_growth",

@@ -21,8 +21,10 @@ use intrinsym::mesh_descent::{MeshDescent, Seeds};
 use intrinsym::progress::{CancelToken, Progress};
 use intrinsym::refinement::{SampleRefiner, embed, nearest};
 use intrinsym::sampling::Samples;
+use intrinsym::shortest_ways::EdgeWays;
 use intrinsym::signature;
 use intrinsym::spread_points::SpreadPoints;
+use intrinsym::torn_pieces::{Mender, PointMap};
 use intrinsym::vertex_rows::Guide;
 use support::{creature, creature_truth, distance, example, example_truth, rectangle, validated};
 
@@ -363,6 +365,40 @@ fn a_map_grows_to_all_eigenfunctions_with_curvature_and_without() {
     let [guided, blind, most] = [mismatch(&with), mismatch(&without), mismatch(&elsewhere)];
     println!("difference of curvature: guided {guided}, not guided {blind}, elsewhere {most}");
     assert!(guided < 0.8 * blind && blind < 0.5 * most, "{guided} {blind} {most}");
+}
+
+#[test]
+fn a_leg_that_is_its_own_image_is_mended() {
+    let shape = Shape::creature(4, 0.4);
+    let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
+    let points = SpreadPoints::new(&target, 1500, shape.basis.count()).unwrap();
+    let (ways, token, vertices) = (EdgeWays::new(&shape.surface), CancelToken::default(), shape.all());
+    // The farthest two partners are the ends of two limbs.
+    let place = |vertex: u32| shape.shell.positions[vertex as usize];
+    let apart = |vertex: &u32| distance(place(*vertex), place(shape.truth[*vertex as usize]));
+    let tip = vertices.into_iter().max_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap();
+    let from_tips = ways.distances(&[tip, shape.truth[tip as usize]]);
+    let point_map = |partner: &dyn Fn(u32) -> u32| {
+        let images = images_of(&shape, &points, partner);
+        let map = full_refinement::estimate(&points.sources(), &target, &images.points, 50, 50);
+        PointMap { map: project(map, target.projection()).unwrap(), images }
+    };
+    let error = |found: &PointMap| shape.mean_error(&points.vertices, &found.images.partners);
+    let mender = Mender::new(&target, &points);
+    let true_image = |vertex: u32| shape.truth[vertex as usize];
+    let mut right = point_map(&true_image);
+    let before = right.images.partners.clone();
+    assert!(!mender.mend(&mut right, |_, _| true, &token).unwrap(), "nothing is torn");
+    assert_eq!(right.images.partners, before);
+    let own_image = |vertex: u32| if from_tips[vertex as usize] < 0.3 { vertex } else { true_image(vertex) };
+    let mut torn = point_map(&own_image);
+    let wrong = error(&torn);
+    assert!(!mender.mend(&mut torn, |_, _| false, &token).unwrap(), "the caller says that it is not better");
+    assert_eq!(error(&torn), wrong);
+    assert!(mender.mend(&mut torn, |_, _| true, &token).unwrap());
+    let mended = error(&torn);
+    println!("mean error: torn {wrong}, mended {mended}");
+    assert!(wrong > 0.05 && mended < 0.005, "{wrong} {mended}");
 }
 
 /// The images of `points` by what `partner` says of their vertices.
