@@ -1,5 +1,5 @@
 # Measuring: the published benchmark, generated shapes, damage, and the fits made from generated shapes. Included by Makefile.
-.PHONY: evaluate evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed evaluate-family evaluate-symmetries
+.PHONY: evaluate evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed evaluate-watertight evaluate-family evaluate-symmetries
 
 EVALUATE_PYTHON = $(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m
 EVALUATE_DATE ?= $(shell date +%Y-%m-%d)
@@ -19,6 +19,12 @@ evaluate-remeshed: train-setup ## Measure maps and signs on remeshed FAUST and T
 	@mkdir -p out
 	$(EVALUATE_PYTHON) evaluation.remeshed "$$REMESHED_DATA" --out out/remeshed.json
 	$(EVALUATE_PYTHON) training.evaluate models/signnet.onnx --remeshed "$$REMESHED_DATA"
+
+evaluate-watertight: train-setup ## Measure maps of eleven classes of SHREC'07 with landmarks, at $$WATERTIGHT_DATA
+	@test -d "$$WATERTIGHT_DATA/Corrs" || { echo "WATERTIGHT_DATA must name a folder with Meshes/ and Corrs/: see evaluation/watertight.py" >&2; exit 2; }
+	cargo build --release --locked --bin intrinsym
+	$(EVALUATE_PYTHON) evaluation.watertight "$$WATERTIGHT_DATA" --out docs/results/$(EVALUATE_DATE)-watertight.json
+	$(EVALUATE_PYTHON) evaluation.pages
 
 evaluate-synthetic: train-setup ## Measure maps, confidence and refusals on generated shapes with dense truth (EVALUATE_FLAGS=--quick: a few)
 	cargo build --release --locked --bin intrinsym

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from . import princeton_tables, robustness_tables, synthetic_tables
+from . import princeton_tables, robustness_tables, synthetic_tables, watertight
 from .markdown import filled
 
 ROOT = Path(__file__).parent.parent
@@ -15,6 +15,7 @@ PARTS = {
     "princeton-short": ("princeton", princeton_tables.short_report),
     "princeton": ("princeton", princeton_tables.full_report),
     "synthetic": ("synthetic", synthetic_tables.report),
+    "watertight": ("watertight", watertight.report),
     "robustness": ("robustness", robustness_tables.report),
 }
 
