@@ -185,15 +185,13 @@ pub fn finish(
     let (map, images) = refine(&few, map, &seeds, COARSE_SIZE.min(count), Guide::Eigenfunctions)?;
     let mismatch_of =
         |images: &VertexImages| signature_mismatch(shell, &points.vertices, &points.mass, images);
+    // Of the map before it is mended: distances along the surface, by which it is, are no evidence beside signatures.
     let mismatch = mismatch_of(&images);
     let mut coarse = PointMap { map, images };
     let better = |mended: &PointMap, before: &PointMap| {
         mismatch_of(&mended.images) < MISMATCH_OF_MENDED * mismatch_of(&before.images)
     };
-    let mismatch = match Mender::new(target, &points).mend(&mut coarse, better, progress.token())? {
-        true => mismatch_of(&coarse.images),
-        false => mismatch,
-    };
+    Mender::new(target, &points).mend(&mut coarse, better, progress.token())?;
     let PointMap { map, images } = coarse;
     let displacement = mean_displacement_of(&shell.basis, &points.vertices, &points.mass, &images.partners);
     let hopeless = Judgement::new(&candidate.score, mismatch, displacement).is_hopeless(least);
