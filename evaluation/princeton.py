@@ -46,18 +46,24 @@ class Entry:
     images: np.ndarray
 
 
+def read_pairs(path: Path) -> np.ndarray:
+    """Rows (landmark, landmark of its mirror image), both ways; lines with more than two numbers, and remarks, say nothing of these."""
+    pairs = set()
+    for line in path.read_text().splitlines():
+        words = line.split()
+        if len(words) in (1, 2) and all(word.isdigit() for word in words):
+            first, last = int(words[0]), int(words[-1])
+            pairs |= {(first, last), (last, first)}
+    return np.array(sorted(pairs))
+
+
 def read_landmarks(corrs: Path, mesh_class: str) -> tuple[np.ndarray, np.ndarray]:
     """Vertices of the landmarks that have a mirror image, and the vertices of these images."""
     vertices = np.array(
         [int(line.split()[0]) for line in (corrs / f"{mesh_class}.pid").read_text().splitlines() if line.strip()]
     )
-    partner = np.full(len(vertices), -1)
-    for line in (corrs / f"{mesh_class}.sym.info").read_text().splitlines():
-        pair = [int(word) for word in line.split()]
-        if len(pair) in (1, 2):
-            partner[pair], partner[pair[::-1]] = pair[::-1], pair
-    paired = partner >= 0
-    return vertices[paired], vertices[partner[paired]]
+    pairs = read_pairs(corrs / f"{mesh_class}.sym.info")
+    return tuple(vertices[pairs].T)
 
 
 def benchmark(data: Path, name: str) -> list[Entry]:

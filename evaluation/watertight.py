@@ -21,8 +21,9 @@ from pathlib import Path
 
 import numpy as np
 
+from .map_metrics import MESH_RIGHT, THRESHOLD, landmark_distances
 from .markdown import table
-from .princeton import ACCEPT_ALL
+from .princeton import ACCEPT_ALL, read_pairs
 from .program import Answer, detect, identity, read_answer, write_results
 from .remeshed import read_off
 from .surface import Surface
@@ -32,20 +33,9 @@ CLASSES = {
     1: "human", 3: "glasses", 4: "plane", 5: "ant", 9: "teddy", 11: "plier", 12: "fish", 13: "bird", 15: "armadillo", 16: "bust", 20: "fourleg",
 }  # fmt: skip
 MESHES = 20
-NEAR = np.sqrt(1 / 20)
-RIGHT_SHARE = 0.75
+# Plausibility from which on the program accepts a map by default, and what no answer counts, in sqrt(area).
 ACCEPTED = 0.5
-
-
-def read_pairs(corrs: Path, number: int) -> np.ndarray:
-    """Rows (landmark, landmark of its mirror image) of a class, both ways; remarks between them are left out."""
-    pairs = set()
-    for line in (corrs / f"{number}.sym.info").read_text().splitlines():
-        words = line.split()
-        if len(words) in (1, 2) and all(word.isdigit() for word in words):
-            first, last = int(words[0]), int(words[-1])
-            pairs |= {(first, last), (last, first)}
-    return np.array(sorted(pairs))
+LARGEST_ERROR = 1.0
 
 
 def read_vertices(corrs: Path, mesh: int) -> np.ndarray:
@@ -57,20 +47,16 @@ def read_vertices(corrs: Path, mesh: int) -> np.ndarray:
 def judge(mesh: Path, points: np.ndarray, images: np.ndarray, answer: Answer) -> dict:
     """One mesh's row; the mirror image of `points[i]` is `images[i]`. A landmark without an answer has an error of 1."""
     surface = Surface(*read_off(mesh))
-    errors = np.ones(len(points))
-    if answer.plausibility is not None:
-        partners = answer.partners[points]
-        some = partners >= 0
-        errors[some] = np.minimum(surface.distances(partners[some], images[some]), 1)
+    errors = np.minimum(landmark_distances(surface, answer.partners[points], images), LARGEST_ERROR)
     return {
         "name": answer.name, "vertices": len(surface.vertices), "plausibility": round(answer.plausibility or 0.0, 4),
-        "error": round(float(errors.mean()), 5), "right": round(float((errors <= NEAR).mean()), 4),
+        "error": round(float(errors.mean()), 5), "right": round(float((errors <= THRESHOLD).mean()), 4),
     }  # fmt: skip
 
 
 def row_of(name: str, rows: list[dict]) -> list[str]:
     """A class in the table."""
-    right = np.array([row["right"] >= RIGHT_SHARE for row in rows])
+    right = np.array([row["right"] >= MESH_RIGHT for row in rows])
     accepted = np.array([row["plausibility"] >= ACCEPTED for row in rows])
     errors = np.array([row["error"] for row in rows])
     numbers = [100 * np.mean([row["right"] for row in rows]), 100 * right.mean()]
@@ -103,7 +89,7 @@ def main() -> None:
         parser.error(f"{arguments.data} holds no Corrs/: see the top of evaluation/watertight.py")
     rows = []
     for number, name in CLASSES.items():
-        pairs = read_pairs(corrs, number)
+        pairs = read_pairs(corrs / f"{number}.sym.info")
         meshes = [arguments.data / "Meshes" / f"{MESHES * (number - 1) + k}.off" for k in range(1, MESHES + 1)]
         with tempfile.TemporaryDirectory() as folder:
             cpu = detect(arguments.program, meshes, Path(folder), ACCEPT_ALL, arguments.jobs)

@@ -187,12 +187,11 @@ pub fn finish(
         |images: &VertexImages| signature_mismatch(shell, &points.vertices, &points.mass, images);
     // Of the map before it is mended: distances along the surface, by which it is, are no evidence beside signatures.
     let mismatch = mismatch_of(&images);
-    let mut coarse = PointMap { map, images };
     let better = |mended: &PointMap, before: &PointMap| {
         mismatch_of(&mended.images) < MISMATCH_OF_MENDED * mismatch_of(&before.images)
     };
-    Mender::new(target, &points).mend(&mut coarse, better, progress.token())?;
-    let PointMap { map, images } = coarse;
+    let mender = Mender::new(target, &points);
+    let PointMap { map, images } = mender.mend(PointMap { map, images }, better, progress.token())?;
     let displacement = mean_displacement_of(&shell.basis, &points.vertices, &points.mass, &images.partners);
     let hopeless = Judgement::new(&candidate.score, mismatch, displacement).is_hopeless(least);
     let (map, images) = match hopeless {

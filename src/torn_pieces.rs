@@ -63,7 +63,7 @@ impl<'a> Mender<'a> {
         Mender { target, points, ways: EdgeWays::new(target.surface) }
     }
 
-    /// Mends `found` where it is torn, as far as `better` holds for the mended map and the one before; returns whether it changed.
+    /// `found`, mended where it is torn, as far as `better` holds for the mended map and the one before.
     ///
     /// O(points x points nearby) if nothing is torn; else some `ANCHORS` searches over the whole surface more, and an estimate
     /// of the map.
@@ -72,11 +72,10 @@ impl<'a> Mender<'a> {
     /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
     pub fn mend(
         &self,
-        found: &mut PointMap,
+        mut found: PointMap,
         better: impl Fn(&PointMap, &PointMap) -> bool,
         token: &CancelToken,
-    ) -> Result<bool> {
-        let mut changed = false;
+    ) -> Result<PointMap> {
         for _ in 0..ROUNDS {
             token.check()?;
             let pieces = self.pieces(&found.images);
@@ -84,19 +83,18 @@ impl<'a> Mender<'a> {
                 break;
             }
             let Some(anchored) = self.anchored(&pieces, &found.images) else { break };
-            let mended = self.follow(&anchored, found, token)?;
+            let mended = self.follow(&anchored, &found, token)?;
             let torn_left = self.pieces(&mended.images).torn_off() / pieces.torn_off();
             let misfit = |images| self.misfit(&anchored, images);
             let misfit_left = misfit(&mended.images) / misfit(&found.images);
             let mends =
                 torn_left < 1.0 && misfit_left < if torn_left < TORN_LEFT { 1.0 } else { MISFIT_LEFT };
-            if !(mends && better(&mended, found)) {
+            if !(mends && better(&mended, &found)) {
                 break;
             }
-            *found = mended;
-            changed = true;
+            found = mended;
         }
-        Ok(changed)
+        Ok(found)
     }
 
     /// What hangs together in the points and in their images.

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from evaluation import watertight
+from evaluation import princeton, watertight
 from evaluation.program import Answer
 
 
@@ -14,7 +14,7 @@ def write_tetrahedra(path):
 def test_landmarks_and_pairs_are_read_and_remarks_are_not(tmp_path):
     (tmp_path / "5.sym.info").write_text("0 2\n1 3 \n\n4\n5 6 7 8\n0: left\n1: the other end\n")
     (tmp_path / "81.vts").write_text("  1836     0.17   0.11   -0.97\n  22 0 0 0\n\n")
-    assert watertight.read_pairs(tmp_path, 5).tolist() == [[0, 2], [1, 3], [2, 0], [3, 1], [4, 4]]
+    assert princeton.read_pairs(tmp_path / "5.sym.info").tolist() == [[0, 2], [1, 3], [2, 0], [3, 1], [4, 4]]
     assert watertight.read_vertices(tmp_path, 81).tolist() == [1836, 22]
 
 
