@@ -3,6 +3,7 @@
 use crate::candidate_score::{Score, Scorer};
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
+use crate::extrema_starts;
 use crate::functional_map::{Projection, from_parity, mean_trace};
 use crate::laplacian::IntrinsicSurface;
 use crate::options::Options;
@@ -11,6 +12,7 @@ use crate::progress::Progress;
 use crate::refinement::SampleRefiner;
 use crate::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
 use crate::sign_network::SignPrediction;
+use crate::symmetry_kind::SymmetryKind;
 use crate::threads;
 use faer::Mat;
 use std::collections::HashSet;
@@ -30,7 +32,7 @@ const WIDER: usize = 4;
 const NETWORK_PROPOSALS: [(usize, usize); 3] = [(12, 8), (8, 8), (6, 4)];
 /// Least certain signs that are flipped.
 const FLIPPED: usize = 5;
-/// A candidate that scores below this ends the search.
+/// A reflection that scores below this ends the search.
 const CONVINCING: f64 = -3.2;
 /// Mean distance, in radii of the embedding, from which two maps count as different symmetries.
 pub const DISTINCT: f64 = 0.25;
@@ -84,6 +86,8 @@ pub fn find(
             if options.symmetries > 1 {
                 starts.extend(involutions_of_three(&basis.eigenvalues));
             }
+        } else {
+            starts.extend(extrema_starts::starts(surface, &refiner, options.threads, token)?);
         }
         progress.report("candidates", 0.45 + 0.1 * round as f64)?;
         let tried = threads::map(options.threads, starts, |start| {
@@ -93,7 +97,10 @@ pub fn find(
         for candidate in tried {
             candidates.extend(candidate?);
         }
-        if candidates.iter().any(|candidate: &Candidate| candidate.score.total() < CONVINCING) {
+        let convinces = |candidate: &Candidate| {
+            candidate.score.kind() == Some(SymmetryKind::Reflection) && candidate.score.total() < CONVINCING
+        };
+        if candidates.iter().any(convinces) {
             break;
         }
     }

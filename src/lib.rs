@@ -11,8 +11,8 @@
 //! | operators -> eigenvalues, eigenfunctions | [`sparse_cholesky`], [`eigenbasis`], [`sampling`] |
 //! | eigenfunctions -> parity of each, with its probability | [`sign_network`] |
 //! | eigenfunctions -> parity vectors | [`parity_search`] |
-//! | parity -> functional map, refined and scored | [`functional_map`], [`refinement`], [`candidate_score`], [`candidates`], [`compositions`] |
-//! | functional map -> map of all vertices | [`adjacency`], [`embedded_triangles`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`], [`spread_points`], [`shortest_ways`], [`torn_pieces`] |
+//! | parity, or pairs of limbs' ends -> functional map, refined and scored | [`functional_map`], [`refinement`], [`shortest_ways`], [`extrema_starts`], [`candidate_score`], [`candidates`], [`compositions`] |
+//! | functional map -> map of all vertices | [`adjacency`], [`embedded_triangles`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`], [`spread_points`], [`torn_pieces`] |
 //! | eigenfunctions -> is there a continuous family of symmetries | [`continuous_family`] |
 //! | finished map -> is it a symmetry at all | [`signature`], [`displacement`], [`acceptance`] |
 //! | all spectral stages of one shell | [`shell_symmetry`], [`rotations`] (experimental) |
@@ -48,6 +48,7 @@ pub mod displacement;
 pub mod eigenbasis;
 pub mod embedded_triangles;
 pub mod error;
+pub mod extrema_starts;
 pub mod ffi;
 pub mod finishing;
 pub mod fixed_curve;

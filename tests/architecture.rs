@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 58] = [
+const ORDER: [&str; 59] = [
     "error",
     "options",
     "limits",
@@ -16,6 +16,7 @@ const ORDER: [&str; 58] = [
     "symmetry_kind",
     "mesh",
     "laplacian",
+    "shortest_ways",
     "dense",
     "sparse_cholesky",
     "eigenbasis",
@@ -24,6 +25,7 @@ const ORDER: [&str; 58] = [
     "parity_search",
     "functional_map",
     "refinement",
+    "extrema_starts",
     "candidate_score",
     "candidates",
     "compositions",
@@ -33,7 +35,6 @@ const ORDER: [&str; 58] = [
     "mesh_descent",
     "full_refinement",
     "spread_points",
-    "shortest_ways",
     "torn_pieces",
     "continuous_family",
     "signature",

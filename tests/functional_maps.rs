@@ -8,6 +8,7 @@ use intrinsym::candidate_score::{Score, Scorer};
 use intrinsym::dense::product;
 use intrinsym::eigenbasis::{Accuracy, Eigenbasis};
 use intrinsym::embedded_triangles::Fans;
+use intrinsym::extrema_starts;
 use intrinsym::fixed_curve::{odd_function, zero_set};
 use intrinsym::full_refinement::{self, MatchTarget, VertexImages};
 use intrinsym::functional_map::{
@@ -26,7 +27,9 @@ use intrinsym::signature;
 use intrinsym::spread_points::SpreadPoints;
 use intrinsym::torn_pieces::{Mender, PointMap};
 use intrinsym::vertex_rows::Guide;
-use support::{creature, creature_truth, distance, example, example_truth, rectangle, validated};
+use support::{
+    creature, creature_truth, distance, example, example_truth, icosphere, rectangle, rotated, validated,
+};
 
 /// Numbers in -1..1 that are the same in every run.
 struct Random(u64);
@@ -396,6 +399,40 @@ fn a_leg_that_is_its_own_image_is_mended() {
     let mended = error(&mender.mend(kept, |_, _| true, &token).unwrap());
     println!("mean error: torn {wrong}, mended {mended}");
     assert!(wrong > 0.05 && mended < 0.005, "{wrong} {mended}");
+}
+
+#[test]
+fn ends_of_limbs_that_are_nearly_alike_are_paired() {
+    // Four pairs of legs, their lengths within 3 %, around a ball; the mesh is not mirrored.
+    let legs = [(0.2, 1.0), (1.0, 1.02), (1.9, 0.99), (2.7, 1.01)];
+    let radius = |[x, y, z]: [f64; 3]| {
+        let bump = |(angle, length): &(f64, f64)| {
+            let along = x.abs() * angle.sin() + y * angle.cos();
+            length * ((along - 1.0) / 0.012).exp()
+        };
+        0.4 * (1.0 + 0.2 * (y + z).powi(2)) + 1.6 * legs.iter().map(bump).sum::<f64>()
+    };
+    let mut mesh = icosphere(5);
+    for position in &mut mesh.positions {
+        let direction = rotated(*position, [1.0, 2.0, 3.0], 0.4);
+        *position = direction.map(|coordinate| coordinate * radius(direction));
+    }
+    let truth = creature_truth(&mesh);
+    let shape = Shape::new(&mesh, truth);
+    let samples = Samples::farthest(&shape.basis, 500);
+    let refiner = SampleRefiner::new(&samples);
+    let starts = extrema_starts::starts(&shape.surface, &refiner, 1, &CancelToken::default()).unwrap();
+    assert!(!starts.is_empty());
+    let sizes: Vec<usize> = (12..=30).step_by(3).collect();
+    let error = |start: Mat<f64>| {
+        let map = refiner.refine(start, &sizes, Projection::Involution).unwrap();
+        let partners: Vec<u32> =
+            refiner.partners(&map).iter().map(|&k| samples.vertices[k as usize]).collect();
+        shape.mean_error(&samples.vertices, &partners)
+    };
+    let least = starts.into_iter().map(error).fold(f64::MAX, f64::min);
+    println!("mean error of the best: {least}");
+    assert!(least < 0.05, "{least}");
 }
 
 /// The images of `points` by what `partner` says of their vertices.
