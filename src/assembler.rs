@@ -10,6 +10,7 @@ use crate::correspondence::Symmetry;
 use crate::displacement::mean_displacement;
 use crate::embedded_triangles::Fans;
 use crate::error::Result;
+use crate::filled_holes::FilledShell;
 use crate::fixed_curve::{odd_function, zero_set};
 use crate::full_refinement::{MatchTarget, VertexImages};
 use crate::mesh::{Mesh, NONE, Shell, anchors};
@@ -25,7 +26,8 @@ use crate::symmetry_kind::SymmetryKind;
 pub struct Assembler<'a> {
     mesh: &'a Mesh,
     shells: &'a [Shell],
-    /// The largest shell or its proxy.
+    filled: Option<&'a FilledShell>,
+    /// The largest shell, filled if it has holes, or its proxy.
     pub shell: &'a PreparedShell,
     proxy: Option<&'a Proxy<'a>>,
     /// The same for refinement.
@@ -38,10 +40,11 @@ pub struct Assembler<'a> {
 }
 
 impl<'a> Assembler<'a> {
-    /// `shell` is the solved one: the first of `shells`, or that of its `proxy`.
+    /// `shell` is the solved one: the first of `shells`, `filled` if it has holes, or that of its `proxy`.
     pub fn new(
         mesh: &'a Mesh,
         shells: &'a [Shell],
+        filled: Option<&'a FilledShell>,
         shell: &'a PreparedShell,
         proxy: Option<&'a Proxy<'a>>,
         connectivity: Connectivity,
@@ -55,7 +58,7 @@ impl<'a> Assembler<'a> {
         }
         let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
         let least = options.plausibility;
-        Assembler { mesh, shells, shell, proxy, target, anchors, connectivity, least }
+        Assembler { mesh, shells, filled, shell, proxy, target, anchors, connectivity, least }
     }
 
     /// The symmetry of the caller's mesh that a map with images by [`Assembler::with_parts`] is.
@@ -149,38 +152,43 @@ impl<'a> Assembler<'a> {
         Ok(ShellSymmetry { images, judged, ..found })
     }
 
-    /// The largest shell or its proxy.
+    /// The largest shell, filled if it has holes.
+    fn largest(&self) -> &Shell {
+        self.filled.map_or(&self.shells[0], |filled| &filled.shell)
+    }
+
+    /// That or its proxy.
     fn solved(&self) -> &Shell {
-        self.proxy.map_or(&self.shells[0], |proxy| &proxy.shell)
+        self.proxy.map_or(self.largest(), |proxy| &proxy.shell)
     }
 
     /// Enters the largest shell's images, confidence and odd function, carried back from the proxy if there is one.
     fn insert_largest(&self, map: &mut PointMap, images: &VertexImages, trust: &[f32], odd: &[f64]) {
-        let shell = &self.shells[0];
-        match self.proxy {
+        let shell = self.largest();
+        let (mut images, mut trust, odd) = match self.proxy {
             Some(proxy) => {
-                let images = proxy.carry_images(images);
-                let carried = proxy.carry_values(trust);
-                let trust: Vec<f32> = carried.into_iter().map(|value| value as f32).collect();
-                map.insert(shell, shell, &images, &trust);
-                map.insert_odd(shell, &proxy.carry_odd(odd));
+                let trust = proxy.carry_values(trust).into_iter().map(|value| value as f32).collect();
+                (proxy.carry_images(images), trust, proxy.carry_odd(odd))
             }
-            None => {
-                map.insert(shell, shell, images, trust);
-                map.insert_odd(shell, odd);
-            }
+            None => (images.clone(), trust.to_vec(), odd.to_vec()),
+        };
+        if let Some(filled) = self.filled {
+            let kept = filled.leave_fillings(&mut images);
+            trust.iter_mut().zip(kept).for_each(|(trust, kept)| *trust *= kept);
         }
+        map.insert(shell, shell, &images, &trust);
+        map.insert_odd(shell, &odd);
     }
 
     /// Images under the only pairing of the largest shell that the connectivity admits; a vertex that it leaves out goes where one
     /// beside it goes. `None` if it pairs less than half of the shell.
     pub fn images_of_all(&self, found: &Automorphism) -> Option<VertexImages> {
-        let shell = &self.shells[0];
+        let shell = self.largest();
         let mut local = vec![NONE; self.mesh.positions.len()];
-        for (index, &point) in shell.points.iter().enumerate() {
+        for (index, &point) in shell.points.iter().enumerate().filter(|(_, point)| **point != NONE) {
             local[point as usize] = index as u32;
         }
-        let partner = |&point: &u32| match found.unrivalled[point as usize] {
+        let partner = |&point: &u32| match point != NONE && found.unrivalled[point as usize] {
             true => local[found.partner[point as usize] as usize],
             false => NONE,
         };

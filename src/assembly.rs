@@ -51,9 +51,9 @@ impl PointMap {
         }
     }
 
-    /// Enters the images of `source` on `target`.
+    /// Enters the images of `source`, but for what fills its holes, on `target`, none of them in a filling.
     pub fn insert(&mut self, source: &Shell, target: &Shell, images: &VertexImages, confidence: &[f32]) {
-        for (local, &point) in source.points.iter().enumerate() {
+        for (local, &point) in source.points.iter().enumerate().filter(|(_, point)| **point != NONE) {
             let point = point as usize;
             self.partner[point] = target.points[images.partners[local] as usize];
             let inside = images.points[local];
@@ -65,7 +65,7 @@ impl PointMap {
 
     /// Enters the odd function of a shell's points.
     pub fn insert_odd(&mut self, shell: &Shell, odd: &[f64]) {
-        for (&point, &value) in shell.points.iter().zip(odd) {
+        for (&point, &value) in shell.points.iter().zip(odd).filter(|(point, _)| **point != NONE) {
             self.odd[point as usize] = value;
         }
     }

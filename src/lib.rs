@@ -19,6 +19,7 @@
 //! | other shells, confidence, sides | [`companions`], [`confidence`], [`fixed_curve`] |
 //! | connectivity that is itself mirrored -> the exact bijection | [`automorphism`] |
 //! | vertices that are mirrored where edges are not | [`mirrored_vertices`] |
+//! | a shell with small holes <-> one without | [`filled_holes`] |
 //! | a fine shell <-> its simplified proxy | [`surface_walk`], [`proxy`], [`stated_signs`] |
 //! | the map where parts are rigid | [`rigid_parts`] |
 //! | what the next call on the same connectivity needs | [`judging_mesh`] |
@@ -50,6 +51,7 @@ pub mod embedded_triangles;
 pub mod error;
 pub mod extrema_starts;
 pub mod ffi;
+pub mod filled_holes;
 pub mod finishing;
 pub mod fixed_curve;
 pub mod full_refinement;

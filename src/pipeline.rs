@@ -8,6 +8,7 @@ use crate::continuous_family::{Orbits, orbits};
 use crate::correspondence::Symmetry;
 use crate::eigenbasis::{Accuracy, Eigenbasis};
 use crate::error::Result;
+use crate::filled_holes::FilledShell;
 use crate::finishing::finish_best;
 use crate::judging_mesh::JudgingMesh;
 use crate::laplacian::IntrinsicSurface;
@@ -52,7 +53,9 @@ pub struct Report {
     pub faces: usize,
     /// Shells (connected components).
     pub shells: usize,
-    /// Vertices on which the map was sought: those of the largest shell, or of its proxy.
+    /// Small holes of the largest shell that were filled for the search; nothing of them is in the result.
+    pub filled_holes: usize,
+    /// Vertices on which the map was sought: those of the largest shell and of what fills its holes, or of its proxy.
     pub solved_vertices: usize,
     /// What was repaired.
     pub repairs: RepairReport,
@@ -83,6 +86,7 @@ impl Report {
             vertices: mesh.point_of_vertex.len(),
             faces: mesh.face_count,
             shells: mesh.shell_count,
+            filled_holes: 0,
             solved_vertices: 0,
             repairs: mesh.repairs.clone(),
             eigenvalues: Vec::new(),
@@ -136,10 +140,13 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     progress.report("shells", 0.0)?;
     let shells = mesh.shells();
     let token = progress.token().clone();
+    // Who states signs means those of the functions that the mesh has as it is.
+    let filled = if options.states_signs() { None } else { FilledShell::new(&shells[0]) };
+    let largest = filled.as_ref().map_or(&shells[0], |filled| &filled.shell);
     let solvable = || -> Result<(Option<Proxy>, IntrinsicSurface)> {
-        let proxy = Proxy::new(&shells[0], options.proxy_vertices, options.threads);
+        let proxy = Proxy::new(largest, options.proxy_vertices, options.threads);
         clock.lap("proxy");
-        let solved = proxy.as_ref().map_or(&shells[0], |proxy| &proxy.shell);
+        let solved = proxy.as_ref().map_or(largest, |proxy| &proxy.shell);
         let needed = estimated_memory(mesh.positions.len(), solved.points.len(), options.eigenfunctions);
         check_memory(needed, options.memory)?;
         let surface = IntrinsicSurface::with_mean_curvature(solved);
@@ -165,7 +172,8 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     );
     let (shell, signs) = (PreparedShell { surface, basis, samples }, signs?);
     clock.lap("samples, signs");
-    let assembler = Assembler::new(mesh, &shells, &shell, proxy.as_ref(), connectivity, options);
+    let assembler =
+        Assembler::new(mesh, &shells, filled.as_ref(), &shell, proxy.as_ref(), connectivity, options);
     let defects = unrivalled.as_ref().is_some_and(Automorphism::has_defects);
     let mirrored = unrivalled.and_then(|found| assembler.images_of_all(&found));
     let mirrored = mirrored.map(|images| of_images(&shell, &assembler.target, images)).transpose()?;
@@ -232,7 +240,8 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         }
         evidence += &about_rotations(maps.len() - listed, orbits.continuous);
     }
-    let judging = || match maps.is_empty() {
+    // It has no fillings.
+    let judging = || match maps.is_empty() || filled.is_some() {
         true => None,
         false => JudgingMesh::of_solved(mesh, &shells[0], proxy.as_ref(), &shell, options).map(Arc::new),
     };
@@ -250,7 +259,8 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     clock.lap("correspondence");
     progress.report("done", 1.0)?;
     let outcome = if symmetries.is_empty() { Outcome::None } else { Outcome::Found };
-    let report = Report { signs, judged, evidence, seconds: clock.laps, ..Report::of(mesh) };
+    let filled_holes = filled.as_ref().map_or(0, FilledShell::hole_count);
+    let report = Report { filled_holes, signs, judged, evidence, seconds: clock.laps, ..Report::of(mesh) };
     let report = report.with_shell(&shell, &orbits);
     Ok(Detection { outcome, symmetries, report, judging })
 }

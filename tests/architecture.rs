@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 59] = [
+const ORDER: [&str; 60] = [
     "error",
     "options",
     "limits",
@@ -48,6 +48,7 @@ const ORDER: [&str; 59] = [
     "correspondence",
     "automorphism",
     "mirrored_vertices",
+    "filled_holes",
     "surface_walk",
     "proxy",
     "stated_signs",

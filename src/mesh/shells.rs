@@ -8,7 +8,7 @@ use super::{Mesh, NONE};
 /// One connected component, in numbering and scale of its own.
 #[derive(Debug, Clone)]
 pub struct Shell {
-    /// The mesh's point of each local point, rising.
+    /// The mesh's point of each local point, rising; [`NONE`] of what [fills holes](crate::filled_holes).
     pub points: Vec<u32>,
     /// Positions of the local points, centred at their mean; the shell's own area is 1.
     pub positions: Vec<Vector>,
@@ -31,6 +31,13 @@ impl Shell {
 }
 
 impl Shell {
+    /// The same, centred and of unit area again after vertices or triangles were added.
+    pub fn rescaled(mut self) -> Shell {
+        centre(&mut self.positions);
+        self.scale *= scale_to_unit_area(&mut self.positions, &self.triangles);
+        self
+    }
+
     /// The shell of other `triangles` over some of this one's points, and the local point here of each point there.
     pub fn with_triangles(&self, triangles: &[[u32; 3]]) -> (Shell, Vec<u32>) {
         let mut kept: Vec<u32> = triangles.as_flattened().to_vec();

@@ -47,6 +47,10 @@ pub fn detection(input: &Path, mesh: &Mesh, detection: &Detection) -> String {
     for line in repairs(&report.repairs) {
         let _ = writeln!(text, "  {line}");
     }
+    if report.filled_holes > 0 {
+        let _ =
+            writeln!(text, "  for the search alone: {} filled", counted(report.filled_holes, "small hole"));
+    }
     let seconds: f64 = report.seconds.iter().map(|(_, seconds)| seconds).sum();
     let _ = writeln!(text, "  {seconds:.2} s");
     text
