@@ -126,5 +126,5 @@ fn a_shape_with_holes_has_the_symmetry_that_it_has_without_them() {
     errors.sort_by(f64::total_cmp);
     let (mean, most) = (errors.iter().sum::<f64>() / errors.len() as f64, errors[errors.len() * 95 / 100]);
     println!("mean error {mean}, 95 % below {most}");
-    assert!(mean < 0.06 && most < 0.2, "{mean} {most}");
+    assert!(mean < 0.01 && most < 0.05, "{mean} {most}");
 }
