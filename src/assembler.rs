@@ -8,11 +8,12 @@ use crate::companions::{self, Primary};
 use crate::confidence::Evidence;
 use crate::correspondence::Symmetry;
 use crate::displacement::mean_displacement;
-use crate::embedded_triangles::Fans;
+use crate::embedded_triangles::{Fans, TrianglePoint};
 use crate::error::Result;
 use crate::filled_holes::FilledShell;
 use crate::fixed_curve::{odd_function, zero_set};
 use crate::full_refinement::{MatchTarget, VertexImages};
+use crate::mesh::vector::{Vector, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell, anchors};
 use crate::mirrored_vertices;
 use crate::options::Options;
@@ -149,7 +150,22 @@ impl<'a> Assembler<'a> {
                 found.judged.with_displacement(mean_displacement(basis, areas, &images.partners))
             }
         };
-        Ok(ShellSymmetry { images, judged, ..found })
+        let moved = self.moved(&images);
+        Ok(ShellSymmetry { images, judged, moved, ..found })
+    }
+
+    /// How far in space the largest shell's vertices are from their images: mean over the surface, in sqrt(area).
+    pub fn moved(&self, images: &VertexImages) -> f64 {
+        let (Shell { positions, triangles, .. }, areas) = (self.solved(), &self.shell.surface.lumped_mass);
+        let moved = |(place, image): (&Vector, &TrianglePoint)| {
+            let at = |axis: usize| {
+                let corners = triangles[image.triangle as usize];
+                (0..3).map(|k| f64::from(image.barycentric[k]) * positions[corners[k] as usize][axis]).sum()
+            };
+            squared_norm(subtract(*place, std::array::from_fn(at))).sqrt()
+        };
+        let sum: f64 = positions.iter().zip(&images.points).map(moved).zip(areas).map(|(m, a)| m * a).sum();
+        sum / areas.iter().sum::<f64>()
     }
 
     /// The largest shell, filled if it has holes.

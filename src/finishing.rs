@@ -12,6 +12,9 @@ use crate::shell_symmetry::{PreparedShell, ShellSymmetry, finish};
 use crate::symmetry_kind::SymmetryKind;
 use crate::threads;
 
+/// A map of this plausibility comes before one that exchanges sheets.
+const LIKELY: f64 = 0.5;
+
 /// A finished map, and the partners that it had before its parts were fitted.
 struct Finished {
     map: ShellSymmetry,
@@ -23,9 +26,9 @@ struct Finished {
 #[derive(Default)]
 struct Known {
     maps: Vec<(ShellSymmetry, SymmetryKind)>,
-    /// Those that leave no doubts.
+    /// Those that leave no doubts, but for those that exchange sheets.
     sure: usize,
-    /// The best score of those that are accepted.
+    /// The best score of those that are accepted, likewise.
     best: Option<f64>,
 }
 
@@ -60,7 +63,7 @@ pub fn finish_best(
             }
         }
     }
-    rank(&mut known.maps, |(map, kind)| (*kind, map.judged.plausibility));
+    rank(&mut known.maps, |(map, kind)| (*kind, map.judged.plausibility, map.exchanges_sheets()));
     Ok(known.maps)
 }
 
@@ -94,8 +97,9 @@ impl Known {
         if !self.asks_for(&map.score, options) || is_met(shell, &partners, kind, &self.maps) {
             return;
         }
-        self.sure += usize::from(doubt(map.judged.plausibility) == 0.0);
-        if map.judged.accepted(options.plausibility) {
+        let exchanges_sheets = map.exchanges_sheets();
+        self.sure += usize::from(doubt(map.judged.plausibility) == 0.0 && !exchanges_sheets);
+        if map.judged.accepted(options.plausibility) && !exchanges_sheets {
             let own = map.judged.isometry_score;
             self.best = Some(self.best.map_or(own, |best| best.min(own)));
         }
@@ -119,12 +123,16 @@ fn is_met(
 }
 
 /// Leaves maps of one kind in their order, that of the scores, but for those that may be none, which come behind, the more plausible
-/// first.
-fn rank<M>(maps: &mut [M], kind_and_plausibility: impl Fn(&M) -> (SymmetryKind, f64)) {
+/// first. `kind_plausibility_sheets` says of a map whether it exchanges sheets, too: then it comes behind all that are likely.
+fn rank<M>(maps: &mut [M], kind_plausibility_sheets: impl Fn(&M) -> (SymmetryKind, f64, bool)) {
+    let doubt_of = |map: &M| {
+        let (kind, plausibility, exchanges_sheets) = kind_plausibility_sheets(map);
+        let least = if exchanges_sheets { doubt(LIKELY) } else { 0.0 };
+        (kind, doubt(plausibility).max(least))
+    };
     maps.sort_by(|a, b| {
-        let ((kind, plausibility), (other_kind, other)) =
-            (kind_and_plausibility(a), kind_and_plausibility(b));
-        kind.cmp(&other_kind).then(doubt(plausibility).total_cmp(&doubt(other)))
+        let ((kind, own), (other_kind, other)) = (doubt_of(a), doubt_of(b));
+        kind.cmp(&other_kind).then(own.total_cmp(&other))
     });
 }
 
@@ -136,7 +144,7 @@ mod tests {
     #[test]
     fn plausibility_ranks_maps_of_a_kind_only_where_there_is_doubt() {
         let ranked = |mut maps: Vec<(SymmetryKind, f64)>| {
-            rank(&mut maps, |map| *map);
+            rank(&mut maps, |(kind, plausibility)| (*kind, *plausibility, false));
             maps.into_iter().map(|(_, plausibility)| plausibility).collect::<Vec<f64>>()
         };
         assert_eq!(ranked(vec![(Reflection, 0.96), (Reflection, 0.99)]), [0.96, 0.99]);
@@ -146,5 +154,16 @@ mod tests {
             [0.98, 0.96, 0.5]
         );
         assert_eq!(ranked(vec![(Reflection, 0.1), (HalfTurn, 1.0)]), [0.1, 1.0]);
+    }
+
+    #[test]
+    fn exchanged_sheets_come_behind_what_is_likely() {
+        let ranked = |mut maps: Vec<(f64, bool)>| {
+            rank(&mut maps, |(plausibility, sheets)| (Reflection, *plausibility, *sheets));
+            maps
+        };
+        assert_eq!(ranked(vec![(1.0, true), (0.51, false)]), [(0.51, false), (1.0, true)]);
+        assert_eq!(ranked(vec![(0.49, false), (1.0, true)]), [(1.0, true), (0.49, false)]);
+        assert_eq!(ranked(vec![(0.3, true), (0.2, false)]), [(0.3, true), (0.2, false)]);
     }
 }

@@ -118,7 +118,7 @@ pub struct Detection {
     /// Found or none.
     pub outcome: Outcome,
     /// At most `options.symmetries`: reflections, best first, then half turns, best first: those of a plausibility of 0.95 or more
-    /// by their scores, then the others by their plausibilities. Then at most `options.rotations` rotations of order three or more
+    /// by their scores, then the others by their plausibilities; reflections that exchange the sides of a thin sheet come behind others that are accepted. Then at most `options.rotations` rotations of order three or more
     /// (EXPERIMENTAL), one of each cyclic group: those of highest order first, then the best.
     pub symmetries: Vec<Symmetry>,
     /// Numbers behind the outcome.
@@ -177,10 +177,12 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
     let defects = unrivalled.as_ref().is_some_and(Automorphism::has_defects);
     let mirrored = unrivalled.and_then(|found| assembler.images_of_all(&found));
     let mirrored = mirrored.map(|images| of_images(&shell, &assembler.target, images)).transpose()?;
+    let mirrored = mirrored.map(|map| ShellSymmetry { moved: assembler.moved(&map.images), ..map });
     clock.lap("connectivity");
     // Whoever states signs asks for the symmetry that has them.
     let any_will_do = options.symmetries == 1 && !options.states_signs();
-    let certain = mirrored.as_ref().filter(|map| any_will_do && map.judged.accepted(CERTAIN));
+    let is_certain = |map: &&ShellSymmetry| map.judged.accepted(CERTAIN) && !map.exchanges_sheets();
+    let certain = mirrored.as_ref().filter(|map| any_will_do && is_certain(map));
     let mut maps = match certain {
         Some(map) => vec![(
             assembler.with_parts(map.clone(), SymmetryKind::Reflection, options.threads, progress.token())?,

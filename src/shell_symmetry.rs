@@ -37,6 +37,10 @@ const MISMATCH_OF_MENDED: f64 = 1.2;
 /// Reflections among which the best one is sought, by their scores and, if these leave doubts, by how they are judged when finished.
 const RIVALS: usize = 4;
 
+/// Vertices that exchange the sides of a thin sheet are nearer than this, in sqrt(area), to their images: 0.01 to 0.05 on plates of a thickness of some percent of
+/// their length, where those of other symmetries are 0.09 and more away (`docs/method.md`).
+const SHEETS: f64 = 0.06;
+
 /// Eigenfunctions whose sign is predicted, and vertices the network looks at.
 const PREDICTED_SIGNS: usize = 12;
 const NETWORK_POINTS: usize = 512;
@@ -55,6 +59,15 @@ pub struct ShellSymmetry {
     pub doubts: Vec<(u32, f64)>,
     /// Whether the map is a symmetry at all.
     pub judged: Judgement,
+    /// Mean distance in space of vertices from their images, in sqrt(area); infinite until positions are looked at.
+    pub moved: f64,
+}
+
+impl ShellSymmetry {
+    /// Whether it exchanges the sides of a thin sheet: a symmetry, but hardly one that anybody asks for.
+    pub fn exchanges_sheets(&self) -> bool {
+        self.moved < SHEETS
+    }
 }
 
 /// A shell with its operators and eigenbasis.
@@ -206,7 +219,7 @@ pub fn finish(
     };
     let judged = judge(shell, &candidate.score, mismatch, &images);
     let doubts = shell.samples.vertices.iter().copied().zip(candidate.doubts.iter().copied()).collect();
-    Ok(ShellSymmetry { map, images, score: candidate.score, doubts, judged })
+    Ok(ShellSymmetry { map, images, score: candidate.score, doubts, judged, moved: f64::INFINITY })
 }
 
 /// The symmetry with the given `images`, which the connectivity says; no rival.
@@ -226,7 +239,7 @@ pub fn of_images(shell: &PreparedShell, target: &MatchTarget, images: VertexImag
     let vertices: Vec<u32> = (0..shell.surface.vertex_count() as u32).collect();
     let mismatch = signature_mismatch(shell, &vertices, &shell.surface.lumped_mass, &images);
     let judged = judge(shell, &score, mismatch, &images);
-    Ok(ShellSymmetry { map, images, score, doubts: Vec::new(), judged })
+    Ok(ShellSymmetry { map, images, score, doubts: Vec::new(), judged, moved: f64::INFINITY })
 }
 
 /// `images` are those of all vertices.

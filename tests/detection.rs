@@ -575,3 +575,69 @@ fn cube_group() -> Vec<[Vector; 3]> {
     };
     orders.into_iter().flat_map(|order| (0..8).map(move |signs| (order, signs))).map(signed).collect()
 }
+
+/// A bent plate of two sheets whose meshes are the same, its outline mirrored in x, its mesh not.
+fn plate() -> PolygonMesh {
+    let (columns, rows) = (24, 18);
+    let sheet = with_random_diagonals(&PolygonMesh {
+        face_offsets: (0..=(columns * rows) as u32).map(|face| 4 * face).collect(),
+        face_vertices: (0..rows)
+            .flat_map(|j| (0..columns).map(move |i| (i, j)))
+            .flat_map(|(i, j)| [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)])
+            .map(|(i, j)| (j * (columns + 1) + i) as u32)
+            .collect(),
+        ..rectangle(columns, rows, [2.0, 1.5])
+    });
+    let (count, thickness) = (sheet.positions.len() as u32, 0.03);
+    let outline = |&[x, y, _]: &Vector| [(x - 1.0) * (0.6 + 0.4 * y), y + 0.3 * (x - 1.0).powi(2)];
+    // Rolled about an oblique axis.
+    let bent = |[x, y]: [f64; 2], z: f64| {
+        let (along, across) = (0.8 * x + 0.6 * y, 0.8 * y - 0.6 * x);
+        [(1.0 - z) * along.sin(), across, 1.0 - (1.0 - z) * along.cos()]
+    };
+    let front = sheet.positions.iter().map(|place| bent(outline(place), 0.0));
+    let back = sheet.positions.iter().map(|place| bent(outline(place), thickness));
+    let positions: Vec<Vector> = front.chain(back).collect();
+    let mut faces: Vec<Vec<u32>> = sheet.face_vertices.chunks(3).map(<[u32]>::to_vec).collect();
+    let edges: BTreeSet<(u32, u32)> =
+        faces.iter().flat_map(|f| [(f[0], f[1]), (f[1], f[2]), (f[2], f[0])]).collect();
+    faces.extend(sheet.face_vertices.chunks(3).map(|f| vec![f[2] + count, f[1] + count, f[0] + count]));
+    for &(a, b) in edges.iter().filter(|(a, b)| !edges.contains(&(*b, *a))) {
+        faces.extend([vec![b, a, a + count], vec![b, a + count, b + count]]);
+    }
+    polygon_mesh(&positions, &faces)
+}
+
+#[test]
+fn a_thin_plate_is_mirrored_in_its_outline_before_its_sheets_are_exchanged() {
+    let (polygons, columns) = (plate(), 24);
+    let count = polygons.positions.len() / 2;
+    let options = Options { symmetries: 2, ..Options::default() };
+    let exchanges = |partner: &[i32]| {
+        let other_sheet = |v: usize| (v + count) % (2 * count);
+        (0..2 * count).filter(|&v| partner[v] as usize == other_sheet(v)).count() as f64 / (2 * count) as f64
+    };
+    // Vertices of a row are in order, and so are rows: the partner of the k-th is the k-th from the end.
+    let truth: Vec<u32> = (0..2 * count as u32)
+        .map(|v| {
+            v - v % count as u32 + {
+                let (row, k) = (v % count as u32 / (columns + 1), v % count as u32 % (columns + 1));
+                row * (columns + 1) + columns - k
+            }
+        })
+        .collect();
+    for options in [Options::default(), options] {
+        let found = detected(&validated(&polygons), &options);
+        assert_eq!(found.outcome, Outcome::Found);
+        let (mean, _) = errors(&polygons, &found.symmetries[0].partner, &truth);
+        assert!(mean < 0.03, "{mean}");
+        if let Some(second) = found.symmetries.get(1) {
+            assert_eq!(second.kind, SymmetryKind::Reflection);
+            assert!(exchanges(&second.partner) > 0.8, "{}", exchanges(&second.partner));
+        }
+        assert_eq!(
+            found.symmetries.iter().filter(|s| s.kind == SymmetryKind::Reflection).count(),
+            options.symmetries
+        );
+    }
+}
