@@ -11,7 +11,7 @@ use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::functional_map::{Projection, commutator, mean_trace};
 use crate::laplacian::IntrinsicSurface;
-use crate::refinement::SampleRefiner;
+use crate::refinement::{SampleRefiner, nearest};
 use crate::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
 use crate::symmetry_kind::SymmetryKind;
 use faer::{ColRef, Mat};
@@ -27,6 +27,8 @@ const FIXED_RADIUS: f64 = 0.15;
 const ORIENTED: f64 = 0.3;
 /// Weight of the parities that a map contradicts.
 const DISAGREEMENT_WEIGHT: f64 = 4.0;
+/// Times that images are sought when a map is turned over.
+const TURNING_ROUNDS: usize = 3;
 /// Candidates nearer to the identity than this (mean trace) are refused.
 const IDENTITY_TRACE: f64 = 0.85;
 
@@ -130,6 +132,21 @@ impl<'a> Scorer<'a> {
         })
     }
 
+    /// The map that leads to nearly the same places as `map` and turns the surface the other way round, and its partners; `None` where sides cannot be told.
+    ///
+    /// What is thin or round is nearly its own image front to back, and a half turn of it is a reflection but for that. So images are
+    /// sought anew where the orientation operator is the reverse of what `map` makes of it.
+    pub fn turned_over(&self, map: &Mat<f64>) -> Result<Option<(Mat<f64>, Vec<u32>)>> {
+        let Some(operator) = &self.orientation else { return Ok(None) };
+        let mut turned = map.clone();
+        for _ in 0..TURNING_ROUNDS {
+            let partners = operator.reversed_partners(self.refiner, &turned);
+            turned = self.refiner.estimate(&partners, map.nrows(), Projection::Involution)?;
+        }
+        let partners = self.refiner.partners(&turned);
+        Ok(Some((turned, partners)))
+    }
+
     fn fixed_share(&self, partners: &[u32]) -> f64 {
         let moved = |i: usize| {
             let (from, to) = (&self.spread[i], &self.spread[partners[i] as usize]);
@@ -203,6 +220,28 @@ impl OrientationOperator {
             }
         }
         cross / (own * other).sqrt().max(1e-20)
+    }
+
+    /// The sample nearest to each sample's image under `map`, by the functions and by the operator, which should be the reverse of that pulled back.
+    fn reversed_partners(&self, refiner: &SampleRefiner, map: &Mat<f64>) -> Vec<u32> {
+        let (rows, size) = (refiner.samples.rows.as_ref(), map.nrows());
+        let rows = rows.subcols(0, size);
+        let (mapped, pulled) =
+            (product(rows, map.as_ref()), product(self.values.as_ref(), self.pull_back(map).as_ref()));
+        let (count, pairs) = (rows.nrows(), self.values.ncols());
+        let squares: Vec<f64> = self.values.col_iter().map(|column| column.squared_norm_l2()).collect();
+        let least = LEAST_VARIANCE * squares.iter().sum::<f64>() / pairs as f64 + 1e-12;
+        // All pairs together weigh as much as the functions.
+        let scale = |pair: usize| (count * size) as f64 / ((squares[pair] + least) * pairs as f64);
+        let joined = |functions: &dyn Fn(usize, usize) -> f64, operators: &dyn Fn(usize, usize) -> f64| {
+            Mat::from_fn(count, size + pairs, |i, j| match j.checked_sub(size) {
+                None => functions(i, j) as f32,
+                Some(pair) => (operators(i, pair) * scale(pair).sqrt()) as f32,
+            })
+        };
+        let queries = joined(&|i, j| mapped[(i, j)], &|i, pair| -pulled[(i, pair)]);
+        let targets = joined(&|i, j| rows[(i, j)], &|i, pair| self.values[(i, pair)]);
+        nearest(queries.as_ref(), targets.as_ref())
     }
 
     /// What the operators J of functions `phi` are to be multiplied by for those of `phi C`, which are `C^T J C`: the

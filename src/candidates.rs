@@ -34,6 +34,8 @@ const NETWORK_PROPOSALS: [(usize, usize); 3] = [(12, 8), (8, 8), (6, 4)];
 const FLIPPED: usize = 5;
 /// A reflection that scores below this ends the search.
 const CONVINCING: f64 = -3.2;
+/// Half turns that are turned over at most.
+const TURNED: usize = 3;
 /// Mean distance, in radii of the embedding, from which two maps count as different symmetries.
 pub const DISTINCT: f64 = 0.25;
 /// A further symmetry whose score (without the network's say) is worse than the best one's by this is none.
@@ -104,11 +106,38 @@ pub fn find(
             break;
         }
     }
+    let turned = turned_over(&samples, &scorer, &basis.eigenvalues, &candidates)?;
+    candidates.extend(turned);
     // Which of two starts that meet goes on depends on the threads, so equal scores are told apart by the map.
     candidates.sort_by(|a, b| {
         a.score.total().total_cmp(&b.score.total()).then_with(|| a.partners.cmp(&b.partners))
     });
     Ok(candidates)
+}
+
+/// Reflections made of half turns that fit better than every reflection.
+fn turned_over(
+    samples: &Samples,
+    scorer: &Scorer,
+    eigenvalues: &[f64],
+    candidates: &[Candidate],
+) -> Result<Vec<Candidate>> {
+    let of_kind = |kind| candidates.iter().filter(move |candidate| candidate.score.kind() == Some(kind));
+    let best = of_kind(SymmetryKind::Reflection).map(|own| own.score.total()).fold(f64::INFINITY, f64::min);
+    let is_better = |own: &&Candidate| own.score.total_of_kind() < best;
+    let mut better: Vec<Candidate> = of_kind(SymmetryKind::HalfTurn).filter(is_better).cloned().collect();
+    better.sort_by(|a, b| {
+        a.score.total_of_kind().total_cmp(&b.score.total_of_kind()).then_with(|| a.partners.cmp(&b.partners))
+    });
+    let mut found = Vec::new();
+    for half_turn in distinct(&better, samples, eigenvalues, TURNED, true) {
+        let Some((map, partners)) = scorer.turned_over(&half_turn.map)? else { break };
+        let score = scorer.score_of(&map, &partners)?;
+        if !score.is_identity() {
+            found.push(Candidate { map, partners, score, doubts: Vec::new() });
+        }
+    }
+    Ok(found)
 }
 
 /// Expected parity of each function: from -1, odd, to +1, even.

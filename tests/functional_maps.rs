@@ -25,6 +25,7 @@ use intrinsym::sampling::Samples;
 use intrinsym::shortest_ways::EdgeWays;
 use intrinsym::signature;
 use intrinsym::spread_points::SpreadPoints;
+use intrinsym::symmetry_kind::SymmetryKind;
 use intrinsym::torn_pieces::{Mender, PointMap};
 use intrinsym::vertex_rows::Guide;
 use support::{
@@ -401,9 +402,8 @@ fn a_leg_that_is_its_own_image_is_mended() {
     assert!(wrong > 0.05 && mended < 0.005, "{wrong} {mended}");
 }
 
-#[test]
-fn ends_of_limbs_that_are_nearly_alike_are_paired() {
-    // Four pairs of legs, their lengths within 3 %, around a ball; the mesh is not mirrored.
+/// Four pairs of legs, their lengths within 3 %, around a ball that is nearly the same front to back (in z); mirrored in x, its mesh is not.
+fn spider() -> PolygonMesh {
     let legs = [(0.2, 1.0), (1.0, 1.02), (1.9, 0.99), (2.7, 1.01)];
     let radius = |[x, y, z]: [f64; 3]| {
         let bump = |(angle, length): &(f64, f64)| {
@@ -417,6 +417,12 @@ fn ends_of_limbs_that_are_nearly_alike_are_paired() {
         let direction = rotated(*position, [1.0, 2.0, 3.0], 0.4);
         *position = direction.map(|coordinate| coordinate * radius(direction));
     }
+    mesh
+}
+
+#[test]
+fn ends_of_limbs_that_are_nearly_alike_are_paired() {
+    let mesh = spider();
     let truth = creature_truth(&mesh);
     let shape = Shape::new(&mesh, truth);
     let samples = Samples::farthest(&shape.basis, 500);
@@ -460,6 +466,34 @@ fn the_score_tells_a_reflection_from_the_identity_and_from_a_wrong_map() {
         let wrong = scorer.score(&Random(5).involution(30)).unwrap();
         assert!(wrong.total() > reflection.total() + 1.0, "{wrong:?}");
     }
+}
+
+#[test]
+fn a_half_turn_is_turned_over_to_the_reflection() {
+    let mesh = spider();
+    let nearest_to = |image: [f64; 3]| {
+        let away = |i: &usize| distance(mesh.positions[*i], image);
+        (0..mesh.positions.len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap() as u32
+    };
+    let half_turned: Vec<u32> = mesh.positions.iter().map(|&[x, y, z]| nearest_to([-x, y, -z])).collect();
+    let half_turn = Shape::new(&mesh, half_turned).true_map(30);
+    let shape = Shape::new(&mesh, creature_truth(&mesh));
+    let samples = Samples::farthest(&shape.basis, 500);
+    let refiner = SampleRefiner::new(&samples);
+    let scorer = Scorer::new(&shape.surface, &shape.basis, &refiner, Vec::new());
+    let before = scorer.score(&half_turn).unwrap();
+    assert_eq!(before.kind(), Some(SymmetryKind::HalfTurn), "{before:?}");
+    let (map, partners) = scorer.turned_over(&half_turn).unwrap().expect("sides can be told");
+    let after = scorer.score_of(&map, &partners).unwrap();
+    let error_of = |partners: Vec<u32>| {
+        let partners: Vec<u32> = partners.iter().map(|&k| samples.vertices[k as usize]).collect();
+        shape.mean_error(&samples.vertices, &partners)
+    };
+    let (error, error_before) = (error_of(partners), error_of(refiner.partners(&half_turn)));
+    println!("mean error {error_before}, then {error}, {before:?}, {after:?}");
+    assert_eq!(after.kind(), Some(SymmetryKind::Reflection), "{after:?}");
+    // Samples are 0.06 apart.
+    assert!(error < 0.06 && error < 0.75 * error_before, "{error_before} {error}");
 }
 
 #[test]
