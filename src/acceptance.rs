@@ -8,7 +8,7 @@ use crate::candidate_score::Score;
 /// Weights of the logistic model: constant, then those of [`Judgement::features`].
 const WEIGHTS: [f64; 4] = [-13.5421, -2.4085, -6.4959, 4.5748];
 /// The same for reflections once rigid parts are fitted.
-const WEIGHTS_WITH_PARTS: [f64; 6] = [-29.5253, -1.8208, -4.7430, 5.2456, -4.6964, -53.0214];
+const WEIGHTS_WITH_PARTS: [f64; 6] = [-30.0916, -2.0654, -4.3108, 4.8756, -4.6321, -49.4550];
 
 /// Of maps as plausible as this, the score tells which is best.
 const SURE: f64 = 0.95;
