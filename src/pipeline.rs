@@ -59,9 +59,9 @@ pub struct Report {
     pub solved_vertices: usize,
     /// What was repaired.
     pub repairs: RepairReport,
-    /// Eigenvalues of the largest shell, scaled to unit area, the constant function's zero left out.
+    /// Eigenvalues of the largest shell, its holes filled, scaled to unit area, the constant function's zero left out.
     pub eigenvalues: Vec<f64>,
-    /// Parity of the first eigenfunctions of the largest shell or its proxy as the sign network sees it, overruled by what the caller
+    /// Parity of the first eigenfunctions of the largest shell, its holes filled, or its proxy as the sign network sees it, overruled by what the caller
     /// states; empty without both.
     pub signs: Vec<SignPrediction>,
     /// How the best finished map was judged, accepted or not; `None` if no candidate reverses orientation.
