@@ -135,7 +135,10 @@ impl<'a> Scorer<'a> {
     /// The map that leads to nearly the same places as `map` and turns the surface the other way round, and its partners; `None` where sides cannot be told.
     ///
     /// What is thin or round is nearly its own image front to back, and a half turn of it is a reflection but for that. So images are
-    /// sought anew where the orientation operator is the reverse of what `map` makes of it.
+    /// sought anew where the orientation operator is the reverse of what `map` makes of it. O(samples^2 x functions).
+    ///
+    /// # Errors
+    /// [`crate::Error::Internal`] if a decomposition fails.
     pub fn turned_over(&self, map: &Mat<f64>) -> Result<Option<(Mat<f64>, Vec<u32>)>> {
         let Some(operator) = &self.orientation else { return Ok(None) };
         let mut turned = map.clone();

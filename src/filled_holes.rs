@@ -71,9 +71,11 @@ impl FilledShell {
     /// image keeps, 0..=1.
     pub fn leave_fillings(&self, images: &mut VertexImages) -> Vec<f32> {
         let Shell { positions, triangles, .. } = &self.shell;
+        let mut on_rim = vec![false; positions.len()];
+        self.rims.iter().flatten().for_each(|&vertex| on_rim[vertex as usize] = true);
         let mut corner_of = HashMap::new();
         for (index, triangle) in triangles[..self.own_triangles].iter().enumerate() {
-            for (corner, &vertex) in triangle.iter().enumerate() {
+            for (corner, &vertex) in triangle.iter().enumerate().filter(|(_, v)| on_rim[**v as usize]) {
                 corner_of.insert(vertex, (index as u32, corner));
             }
         }
