@@ -158,11 +158,7 @@ impl<'a> Assembler<'a> {
     pub fn moved(&self, images: &VertexImages) -> f64 {
         let (Shell { positions, triangles, .. }, areas) = (self.solved(), &self.shell.surface.lumped_mass);
         let moved = |(place, image): (&Vector, &TrianglePoint)| {
-            let at = |axis: usize| {
-                let corners = triangles[image.triangle as usize];
-                (0..3).map(|k| f64::from(image.barycentric[k]) * positions[corners[k] as usize][axis]).sum()
-            };
-            squared_norm(subtract(*place, std::array::from_fn(at))).sqrt()
+            squared_norm(subtract(*place, image.interpolate_vectors(triangles, positions))).sqrt()
         };
         let sum: f64 = positions.iter().zip(&images.points).map(moved).zip(areas).map(|(m, a)| m * a).sum();
         sum / areas.iter().sum::<f64>()

@@ -1,6 +1,7 @@
 //! Triangles of a mesh: which are around a vertex or behind an edge, and which of their points is nearest.
 
 use crate::mesh::NONE;
+use crate::mesh::vector::Vector;
 
 /// A point inside a triangle of a shell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -24,6 +25,13 @@ impl TrianglePoint {
     pub fn interpolate(&self, triangles: &[[u32; 3]], values: &[impl Copy + Into<f64>]) -> f64 {
         let corners = triangles[self.triangle as usize];
         (0..3).map(|k| f64::from(self.barycentric[k]) * values[corners[k] as usize].into()).sum()
+    }
+
+    /// The same of vectors.
+    #[inline]
+    pub fn interpolate_vectors(&self, triangles: &[[u32; 3]], vectors: &[Vector]) -> Vector {
+        let corners = triangles[self.triangle as usize].map(|corner| vectors[corner as usize]);
+        std::array::from_fn(|axis| (0..3).map(|k| f64::from(self.barycentric[k]) * corners[k][axis]).sum())
     }
 }
 

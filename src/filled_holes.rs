@@ -23,7 +23,7 @@ pub struct FilledShell {
     pub shell: Shell,
     /// Triangles that are no filling.
     own_triangles: usize,
-    /// Vertices around the hole that each triangle of a filling is in.
+    /// Vertices around each filled hole.
     rims: Vec<Vec<u32>>,
     /// The rim of each triangle of a filling.
     rim_of: Vec<u32>,
@@ -81,10 +81,7 @@ impl FilledShell {
         }
         let leave = |partner: &mut u32, point: &mut TrianglePoint| {
             let Some(filling) = (point.triangle as usize).checked_sub(self.own_triangles) else { return 1.0 };
-            let corners = triangles[point.triangle as usize].map(|corner| positions[corner as usize]);
-            let place = std::array::from_fn(|axis| {
-                (0..3).map(|k| f64::from(point.barycentric[k]) * corners[k][axis]).sum()
-            });
+            let place = point.interpolate_vectors(triangles, positions);
             let away = |vertex: &u32| squared_norm(subtract(positions[*vertex as usize], place));
             let rim = &self.rims[self.rim_of[filling] as usize];
             let nearest = rim.iter().copied().min_by(|a, b| away(a).total_cmp(&away(b))).expect("a rim");
@@ -103,14 +100,18 @@ impl FilledShell {
 }
 
 /// Closed boundaries, each against the direction of its triangles, those of two holes that meet at a vertex apart; where more meet, they are taken for one.
+///
+/// [`crate::mesh::half_edges`] go around holes, too, but around two that meet as around one, and are made only while this one's result is solved.
 fn boundaries(shell: &Shell) -> Vec<Vec<u32>> {
     let corners = || shell.triangles.iter().flat_map(|&[a, b, c]| [[a, b, c], [b, c, a], [c, a, b]]);
     // Around a vertex inside, each neighbour is as often the end of an edge as the start of one, so that the sum of any numbers of theirs vanishes.
     let mut balance = vec![0u64; shell.points.len()];
-    for [from, to, _] in corners() {
-        let (start, end) = (scrambled(from), scrambled(to));
-        balance[from as usize] = balance[from as usize].wrapping_add(end);
-        balance[to as usize] = balance[to as usize].wrapping_sub(start);
+    for triangle in &shell.triangles {
+        let numbers = triangle.map(scrambled);
+        for (k, &corner) in triangle.iter().enumerate() {
+            let own = &mut balance[corner as usize];
+            *own = own.wrapping_add(numbers[(k + 1) % 3]).wrapping_sub(numbers[(k + 2) % 3]);
+        }
     }
     let is_rim = |vertex: u32| balance[vertex as usize] != 0;
     // The third corner beside each edge that starts at such a vertex.

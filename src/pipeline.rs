@@ -118,8 +118,8 @@ pub struct Detection {
     /// Found or none.
     pub outcome: Outcome,
     /// At most `options.symmetries`: reflections, best first, then half turns, best first: those of a plausibility of 0.95 or more
-    /// by their scores, then the others by their plausibilities; reflections that exchange the sides of a thin sheet come behind others that are accepted. Then at most `options.rotations` rotations of order three or more
-    /// (EXPERIMENTAL), one of each cyclic group: those of highest order first, then the best.
+    /// by their scores, then the others by their plausibilities; reflections that exchange the sides of a thin sheet come behind those
+    /// of a plausibility of 0.5 or more. Then at most `options.rotations` rotations of order three or more (EXPERIMENTAL), one of each cyclic group: those of highest order first, then the best.
     pub symmetries: Vec<Symmetry>,
     /// Numbers behind the outcome.
     pub report: Report,
@@ -242,7 +242,7 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
         }
         evidence += &about_rotations(maps.len() - listed, orbits.continuous);
     }
-    // It has no fillings.
+    // A judging mesh has no fillings; `detect_again` makes its own of the mesh as it is.
     let judging = || match maps.is_empty() || filled.is_some() {
         true => None,
         false => JudgingMesh::of_solved(mesh, &shells[0], proxy.as_ref(), &shell, options).map(Arc::new),

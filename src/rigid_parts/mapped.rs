@@ -53,7 +53,11 @@ impl<'a> Mapped<'a> {
             walk: SurfaceWalk::new(&shell.positions, &shell.triangles),
             areas: point_areas(&shell.positions, &shell.triangles),
             normals: normals(shell),
-            images: found.points.iter().map(|point| at(shell, point, &shell.positions)).collect(),
+            images: found
+                .points
+                .iter()
+                .map(|point| point.interpolate_vectors(&shell.triangles, &shell.positions))
+                .collect(),
             found,
         }
     }
@@ -143,8 +147,14 @@ impl<'a> Mapped<'a> {
     /// Squared: how unlike `goal` the surface is near a vertex, between vertices too.
     pub fn unlike_near(&self, goal: Oriented, vertex: u32) -> f64 {
         let (_, point) = self.walk.nearest(goal.position, vertex);
-        let normal = unit(at(self.shell, &point, &self.normals));
-        unlike(goal, Oriented { position: at(self.shell, &point, &self.shell.positions), normal })
+        let normal = unit(point.interpolate_vectors(&self.shell.triangles, &self.normals));
+        unlike(
+            goal,
+            Oriented {
+                position: point.interpolate_vectors(&self.shell.triangles, &self.shell.positions),
+                normal,
+            },
+        )
     }
 
     /// The vertex and the point nearest to where a vertex's image should lie. The map may have torn it from those around it, so
@@ -184,13 +194,17 @@ impl<'a> Mapped<'a> {
 
     /// Gives all vertices other images.
     pub fn replace_all(&mut self, found: VertexImages) {
-        self.images = found.points.iter().map(|point| at(self.shell, point, &self.shell.positions)).collect();
+        self.images = found
+            .points
+            .iter()
+            .map(|point| point.interpolate_vectors(&self.shell.triangles, &self.shell.positions))
+            .collect();
         self.found = found;
     }
 
     /// Gives a vertex another image, and gives its former one back.
     pub fn replace(&mut self, vertex: usize, (partner, point): (u32, TrianglePoint)) -> (u32, TrianglePoint) {
-        self.images[vertex] = at(self.shell, &point, &self.shell.positions);
+        self.images[vertex] = point.interpolate_vectors(&self.shell.triangles, &self.shell.positions);
         let VertexImages { partners, points } = &mut self.found;
         (std::mem::replace(&mut partners[vertex], partner), std::mem::replace(&mut points[vertex], point))
     }
@@ -216,12 +230,6 @@ fn rows(points: &[Oriented]) -> Mat<f32> {
 fn unlike(goal: Oriented, there: Oriented) -> f64 {
     let turned = squared_norm(subtract(there.normal, goal.normal));
     squared_norm(subtract(there.position, goal.position)) + TURN * TURN * turned
-}
-
-/// What the vertices' vectors are at a point inside a triangle.
-fn at(shell: &Shell, point: &TrianglePoint, vectors: &[Vector]) -> Vector {
-    let corners = shell.triangles[point.triangle as usize].map(|corner| vectors[corner as usize]);
-    std::array::from_fn(|axis| (0..3).map(|k| f64::from(point.barycentric[k]) * corners[k][axis]).sum())
 }
 
 /// Unit normals of the vertices, triangles weighted by area.
