@@ -16,8 +16,8 @@ evaluate: ## Measure maps on the Princeton benchmark at $$BENCHMARK_DATA (SCAPE 
 
 evaluate-remeshed: train-setup ## Measure maps and signs on remeshed FAUST and TOSCA at $$REMESHED_DATA
 	cargo build --release --locked --bin intrinsym
-	@mkdir -p out
-	$(EVALUATE_PYTHON) evaluation.remeshed "$$REMESHED_DATA" --out out/remeshed.json
+	$(EVALUATE_PYTHON) evaluation.remeshed "$$REMESHED_DATA" --out docs/results/$(EVALUATE_DATE)-remeshed.json
+	$(EVALUATE_PYTHON) evaluation.pages
 	$(EVALUATE_PYTHON) training.evaluate models/signnet.onnx --remeshed "$$REMESHED_DATA"
 
 evaluate-watertight: train-setup ## Measure maps of eleven classes of SHREC'07 with landmarks, at $$WATERTIGHT_DATA

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from . import princeton_tables, robustness_tables, synthetic_tables, watertight
+from . import princeton_tables, remeshed, robustness_tables, synthetic_tables, watertight
 from .markdown import filled
 
 ROOT = Path(__file__).parent.parent
@@ -14,6 +14,8 @@ PAGES = ("README.md", "docs/results.md", "docs/robustness.md")
 PARTS = {
     "princeton-short": ("princeton", princeton_tables.short_report),
     "princeton": ("princeton", princeton_tables.full_report),
+    "remeshed-short": ("remeshed", remeshed.short_report),
+    "remeshed": ("remeshed", remeshed.report),
     "synthetic": ("synthetic", synthetic_tables.report),
     "watertight": ("watertight", watertight.report),
     "robustness": ("robustness", robustness_tables.report),

@@ -14,22 +14,25 @@ along edges are a few per cent longer than geodesics. 250 vertices of each mesh 
 from __future__ import annotations
 
 import argparse
-import json
 import shlex
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass
+from datetime import date
 from pathlib import Path
 
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from .program import detect, read_answer
+from . import markdown
+from .program import detect, identity, read_answer, write_results
 
 MEASURED = 250
 # A map whose mean error is above this pairs the wrong limbs, or moves too little.
 WRONG = 0.1
+# Names of the sets' folders, and what the tables call them.
+SETS = {"FAUST": "FAUST", "TOSCA_Isometric": "TOSCA, within classes", "TOSCA_nonIsometric": "TOSCA, across classes"}
 NO_PARTNER_ERROR = 1.0
 
 
@@ -83,19 +86,35 @@ def measure(program: str, mesh: Path, options: list[str]) -> Result:
     return Result(mesh.parts[-3], mesh.stem, answer.found, answer.plausibility, error, sum(answer.seconds.values()))
 
 
-def table(results: list[Result]) -> str:
-    """One row a set, and the meshes that went wrong."""
-    lines = ["| set | meshes | answered | of them wrong | mean error | median error | median s |", "|---|---|---|---|---|---|---|"]
-    for name in sorted({result.set for result in results}):
-        of_set = [result for result in results if result.set == name]
-        errors = np.array([result.error for result in of_set if result.found])
-        seconds = np.median([result.seconds for result in of_set])
-        middle = f"{errors.mean():.4f} | {np.median(errors):.4f}" if len(errors) else "- | -"
-        lines.append(f"| {name} | {len(of_set)} | {len(errors)} | {(errors > WRONG).sum()} | {middle} | {seconds:.2f} |")
-    for result in results:
-        if not result.found or result.error > WRONG:
-            lines.append(f"\n{result.set} {result.name}: " + (f"error {result.error:.3f}" if result.found else "no symmetry found"))
-    return "\n".join(lines)
+def table(rows: list[dict]) -> str:
+    """One row a set."""
+    shown = []
+    for name in dict.fromkeys(row["set"] for row in rows):
+        of_set = [row for row in rows if row["set"] == name]
+        errors = np.array([row["error"] for row in of_set if row["found"]])
+        middle = [f"{errors.mean():.4f}", f"{np.median(errors):.4f}"] if len(errors) else ["-", "-"]
+        seconds = f"{np.median([row['seconds'] for row in of_set]):.2f}"
+        shown.append([SETS.get(name, name), len(of_set), len(errors), (errors > WRONG).sum(), *middle, seconds])
+    return markdown.table(["set", "meshes", "answered", "of them wrong", "mean error", "median error", "median s"], shown)
+
+
+def unanswered_or_wrong(rows: list[dict]) -> str:
+    """The meshes that went wrong, in words."""
+    refused = [f"`{row['name']}` (plausibility {100 * (row['plausibility'] or 0):.0f} %)" for row in rows if not row["found"]]
+    wrong = [f"`{row['name']}` (error {row['error']:.3f})" for row in rows if row["found"] and row["error"] > WRONG]
+    return f"Without an answer: {', '.join(refused) or 'none'}. Wrong: {', '.join(wrong) or 'none'}."
+
+
+def report(result: dict) -> str:
+    """The table of the pages."""
+    made = f"`make evaluate-remeshed`, default options, {result['date']} ([data](results/{result['date']}-remeshed.json)):"
+    return f"{made}\n\n{table(result['meshes'])}\n\n{unanswered_or_wrong(result['meshes'])}"
+
+
+def short_report(result: dict) -> str:
+    """The table of the README."""
+    made = f"`make evaluate-remeshed`, {result['date']} ([data](docs/results/{result['date']}-remeshed.json))."
+    return f"{table(result['meshes'])}\n\n{made}"
 
 
 def main() -> None:
@@ -111,9 +130,10 @@ def main() -> None:
     if not meshes:
         parser.error(f"{arguments.data} holds no SET/vtx_5k/NAME.off: see the top of this file")
     with ThreadPoolExecutor(arguments.jobs) as pool:
-        results = list(pool.map(lambda mesh: measure(arguments.program, mesh, arguments.options), meshes))
-    arguments.out.write_text(json.dumps([asdict(result) for result in results], indent=1) + "\n")
-    print(table(results))
+        rows = [asdict(row) for row in pool.map(lambda mesh: measure(arguments.program, mesh, arguments.options), meshes)]
+    result = {"date": str(date.today()), "program": identity(arguments.program), "options": arguments.options, "meshes": rows}
+    write_results(arguments.out, result)
+    print(report(result))
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """The judge of the remeshed sets, on a strip whose mirror map and distances are known."""
 
 import stat
+from dataclasses import asdict
 
 import numpy as np
 import pytest
@@ -59,7 +60,8 @@ def test_a_program_is_run_and_judged(strip, tmp_path, status, row):
     result = remeshed.measure(str(program), mesh, [])
     assert (result.set, result.name, result.found, result.seconds) == ("SET", "strip", status == 0, 0.75)
     assert result.error == (0 if status == 0 else None)
-    assert row in remeshed.table([result])
+    assert row in remeshed.table([asdict(result)])
+    assert ("Without an answer: `strip` (plausibility 75 %)" in remeshed.unanswered_or_wrong([asdict(result)])) == (status == 1)
 
 
 def test_a_program_that_fails_is_an_error(strip, tmp_path):
