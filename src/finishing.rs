@@ -64,6 +64,13 @@ pub fn finish_best(
         }
     }
     rank(&mut known.maps, |(map, kind)| (*kind, map.judged.plausibility, map.exchanges_sheets()));
+    let counts =
+        |map: &ShellSymmetry| map.judged.accepted(options.plausibility) && map.judged.disagreement.is_some();
+    let answers = known.maps.iter_mut().filter(|(map, _)| counts(map)).take(options.symmetries);
+    for (map, kind) in answers.filter(|(_, kind)| *kind == SymmetryKind::Reflection) {
+        progress.report("refining", 0.93)?;
+        assembler.regrow(map, *kind, options.threads, progress.token())?;
+    }
     Ok(known.maps)
 }
 
