@@ -8,7 +8,7 @@ use crate::candidate_score::Score;
 /// Weights of the logistic model: constant, then those of [`Judgement::features`].
 const WEIGHTS: [f64; 4] = [-13.5421, -2.4085, -6.4959, 4.5748];
 /// The same for reflections once rigid parts are fitted.
-const WEIGHTS_WITH_PARTS: [f64; 6] = [-30.0916, -2.0654, -4.3108, 4.8756, -4.6321, -49.4550];
+const WEIGHTS_WITH_PARTS: [f64; 6] = [-32.1735, -2.1431, -4.4499, 5.2699, -4.8774, -49.7797];
 
 /// Of maps as plausible as this, the score tells which is best.
 const SURE: f64 = 0.95;
@@ -29,7 +29,8 @@ pub struct Judgement {
     pub disagreement: Option<f64>,
     /// That of [`Rigidity`], likewise.
     pub scatter: Option<f64>,
-    /// Probability, 0..=1, that a map of these measures is a symmetry, where two of five shapes have one.
+    /// Probability, 0..=1, that a map of these measures is a symmetry: of a reflection with its rigid parts where one of four shapes
+    /// has one, of other maps where two of five have.
     pub plausibility: f64,
 }
 
@@ -125,7 +126,7 @@ mod tests {
         let by_parts =
             |disagreement, scatter| judged.with_parts(Some(Rigidity { disagreement, scatter })).plausibility;
         assert!(by_parts(0.003, 0.01) > 0.9 && by_parts(0.03, 0.01) < 0.1);
-        assert!(by_parts(0.01, 0.0) > 0.9 && by_parts(0.01, 0.04) < 0.7);
+        assert!(by_parts(0.01, 0.0) > 0.8 && by_parts(0.01, 0.04) < 0.5);
         assert_eq!(judged.with_parts(None), judged);
     }
 
