@@ -12,22 +12,17 @@ use crate::embedded_triangles::{Fans, TrianglePoint};
 use crate::error::Result;
 use crate::filled_holes::FilledShell;
 use crate::fixed_curve::{odd_function, zero_set};
-use crate::full_refinement::{MatchTarget, VertexImages, estimate, refine};
-use crate::functional_map::project;
+use crate::full_refinement::{MatchTarget, VertexImages};
 use crate::mesh::vector::{Vector, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell, anchors};
 use crate::mirrored_vertices;
 use crate::options::Options;
 use crate::progress::{CancelToken, Progress};
 use crate::proxy::Proxy;
+use crate::regrowth::regrow;
 use crate::rigid_parts::{self, Carrier, Fitted};
 use crate::shell_symmetry::{PreparedShell, ShellSymmetry};
 use crate::symmetry_kind::SymmetryKind;
-use crate::vertex_rows::Guide;
-
-/// Size from which a map grows again once rigid parts have put it right, and the step.
-const REGROWN_FROM: usize = 40;
-const REGROWN_STEP: usize = 10;
 
 /// What turning a shell's map into the caller's symmetry needs, prepared once.
 pub struct Assembler<'a> {
@@ -160,12 +155,10 @@ impl<'a> Assembler<'a> {
         Ok(ShellSymmetry { images, judged, moved, ..found })
     }
 
-    /// Grows the map of `found` once more from what its images say since they follow the rigid parts, and has these images follow them again.
-    /// What it was judged by stays. Parts put right what the map of few functions had wrong, as the turn of a limb about its axis, and what grows
-    /// from that is better than what grew from the search. O(vertices x eigenfunctions^2) a step.
+    /// [`regrow`]s the map of `found`; what it was judged by stays.
     ///
     /// # Errors
-    /// Those of [`rigid_parts::fit`].
+    /// Those of [`regrow`].
     pub fn regrow(
         &self,
         found: &mut ShellSymmetry,
@@ -173,16 +166,9 @@ impl<'a> Assembler<'a> {
         threads: usize,
         token: &CancelToken,
     ) -> Result<()> {
-        let (target, count) = (self.target.with_threads(threads), self.shell.basis.count());
-        let (all, first) = (target.vertices(), REGROWN_FROM.min(count));
-        let start = estimate(&all, &target, &found.images.points, first, first);
-        let sizes: Vec<usize> = (first + REGROWN_STEP..count).step_by(REGROWN_STEP).chain([count]).collect();
-        let (start, seeds) = (project(start, target.projection())?, found.images.seeds());
-        let (map, images) = refine(&target, &all, start, &seeds, &sizes, Guide::MeanCurvature, token)?;
-        let (solved, surface) = (self.solved(), &self.shell.surface);
-        let fitted = rigid_parts::fit(solved, surface, &images, kind, false, threads, token)?;
-        found.moved = self.moved(&fitted.images);
-        (found.map, found.images) = (map, fitted.images);
+        let target = self.target.with_threads(threads);
+        (found.map, found.images) = regrow(self.solved(), &target, &found.images, kind, token)?;
+        found.moved = self.moved(&found.images);
         Ok(())
     }
 

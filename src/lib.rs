@@ -21,7 +21,7 @@
 //! | vertices that are mirrored where edges are not | [`mirrored_vertices`] |
 //! | a shell with small holes <-> one without | [`filled_holes`] |
 //! | a fine shell <-> its simplified proxy | [`surface_walk`], [`proxy`], [`stated_signs`] |
-//! | the map where parts are rigid | [`rigid_parts`] |
+//! | the map where parts are rigid, and grown again from there | [`rigid_parts`], [`regrowth`] |
 //! | what the next call on the same connectivity needs | [`judging_mesh`] |
 //! | candidates -> finished maps | [`finishing`] |
 //! | what the caller gets | [`correspondence`], [`assembly`], [`pipeline`], [`detect_again`], [`report`] |
@@ -73,6 +73,7 @@ pub mod pipeline;
 pub mod progress;
 pub mod proxy;
 pub mod refinement;
+pub mod regrowth;
 pub mod report;
 pub mod rigid_parts;
 pub mod rotations;
