@@ -53,6 +53,7 @@ const ORDER: [&str; 60] = [
     "proxy",
     "stated_signs",
     "rigid_parts",
+    "regrowth",
     "companions",
     "judging_mesh",
     "assembly",
