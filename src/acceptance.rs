@@ -126,7 +126,7 @@ mod tests {
         let by_parts =
             |disagreement, scatter| judged.with_parts(Some(Rigidity { disagreement, scatter })).plausibility;
         assert!(by_parts(0.003, 0.01) > 0.9 && by_parts(0.03, 0.01) < 0.1);
-        assert!(by_parts(0.01, 0.0) > 0.8 && by_parts(0.01, 0.04) < 0.5);
+        assert!(by_parts(0.008, 0.0) > 0.9 && by_parts(0.008, 0.04) < 0.7);
         assert_eq!(judged.with_parts(None), judged);
     }
 

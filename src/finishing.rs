@@ -35,7 +35,8 @@ struct Known {
 /// The maps of `candidates` (best first) that count, finished: reflections, then half turns, the best first.
 ///
 /// Once as many as are asked for leave no doubts, no other is finished, nor are those that score much worse than one that is accepted. The first
-/// has all threads, since it often ends the search; those after it are finished side by side.
+/// has all threads, since it often ends the search; those after it are finished side by side. Reflections that are answers grow once more from what
+/// their parts put right.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
@@ -64,12 +65,14 @@ pub fn finish_best(
         }
     }
     rank(&mut known.maps, |(map, kind)| (*kind, map.judged.plausibility, map.exchanges_sheets()));
-    let counts =
-        |map: &ShellSymmetry| map.judged.accepted(options.plausibility) && map.judged.disagreement.is_some();
-    let answers = known.maps.iter_mut().filter(|(map, _)| counts(map)).take(options.symmetries);
-    for (map, kind) in answers.filter(|(_, kind)| *kind == SymmetryKind::Reflection) {
-        progress.report("refining", 0.93)?;
-        assembler.regrow(map, *kind, options.threads, progress.token())?;
+    let is_answer = |map: &ShellSymmetry| map.judged.accepted(options.plausibility);
+    let answers = known.maps.iter_mut().filter(|(map, _)| is_answer(map)).take(options.symmetries);
+    for (map, kind) in answers {
+        // Those without parts, half turns among them, have nothing that parts put right.
+        if map.judged.disagreement.is_some() {
+            progress.report("refining", 0.93)?;
+            assembler.regrow(map, *kind, options.threads, progress.token())?;
+        }
     }
     Ok(known.maps)
 }
