@@ -19,8 +19,9 @@ use std::ops::ControlFlow;
 
 /// Images of neighbouring points that are farther apart than this, along edges, in sqrt(area), are torn apart.
 const TEAR: f64 = 0.1;
-/// Share of the area from which on a piece is mended.
+/// Share of the area from which on a piece is mended, and up to which: beside one that is larger nothing says which of the two is right.
 const LEAST_PIECE: f64 = 0.004;
+const MOST_PIECE: f64 = 0.25;
 /// Distance from what is torn off, in sqrt(area), from which on the map is trusted.
 const TRUSTED: f64 = 0.05;
 /// Trusted points whose distances tell where a point belongs, and the fewest among which they are chosen.
@@ -79,7 +80,7 @@ impl<'a> Mender<'a> {
         for _ in 0..ROUNDS {
             token.check()?;
             let pieces = self.pieces(&found.images);
-            if pieces.largest_torn() < LEAST_PIECE {
+            if !(LEAST_PIECE..=MOST_PIECE).contains(&pieces.largest_torn()) {
                 break;
             }
             let Some(anchored) = self.anchored(&pieces, &found.images) else { break };

@@ -402,6 +402,45 @@ fn a_leg_that_is_its_own_image_is_mended() {
     assert!(wrong > 0.05 && mended < 0.005, "{wrong} {mended}");
 }
 
+#[test]
+fn a_torn_piece_is_mended_unless_it_is_so_large_that_it_may_be_what_is_right() {
+    let shape = Shape::creature(4, 0.4);
+    let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
+    let points = SpreadPoints::new(&target, 1500, shape.basis.count()).unwrap();
+    let (ways, token) = (EdgeWays::new(&shape.surface), CancelToken::default());
+    let around = ways.distances(&[0]);
+    let far = (0..around.len()).max_by(|&a, &b| around[a].total_cmp(&around[b])).unwrap() as u32;
+    let mut radii: Vec<(f64, f64)> = points
+        .vertices
+        .iter()
+        .map(|&vertex| around[vertex as usize])
+        .zip(points.mass.iter().copied())
+        .collect();
+    radii.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // What is nearest to the first vertex, of that share of the area, goes to the vertex farthest from its image.
+    let torn = |share: f64| {
+        let mut area = 0.0;
+        let radius = radii.iter().find(|(_, mass)| {
+            area += mass;
+            area > share
+        });
+        let radius = radius.unwrap().0;
+        let true_image = |vertex: u32| shape.truth[vertex as usize];
+        let image =
+            |vertex: u32| if around[vertex as usize] < radius { true_image(far) } else { true_image(vertex) };
+        let images = images_of(&shape, &points, image);
+        let map = full_refinement::estimate(&points.sources(), &target, &images.points, 50, 50);
+        PointMap { map: project(map, target.projection()).unwrap(), images }
+    };
+    let mender = Mender::new(&target, &points);
+    let error = |found: &PointMap| shape.mean_error(&points.vertices, &found.images.partners);
+    let mend = |share| mender.mend(torn(share), |_, _| true, &token).unwrap();
+    let (before, after) = (error(&torn(0.2)), error(&mend(0.2)));
+    println!("mean error: torn {before}, mended {after}");
+    assert!(before > 0.1 && after < 0.02, "{before} {after}");
+    assert_eq!(mend(0.3).images.partners, torn(0.3).images.partners);
+}
+
 /// Four pairs of legs, their lengths within 3 %, around a ball that is nearly the same front to back (in z); mirrored in x, its mesh is not.
 fn spider() -> PolygonMesh {
     let legs = [(0.2, 1.0), (1.0, 1.02), (1.9, 0.99), (2.7, 1.01)];
