@@ -127,8 +127,12 @@ def straight_lines(vertices: np.ndarray, triangles: np.ndarray):
 
 
 def _cross(vertices, flat, opposite, length, apex, crossed, left, right, left_ray, right_ray):
-    """Unfolds the triangle behind each crossed edge: lines to its far corner where that is seen, and the next edges."""
-    inside = opposite[crossed] >= 0
+    """Unfolds the triangle behind each crossed edge: lines to its far corner where that is seen, and the next edges.
+
+    Edges without length are not crossed: nothing is seen through them.
+    """
+    ends = flat[crossed], flat[crossed - crossed % 3 + (crossed + 1) % 3]
+    inside = (opposite[crossed] >= 0) & (length(*ends) > 0)
     apex, crossed, left, right, left_ray, right_ray = (
         part[inside] for part in (apex, crossed, left, right, left_ray, right_ray)
     )
@@ -136,7 +140,7 @@ def _cross(vertices, flat, opposite, length, apex, crossed, left, right, left_ra
     base = behind - behind % 3
     corner, on_right, on_left = (flat[base + (behind + k) % 3] for k in (2, 0, 1))
     to_left, to_right = length(on_left, corner), length(on_right, corner)
-    width = np.maximum(length(on_left, on_right), 1e-300)
+    width = length(on_left, on_right)
     along = (to_left**2 - to_right**2 + width**2) / (2 * width)
     away = np.sqrt(np.maximum(to_left**2 - along**2, 0))
     direction = (right - left) / width[:, None]

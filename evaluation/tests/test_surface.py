@@ -46,6 +46,19 @@ def test_exact_distances_are_never_longer():
         assert surface.distances([start], [end])[0] >= flat - 1e-9
 
 
+@pytest.mark.filterwarnings("error")
+def test_triangles_without_area_change_no_distance():
+    vertices, triangles = sheet()
+    # A slit along the edge from 58 to 59 that two triangles without area fill; 117 lies where 58 does.
+    below = (triangles == 58).any(1) & (vertices[triangles][..., 1].mean(1) < 4)
+    split = np.where(below[:, None] & (triangles == 58), 117, triangles)
+    filled = np.r_[split, [[58, 117, 59], [117, 58, 57]]]
+    surface, whole = Surface(np.r_[vertices, vertices[58:59]], filled), Surface(vertices, triangles)
+    pairs = np.random.default_rng(0).integers(117, size=(2, 300))
+    found, true = surface.distances(*pairs), whole.distances(*pairs)
+    assert np.isfinite(found).all() and (found >= true - 1e-9).all() and (found <= 1.05 * true + 1e-9).all()
+
+
 def test_pieces_that_do_not_touch_are_infinitely_far():
     vertices, triangles = sheet(4, 4)
     surface = Surface(np.r_[vertices, vertices + 10], np.r_[triangles, triangles + 16])
