@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example evidence FOLDER MESH...` writes FOLDER/NAME.evidence for each mesh: for every
 //! vertex of the largest shell `vertex partner` and the columns of `Evidence::features`. The best map of the spectral
-//! search is used, fitted to the rigid parts, accepted or not, and whatever the connectivity says.
+//! search is used, fitted to the rigid parts and grown again from there, as answers are, accepted or not, and whatever the connectivity says.
 
 use intrinsym::confidence::Evidence;
 use intrinsym::full_refinement::MatchTarget;
@@ -11,6 +11,7 @@ use intrinsym::limits::Limits;
 use intrinsym::mesh::{Mesh, io};
 use intrinsym::options::Options;
 use intrinsym::progress::Progress;
+use intrinsym::regrowth::regrow;
 use intrinsym::rigid_parts;
 use intrinsym::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, signs};
 use intrinsym::symmetry_kind::SymmetryKind;
@@ -41,17 +42,10 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let Some(candidate) = found.first() else { return Ok(String::new()) };
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
     let map = finish(&shell, &target, candidate, 0, &progress)?;
-    let images = rigid_parts::fit(
-        solved,
-        &shell.surface,
-        &map.images,
-        SymmetryKind::Reflection,
-        true,
-        1,
-        progress.token(),
-    )?
-    .images;
-    let map = ShellSymmetry { images, ..map };
+    let (kind, token) = (SymmetryKind::Reflection, progress.token());
+    let fitted = rigid_parts::fit(solved, &shell.surface, &map.images, kind, true, 1, token)?;
+    let (grown, images) = regrow(solved, &target, &fitted.images, kind, token)?;
+    let map = ShellSymmetry { map: grown, images, ..map };
     let evidence = Evidence::new(&target, &map, 2);
     let vertex = |local: u32| mesh.vertex_of_point[solved.points[local as usize] as usize];
     let mut text = String::new();
