@@ -2,7 +2,7 @@
 //!
 //! The eigenvalues of legs that are nearly alike nearly coincide, so that functions live on single legs, and a map may take a leg for its own
 //! mirror image while the body around it goes to the other side: there it is torn. What hangs together is taken for right where
-//! it is largest; a point of another piece goes to where its distances from what is right are most like its own, as points are found
+//! it is largest by far; a point of another piece goes to where its distances from what is right are most like its own, as points are found
 //! from landmarks (A. Bronstein, M. Bronstein, R. Kimmel, "Generalized multidimensional scaling", 2006, for distances along the surface).
 
 use crate::full_refinement::{MatchTarget, VertexImages, estimate, refine};
@@ -64,7 +64,8 @@ impl<'a> Mender<'a> {
         Mender { target, points, ways: EdgeWays::new(target.surface) }
     }
 
-    /// `found`, mended where it is torn, as far as `better` holds for the mended map and the one before.
+    /// `found`, mended where it is torn, as far as `better` holds for the mended map and the one before; as it is if two of its pieces
+    /// are so large that either may be right.
     ///
     /// O(points x points nearby) if nothing is torn; else some `ANCHORS` searches over the whole surface more, and an estimate
     /// of the map.

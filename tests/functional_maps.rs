@@ -417,7 +417,7 @@ fn a_torn_piece_is_mended_unless_it_is_so_large_that_it_may_be_what_is_right() {
         .zip(points.mass.iter().copied())
         .collect();
     radii.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // What is nearest to the first vertex, of that share of the area, goes to the vertex farthest from its image.
+    // All that is nearest to the first vertex, of that share of the area, goes to where the vertex farthest from it does.
     let torn = |share: f64| {
         let mut area = 0.0;
         let radius = radii.iter().find(|(_, mass)| {
