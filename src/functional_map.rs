@@ -10,11 +10,6 @@ use crate::error::{Error, Result};
 use crate::symmetry_kind::SymmetryKind;
 use faer::{Mat, MatRef};
 
-/// Rounds in which a robust mean is reweighted.
-const ROBUST_ROUNDS: usize = 10;
-/// Squared distance from a robust mean, per function, that halves a map's weight.
-const ROBUST_SCALE: f64 = 0.001;
-
 /// What C is projected to after it was estimated from points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Projection {
@@ -74,33 +69,6 @@ pub fn project(map: Mat<f64>, projection: Projection) -> Result<Mat<f64>> {
         Projection::Orthogonal => nearest_orthogonal(&map),
         Projection::Involution => nearest_involution(&map),
     }
-}
-
-/// The mean of maps of one size in which each weighs the less the farther it is from the mean, so that few far ones do not count.
-///
-/// Cauchy's estimate of location, by iterative reweighting from the plain mean: weights 1 / (d^2 + c^2), with d the distance
-/// from the mean per function (P. Huber, "Robust Statistics", 1981, on such estimates). Of two maps it is the plain mean.
-/// O(maps x size^2) a round.
-///
-/// # Panics
-/// If there is no map, or they differ in size.
-pub fn robust_mean(maps: &[Mat<f64>]) -> Mat<f64> {
-    let mut mean = weighted_mean(maps, &vec![1.0; maps.len()]);
-    for _ in 0..ROBUST_ROUNDS {
-        let weight =
-            |map: &Mat<f64>| 1.0 / ((map - &mean).squared_norm_l2() / mean.nrows() as f64 + ROBUST_SCALE);
-        let weights: Vec<f64> = maps.iter().map(weight).collect();
-        mean = weighted_mean(maps, &weights);
-    }
-    mean
-}
-
-fn weighted_mean(maps: &[Mat<f64>], weights: &[f64]) -> Mat<f64> {
-    let sum: f64 = weights.iter().sum();
-    Mat::from_fn(maps[0].nrows(), maps[0].ncols(), |i, j| {
-        let weighted = maps.iter().zip(weights).map(|(map, weight)| weight * map[(i, j)]);
-        weighted.sum::<f64>() / sum
-    })
 }
 
 /// The orthogonal matrix nearest to `map` in the Frobenius norm (the polar factor).

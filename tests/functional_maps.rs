@@ -13,9 +13,9 @@ use intrinsym::fixed_curve::{odd_function, zero_set};
 use intrinsym::full_refinement::{self, MatchTarget, VertexImages};
 use intrinsym::functional_map::{
     Projection, commutator, estimate, from_parity, mean_trace, nearest_involution, nearest_orthogonal,
-    project, robust_mean,
+    project,
 };
-use intrinsym::guided_growth::grow;
+use intrinsym::guided_growth::{curvature_mismatch, grow};
 use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::mesh::{NONE, PolygonMesh, Shell};
 use intrinsym::mesh_descent::{MeshDescent, Seeds};
@@ -95,34 +95,6 @@ fn the_nearest_involution_is_symmetric_and_orthogonal_and_no_other_is_nearer() {
         let nearest_other = others.map(|other| difference(&map, &other)).fold(f64::MAX, f64::min);
         assert!(difference(&map, &found) <= nearest_other + 1e-12);
     }
-}
-
-#[test]
-fn a_robust_mean_is_the_plain_one_but_for_maps_far_from_all_others() {
-    let mut random = Random(5);
-    let (size, noise) = (20, 0.01);
-    let truth = random.involution(size);
-    let mut near_truth = || {
-        let noisy = random.matrix(size, size);
-        Mat::from_fn(size, size, |i, j| truth[(i, j)] + noise * noisy[(i, j)])
-    };
-    let near = [near_truth(), near_truth(), near_truth()];
-    let plain = |maps: &[Mat<f64>]| {
-        Mat::from_fn(size, size, |i, j| maps.iter().map(|map| map[(i, j)]).sum::<f64>() / maps.len() as f64)
-    };
-    assert!(difference(&robust_mean(&near[..1]), &near[0]) < 1e-12, "of one");
-    assert!(difference(&robust_mean(&near[..2]), &plain(&near[..2])) < 1e-12, "of two");
-    let of_near = robust_mean(&near);
-    assert!(
-        difference(&of_near, &plain(&near)) < 0.1 * difference(&near[0], &truth),
-        "of three that are alike"
-    );
-
-    let far = Mat::from_fn(size, size, |i, j| -truth[(i, j)]);
-    let maps = [&near[..], &[far]].concat();
-    let [robust, pulled] = [robust_mean(&maps), plain(&maps)].map(|mean| difference(&mean, &of_near));
-    println!("one far map moves the plain mean by {pulled}, the robust one by {robust}");
-    assert!(robust < 0.001 * pulled, "{robust} {pulled}");
 }
 
 #[test]
@@ -216,19 +188,6 @@ impl Shape {
         let error =
             |(&vertex, &partner): (&u32, &u32)| distance(place(partner), place(self.truth[vertex as usize]));
         vertices.iter().zip(partners).map(error).sum::<f64>() / vertices.len() as f64
-    }
-
-    /// Mean difference of the diffused mean curvatures of points and images, summed over the times of diffusion.
-    fn curvature_mismatch(&self, points: &SpreadPoints, images: &VertexImages) -> f64 {
-        let triangles = &self.surface.triangles;
-        let of_column = |column: &Vec<f64>| {
-            let pairs = points.vertices.iter().zip(&images.points);
-            let differences = pairs.map(|(&vertex, image)| {
-                (column[vertex as usize] - image.interpolate(triangles, column)).abs()
-            });
-            signature::mean(&points.mass, differences)
-        };
-        self.surface.mean_curvature.iter().map(of_column).sum()
     }
 
     fn all(&self) -> Vec<u32> {
@@ -404,7 +363,7 @@ fn a_map_grows_to_all_eigenfunctions_with_curvature_and_without() {
     let with = grown(&shape);
     let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
     let points = SpreadPoints::new(&target, 1500, shape.basis.count()).unwrap();
-    let mismatch = |images: &VertexImages| shape.curvature_mismatch(&points, images);
+    let mismatch = |images: &VertexImages| curvature_mismatch(&target, &points, images);
     let elsewhere = images_of(&shape, &points, |vertex| (vertex + 700) % shape.truth.len() as u32);
     assert_eq!(mismatch(&images_of(&shape, &points, |vertex| vertex)), 0.0, "the identity");
     let [guided, blind, most] = [mismatch(&with), mismatch(&without), mismatch(&elsewhere)];
