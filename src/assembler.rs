@@ -8,6 +8,7 @@ use crate::companions::{self, Primary};
 use crate::confidence::Evidence;
 use crate::correspondence::Symmetry;
 use crate::displacement::mean_displacement;
+use crate::effort::Plan;
 use crate::embedded_triangles::{Fans, TrianglePoint};
 use crate::error::Result;
 use crate::filled_holes::FilledShell;
@@ -19,7 +20,6 @@ use crate::mirrored_vertices;
 use crate::options::Options;
 use crate::progress::{CancelToken, Progress};
 use crate::proxy::Proxy;
-use crate::regrowth::regrow;
 use crate::rigid_parts::{self, Carrier, Fitted};
 use crate::shell_symmetry::{PreparedShell, ShellSymmetry};
 use crate::symmetry_kind::SymmetryKind;
@@ -36,7 +36,9 @@ pub struct Assembler<'a> {
     pub target: MatchTarget<'a>,
     /// For each point of every other shell the vertex of `shell` on which it sits.
     anchors: Vec<Vec<u32>>,
-    connectivity: Connectivity,
+    connectivity: &'a Connectivity,
+    /// The plan that is followed.
+    pub plan: &'a Plan,
     /// From which plausibility on a map counts, in percent.
     pub least: usize,
 }
@@ -49,7 +51,8 @@ impl<'a> Assembler<'a> {
         filled: Option<&'a FilledShell>,
         shell: &'a PreparedShell,
         proxy: Option<&'a Proxy<'a>>,
-        connectivity: Connectivity,
+        connectivity: &'a Connectivity,
+        plan: &'a Plan,
         options: &Options,
     ) -> Self {
         let mut anchors = if shells.len() > 1 { anchors(mesh, shells, 0) } else { Vec::new() };
@@ -60,7 +63,7 @@ impl<'a> Assembler<'a> {
         }
         let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
         let least = options.plausibility;
-        Assembler { mesh, shells, filled, shell, proxy, target, anchors, connectivity, least }
+        Assembler { mesh, shells, filled, shell, proxy, target, anchors, connectivity, plan, least }
     }
 
     /// The symmetry of the caller's mesh that a map with images by [`Assembler::with_parts`] is.
@@ -134,7 +137,7 @@ impl<'a> Assembler<'a> {
         threads: usize,
         token: &CancelToken,
     ) -> Result<ShellSymmetry> {
-        let turned = !found.judged.is_hopeless(self.least);
+        let turned = self.plan.turned && !found.judged.is_hopeless(self.least);
         let Fitted { images, rigidity } = rigid_parts::fit(
             self.solved(),
             &self.shell.surface,
@@ -153,23 +156,6 @@ impl<'a> Assembler<'a> {
         };
         let moved = self.moved(&images);
         Ok(ShellSymmetry { images, judged, moved, ..found })
-    }
-
-    /// [`regrow`]s the map of `found`; what it was judged by stays.
-    ///
-    /// # Errors
-    /// Those of [`regrow`].
-    pub fn regrow(
-        &self,
-        found: &mut ShellSymmetry,
-        kind: SymmetryKind,
-        threads: usize,
-        token: &CancelToken,
-    ) -> Result<()> {
-        let target = self.target.with_threads(threads);
-        (found.map, found.images) = regrow(self.solved(), &target, &found.images, kind, token)?;
-        found.moved = self.moved(&found.images);
-        Ok(())
     }
 
     /// How far in space the largest shell's vertices are from their images: mean over the surface, in sqrt(area).

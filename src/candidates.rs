@@ -1,13 +1,14 @@
 //! Candidate maps: proposed by parity, refined on few samples, scored, ranked, thinned to distinct ones.
 
 use crate::candidate_score::{Score, Scorer};
+use crate::effort::Search;
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::extrema_starts;
 use crate::functional_map::{Projection, from_parity, mean_trace};
 use crate::laplacian::IntrinsicSurface;
 use crate::options::Options;
-use crate::parity_search::{Sought, involutions_of_three, search};
+use crate::parity_search::{Sought, involutions_of_three, search as beam_search};
 use crate::progress::Progress;
 use crate::refinement::SampleRefiner;
 use crate::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
@@ -18,22 +19,16 @@ use faer::Mat;
 use std::collections::HashSet;
 use std::sync::{Mutex, PoisonError};
 
-/// Samples on which candidates are refined and scored.
-pub const CANDIDATE_SAMPLES: usize = 500;
 /// Size of the candidates' functional maps.
 pub const CANDIDATE_SIZE: usize = 30;
-/// Length of the starts, and how many of the best of each length are tried.
-const PROPOSALS: [(usize, usize); 2] = [(6, 8), (8, 6)];
-/// The same for a second, wider round, which runs only if the first found nothing convincing.
-const WIDE_PROPOSALS: [(usize, usize); 4] = [(4, 10), (6, 24), (8, 24), (11, 16)];
-/// The second round's beam is this many times wider.
-const WIDER: usize = 4;
+/// Lengths of the starts that the beam search proposes.
+const LENGTHS: [usize; 4] = [4, 6, 8, 11];
+/// Width of the beam where there is no network and the plan has no search.
+const LEAST_BEAM: usize = 16;
 /// Lengths of the network's starts, and how many of the most likely of each are tried.
 const NETWORK_PROPOSALS: [(usize, usize); 3] = [(12, 8), (8, 8), (6, 4)];
 /// Least certain signs that are flipped.
 const FLIPPED: usize = 5;
-/// A reflection that scores below this ends the search.
-const CONVINCING: f64 = -3.2;
 /// Half turns that are turned over at most.
 const TURNED: usize = 3;
 /// Mean distance, in radii of the embedding, from which two maps count as different symmetries.
@@ -59,7 +54,7 @@ pub struct Candidate {
     pub doubts: Vec<f64>,
 }
 
-/// Refines all proposals and returns those that are no identity, best first.
+/// Refines the starts of a search and returns the maps that are no identity, best first.
 ///
 /// `signs` says which of the first eigenfunctions are even or odd; empty without a network.
 ///
@@ -68,46 +63,39 @@ pub struct Candidate {
 pub fn find(
     surface: &IntrinsicSurface,
     basis: &Eigenbasis,
-    samples: &Samples,
+    refiner: &SampleRefiner,
+    scorer: &Scorer,
     signs: &[SignPrediction],
+    search: &Search,
     options: &Options,
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
-    let samples = samples.prefix(CANDIDATE_SAMPLES);
-    let refiner = SampleRefiner::new(&samples);
-    let scorer = Scorer::new(surface, basis, &refiner, parities(signs));
-    let mut candidates = Vec::new();
-    let seen = Mutex::default();
-    let (beam_width, token) = (options.beam_width, progress.token());
-    for (round, (proposals, width)) in
-        [(&PROPOSALS[..], beam_width), (&WIDE_PROPOSALS[..], WIDER * beam_width)].into_iter().enumerate()
-    {
-        let mut starts = propose(&samples, &basis.eigenvalues, proposals, width);
-        if round == 0 {
-            starts.extend(propose_signs(signs));
-            if options.symmetries > 1 {
-                starts.extend(involutions_of_three(&basis.eigenvalues));
-            }
-        } else {
-            starts.extend(extrema_starts::starts(surface, &refiner, options.threads, token)?);
-        }
-        progress.report("candidates", 0.45 + 0.1 * round as f64)?;
-        let tried = threads::map(options.threads, starts, |start| {
-            token.check()?;
-            try_start(&refiner, &scorer, &start, Projection::Involution, &seen)
-        });
-        for candidate in tried {
-            candidates.extend(candidate?);
-        }
-        let convinces = |candidate: &Candidate| {
-            candidate.score.kind() == Some(SymmetryKind::Reflection) && candidate.score.total() < CONVINCING
-        };
-        if candidates.iter().any(convinces) {
-            break;
-        }
+    let (samples, token) = (refiner.samples, progress.token());
+    let mut starts = propose_signs(signs);
+    starts.truncate(search.network_starts);
+    // Without a network the beam search stands alone.
+    let beam_width = if starts.is_empty() { search.beam_width.max(LEAST_BEAM) } else { search.beam_width };
+    if beam_width > 0 {
+        starts.extend(propose(samples, &basis.eigenvalues, search.beam_starts, beam_width));
     }
-    let turned = turned_over(&samples, &scorer, &basis.eigenvalues, &candidates)?;
-    candidates.extend(turned);
+    if options.symmetries > 1 {
+        starts.extend(involutions_of_three(&basis.eigenvalues));
+    }
+    if search.limbs {
+        starts.extend(extrema_starts::starts(surface, refiner, options.threads, token)?);
+    }
+    progress.report("candidates", 0.45)?;
+    let seen = Mutex::default();
+    let tried = threads::map(options.threads, starts, |start| {
+        token.check()?;
+        try_start(refiner, scorer, &start, Projection::Involution, &seen)
+    });
+    let tried = tried.into_iter().collect::<Result<Vec<_>>>()?;
+    let mut candidates: Vec<Candidate> = tried.into_iter().flatten().collect();
+    if search.turned_over {
+        let turned = turned_over(samples, scorer, &basis.eigenvalues, &candidates)?;
+        candidates.extend(turned);
+    }
     // Which of two starts that meet goes on depends on the threads, so equal scores are told apart by the map.
     candidates.sort_by(|a, b| {
         a.score.total().total_cmp(&b.score.total()).then_with(|| a.partners.cmp(&b.partners))
@@ -159,20 +147,14 @@ pub(crate) fn try_start(
     Ok((!score.is_identity()).then(|| Candidate { map, partners, score, doubts: Vec::new() }))
 }
 
-fn propose(
-    samples: &Samples,
-    eigenvalues: &[f64],
-    wanted: &[(usize, usize)],
-    beam_width: usize,
-) -> Vec<Mat<f64>> {
+/// The starts of the beam search, `most` of each length.
+fn propose(samples: &Samples, eigenvalues: &[f64], most: usize, beam_width: usize) -> Vec<Mat<f64>> {
     // A small mesh has fewer eigenfunctions than the shortest proposal.
-    let lengths: Vec<usize> = wanted.iter().map(|(length, _)| (*length).min(samples.rows.ncols())).collect();
-    let found = search(samples, eigenvalues, Sought::Involutions, &lengths, beam_width);
-    let mut proposals = Vec::new();
-    for (starts, &(_, most)) in found.into_iter().zip(wanted) {
-        proposals.extend(starts.into_iter().filter(|start| mean_trace(start) < 1.0).take(most));
-    }
-    proposals
+    let lengths = LENGTHS.map(|length| length.min(samples.rows.ncols()));
+    let found = beam_search(samples, eigenvalues, Sought::Involutions, &lengths, beam_width);
+    let of_length =
+        |starts: Vec<Mat<f64>>| starts.into_iter().filter(|start| mean_trace(start) < 1.0).take(most);
+    found.into_iter().flat_map(of_length).collect()
 }
 
 /// The network's signs, and those with the least certain of them flipped, most likely first.
@@ -236,7 +218,7 @@ pub fn distinct(
     most: usize,
     of_all: bool,
 ) -> Vec<Candidate> {
-    let rows = spread_rows(&samples.prefix(CANDIDATE_SAMPLES), eigenvalues);
+    let rows = spread_rows(samples, eigenvalues);
     let mut kept: Vec<Candidate> = Vec::new();
     for (index, candidate) in candidates.iter().enumerate() {
         if kept.len() == most {

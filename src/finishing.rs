@@ -35,8 +35,7 @@ struct Known {
 /// The maps of `candidates` (best first) that count, finished: reflections, then half turns, the best first.
 ///
 /// Once as many as are asked for leave no doubts, no other is finished, nor are those that score much worse than one that is accepted. The first
-/// has all threads, since it often ends the search; those after it are finished side by side. Reflections that are answers grow once more from what
-/// their parts put right.
+/// has all threads, since it often ends the search; those after it are finished side by side.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
@@ -65,15 +64,6 @@ pub fn finish_best(
         }
     }
     rank(&mut known.maps, |(map, kind)| (*kind, map.judged.plausibility, map.exchanges_sheets()));
-    let is_answer = |map: &ShellSymmetry| map.judged.accepted(options.plausibility);
-    let answers = known.maps.iter_mut().filter(|(map, _)| is_answer(map)).take(options.symmetries);
-    for (map, kind) in answers {
-        // Those without parts, half turns among them, have nothing that parts put right.
-        if map.judged.disagreement.is_some() {
-            progress.report("refining", 0.93)?;
-            assembler.regrow(map, *kind, options.threads, progress.token())?;
-        }
-    }
     Ok(known.maps)
 }
 
@@ -87,7 +77,7 @@ fn finish_new(
 ) -> Result<Option<Finished>> {
     let kind = candidate.score.kind().unwrap_or(SymmetryKind::Reflection);
     let (target, quiet) = (assembler.target.with_threads(threads), Progress::new(None, token.clone()));
-    let map = finish(assembler.shell, &target, candidate, assembler.least, &quiet)?;
+    let map = finish(assembler.shell, &target, candidate, assembler.plan, assembler.least, &quiet)?;
     let partners = map.images.partners.clone();
     if is_met(assembler.shell, &partners, kind, others) {
         return Ok(None);

@@ -37,10 +37,11 @@ struct Size {
 
 impl Size {
     fn of(options: &Options) -> Size {
+        let stated = |count: usize| if count == 0 { usize::MAX } else { count };
         Size {
-            vertices: options.proxy_vertices.min(VERTICES),
-            eigenfunctions: options.eigenfunctions.min(EIGENFUNCTIONS),
-            samples: options.samples.min(SAMPLES),
+            vertices: stated(options.proxy_vertices).min(VERTICES),
+            eigenfunctions: stated(options.eigenfunctions).min(EIGENFUNCTIONS),
+            samples: stated(options.samples).min(SAMPLES),
         }
     }
 }

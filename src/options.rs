@@ -2,19 +2,22 @@
 //!
 //! The command line, the C header, MeshLab's dialog and Blender's panel take them from here.
 
+use crate::effort::Effort;
 use crate::error::{Error, Result};
 use std::path::PathBuf;
 
 /// Options of a detection. All are scale-free.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]
 pub struct Options {
-    /// Eigenfunctions of the functional map after refinement.
+    /// How hard to try. The four counts that are 0 by default follow from it.
+    pub effort: Effort,
+    /// Eigenfunctions of the functional map after refinement; 0: as the effort says.
     pub eigenfunctions: usize,
-    /// Surface samples on which candidate maps are refined and scored.
+    /// Surface samples on which candidate maps are refined and scored; 0: as the effort says.
     pub samples: usize,
     /// Most symmetries to return, best first.
     pub symmetries: usize,
-    /// Width of the beam that searches parity vectors.
+    /// Width of the beam that searches parity vectors; 0: as the effort says.
     pub beam_width: usize,
     /// 1: the sign network proposes beside the search; 0: the search alone.
     pub network: usize,
@@ -22,7 +25,7 @@ pub struct Options {
     /// ([`crate::mirrored_vertices`]). 0 accepts every finished map.
     pub plausibility: usize,
     /// Vertices of the largest shell up to which the map is sought on the shell itself; a finer one is simplified to
-    /// about so many, and the map is carried back.
+    /// about so many, and the map is carried back; 0: as the effort says.
     pub proxy_vertices: usize,
     /// Most memory of a detection in MB, estimated before it is taken; 0 for no limit.
     pub memory: usize,
@@ -48,80 +51,113 @@ pub struct OptionSpec {
     pub minimum: usize,
     /// Largest accepted value.
     pub maximum: usize,
+    /// Names of the values from 0 on, where they have some.
+    pub choices: &'static [&'static str],
+    /// Whether only experts need it.
+    pub expert: bool,
     /// One sentence for dialogs and `--help`.
     pub help: &'static str,
 }
 
 /// The table all hosts read.
-pub const OPTIONS: [OptionSpec; 10] = [
+pub const OPTIONS: [OptionSpec; 11] = [
     OptionSpec {
-        name: "eigenfunctions",
-        default: 150,
-        minimum: 12,
-        maximum: 200,
-        help: "Laplace-Beltrami eigenfunctions of the refined map: more resolve finer detail and cost more.",
-    },
-    OptionSpec {
-        name: "samples",
-        default: 1000,
-        minimum: 100,
-        maximum: 5000,
-        help: "Surface samples on which candidate maps are refined before the full mesh is.",
+        name: "effort",
+        default: 1,
+        minimum: 0,
+        maximum: 2,
+        choices: &["fast", "default", "thorough"],
+        expert: false,
+        help: "How hard to try: fast never looks twice, default looks again where its answer leaves doubts, thorough does at once.",
     },
     OptionSpec {
         name: "symmetries",
         default: 1,
         minimum: 1,
         maximum: 32,
+        choices: &[],
+        expert: false,
         help: "Most distinct symmetries to return, best first; a square table has more than one.",
-    },
-    OptionSpec {
-        name: "beam_width",
-        default: 16,
-        minimum: 1,
-        maximum: 256,
-        help: "Width of the beam search over even and odd eigenfunctions: wider finds harder symmetries, slower.",
-    },
-    OptionSpec {
-        name: "network",
-        default: 1,
-        minimum: 0,
-        maximum: 1,
-        help: "Whether the sign network proposes even and odd eigenfunctions beside the search: 1 yes, 0 no.",
     },
     OptionSpec {
         name: "plausibility",
         default: 50,
         minimum: 0,
         maximum: 100,
+        choices: &[],
+        expert: false,
         help: "Least plausibility in percent at which a map counts as a symmetry (half of it for one that mirrors vertices); 0 accepts the best map found.",
-    },
-    OptionSpec {
-        name: "proxy_vertices",
-        default: 6_000,
-        minimum: 1_000,
-        maximum: 100_000_000,
-        help: "Vertices above which the map is found on a simplified mesh of about so many and carried back.",
-    },
-    OptionSpec {
-        name: "memory",
-        default: 0,
-        minimum: 0,
-        maximum: 100_000_000,
-        help: "Most memory in MB, mesh included, estimated before it is taken: a mesh that needs more is refused; 0: no limit.",
     },
     OptionSpec {
         name: "threads",
         default: 2,
         minimum: 1,
         maximum: 64,
+        choices: &[],
+        expert: false,
         help: "Threads that one detection uses at most; the result does not depend on it.",
+    },
+    OptionSpec {
+        name: "memory",
+        default: 0,
+        minimum: 0,
+        maximum: 100_000_000,
+        choices: &[],
+        expert: false,
+        help: "Most memory in MB, mesh included, estimated before it is taken: a mesh that needs more is refused; 0: no limit.",
+    },
+    OptionSpec {
+        name: "network",
+        default: 1,
+        minimum: 0,
+        maximum: 1,
+        choices: &[],
+        expert: true,
+        help: "Whether the sign network proposes even and odd eigenfunctions: 1 yes, 0 no.",
+    },
+    OptionSpec {
+        name: "eigenfunctions",
+        default: 0,
+        minimum: 0,
+        maximum: 200,
+        choices: &[],
+        expert: true,
+        help: "Laplace-Beltrami eigenfunctions of the refined map, at least 12; 0: as the effort says.",
+    },
+    OptionSpec {
+        name: "samples",
+        default: 0,
+        minimum: 0,
+        maximum: 5000,
+        choices: &[],
+        expert: true,
+        help: "Surface samples on which candidate maps are refined, at least 100; 0: as the effort says.",
+    },
+    OptionSpec {
+        name: "beam_width",
+        default: 0,
+        minimum: 0,
+        maximum: 256,
+        choices: &[],
+        expert: true,
+        help: "Width of the beam search over even and odd eigenfunctions; 0: as the effort says.",
+    },
+    OptionSpec {
+        name: "proxy_vertices",
+        default: 0,
+        minimum: 0,
+        maximum: 100_000_000,
+        choices: &[],
+        expert: true,
+        help: "Vertices above which the map is found on a simplified mesh of about so many, at least 1000, and carried back; 0: as the effort says.",
     },
     OptionSpec {
         name: "rotations",
         default: 0,
         minimum: 0,
         maximum: 32,
+        choices: &[],
+        expert: true,
         help: "EXPERIMENTAL. Most rotations of order 3 to 12 to return after the other symmetries; 0: none is sought.",
     },
 ];
@@ -129,16 +165,17 @@ pub const OPTIONS: [OptionSpec; 10] = [
 impl Default for Options {
     fn default() -> Self {
         Options {
-            eigenfunctions: OPTIONS[0].default,
-            samples: OPTIONS[1].default,
-            symmetries: OPTIONS[2].default,
-            beam_width: OPTIONS[3].default,
-            network: OPTIONS[4].default,
-            plausibility: OPTIONS[5].default,
-            proxy_vertices: OPTIONS[6].default,
-            memory: OPTIONS[7].default,
-            threads: OPTIONS[8].default,
-            rotations: OPTIONS[9].default,
+            effort: Effort::Default,
+            symmetries: OPTIONS[1].default,
+            plausibility: OPTIONS[2].default,
+            threads: OPTIONS[3].default,
+            memory: OPTIONS[4].default,
+            network: OPTIONS[5].default,
+            eigenfunctions: OPTIONS[6].default,
+            samples: OPTIONS[7].default,
+            beam_width: OPTIONS[8].default,
+            proxy_vertices: OPTIONS[9].default,
+            rotations: OPTIONS[10].default,
             model: None,
             known_signs: Vec::new(),
         }
@@ -169,15 +206,16 @@ impl Options {
     /// The values in the order of [`OPTIONS`].
     pub fn values(&self) -> [usize; OPTIONS.len()] {
         [
+            self.effort as usize,
+            self.symmetries,
+            self.plausibility,
+            self.threads,
+            self.memory,
+            self.network,
             self.eigenfunctions,
             self.samples,
-            self.symmetries,
             self.beam_width,
-            self.network,
-            self.plausibility,
             self.proxy_vertices,
-            self.memory,
-            self.threads,
             self.rotations,
         ]
     }
@@ -187,21 +225,21 @@ impl Options {
     /// # Errors
     /// [`Error::Option`] if there is no such option or the value is outside its range; nothing is set then.
     pub fn set(&mut self, name: &str, value: usize) -> Result<()> {
-        let index = index_of(name)?;
-        OPTIONS[index].check(value)?;
-        let fields = [
-            &mut self.eigenfunctions,
-            &mut self.samples,
-            &mut self.symmetries,
-            &mut self.beam_width,
-            &mut self.network,
-            &mut self.plausibility,
-            &mut self.proxy_vertices,
-            &mut self.memory,
-            &mut self.threads,
-            &mut self.rotations,
-        ];
-        *fields.into_iter().nth(index).expect("one field per option") = value;
+        OPTIONS[index_of(name)?].check(value)?;
+        match name {
+            "effort" => self.effort = [Effort::Fast, Effort::Default, Effort::Thorough][value],
+            "symmetries" => self.symmetries = value,
+            "plausibility" => self.plausibility = value,
+            "threads" => self.threads = value,
+            "memory" => self.memory = value,
+            "network" => self.network = value,
+            "eigenfunctions" => self.eigenfunctions = value,
+            "samples" => self.samples = value,
+            "beam_width" => self.beam_width = value,
+            "proxy_vertices" => self.proxy_vertices = value,
+            "rotations" => self.rotations = value,
+            _ => unreachable!("every option of the table is here"),
+        }
         Ok(())
     }
 

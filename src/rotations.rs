@@ -10,10 +10,11 @@
 
 use crate::candidate_score::Scorer;
 use crate::candidates::{
-    CANDIDATE_SAMPLES, CANDIDATE_SIZE, Candidate, DISTINCT, GAP, mean_distance, try_start,
+    CANDIDATE_SIZE, Candidate, DISTINCT, GAP, mean_distance, try_start,
 };
 use crate::compositions::{ROUNDS, composed};
 use crate::dense::product;
+use crate::effort::Plan;
 use crate::error::Result;
 use crate::full_refinement::MatchTarget;
 use crate::functional_map::{Projection, mean_trace};
@@ -56,12 +57,12 @@ pub fn find(
     shell: &PreparedShell,
     target: &MatchTarget,
     involutions: &[(ShellSymmetry, SymmetryKind)],
+    plan: &Plan,
     options: &Options,
     progress: &Progress,
 ) -> Result<Vec<(ShellSymmetry, SymmetryKind)>> {
     progress.report("rotations", 0.92)?;
-    let samples = shell.samples.prefix(CANDIDATE_SAMPLES);
-    let refiner = SampleRefiner::new(&samples);
+    let refiner = SampleRefiner::new(&shell.samples);
     let scorer = Scorer::new(&shell.surface, &shell.basis, &refiner, Vec::new());
     let everywhere = Samples::at(&shell.basis, (0..shell.surface.vertex_count() as u32).collect());
     let best = involutions.iter().map(|(map, _)| map.score.isometry()).fold(f64::INFINITY, f64::min);
@@ -70,6 +71,7 @@ pub fn find(
         target: target.with_projection(Projection::Orthogonal),
         refiner: &refiner,
         scorer: &scorer,
+        plan,
         options,
         progress,
         rows: spread_rows(&everywhere, &shell.basis.eigenvalues),
@@ -112,6 +114,7 @@ struct Groups<'a> {
     /// Of the samples on which candidates are refined.
     refiner: &'a SampleRefiner<'a>,
     scorer: &'a Scorer<'a>,
+    plan: &'a Plan,
     options: &'a Options,
     progress: &'a Progress<'a>,
     /// The vertices in the embedding in which maps are compared.
@@ -131,7 +134,7 @@ impl Groups<'_> {
         let (samples, eigenvalues) = (self.refiner.samples, &self.shell.basis.eigenvalues);
         let lengths = LENGTHS.map(|length| length.min(samples.rows.ncols()));
         let of_order = |order: usize| -> Vec<Mat<f64>> {
-            let width = self.options.beam_width;
+            let width = self.plan.search.beam_width;
             let found = search(samples, eigenvalues, Sought::Rotations(order), &lengths, width);
             let generators = |starts: Vec<Mat<f64>>| {
                 starts.into_iter().filter(|start| is_generator(start, order)).take(PROPOSALS)
@@ -169,7 +172,7 @@ impl Groups<'_> {
         if !may_be {
             return Ok(false);
         }
-        let map = finish(self.shell, &self.target, &candidate, 0, self.progress)?;
+        let map = finish(self.shell, &self.target, &candidate, self.plan, 0, self.progress)?;
         let identity: Vec<u32> = (0..self.rows.len() as u32).collect();
         let powers = powers(&map.images.partners, |power| mean_distance(&self.rows, &identity, power));
         let of_samples = |images: &[u32]| self.at_samples(images);

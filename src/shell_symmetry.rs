@@ -2,14 +2,14 @@
 
 use crate::acceptance::Judgement;
 use crate::candidate_score::{Score, Scorer};
-use crate::candidates::{self, CANDIDATE_SAMPLES, CANDIDATE_SIZE, Candidate, parities};
+use crate::candidates::{self, CANDIDATE_SIZE, Candidate, parities};
 use crate::compositions;
 use crate::displacement::{mean_displacement, mean_displacement_of};
+use crate::effort::{Plan, Search};
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::full_refinement::{self, MatchTarget, Sources, VertexImages};
 use crate::functional_map::project;
-use crate::guided_growth::grow;
 use crate::laplacian::IntrinsicSurface;
 use crate::options::Options;
 use crate::progress::Progress;
@@ -19,7 +19,6 @@ use crate::sign_network::{REFERENCES, SignNetwork, SignPrediction};
 use crate::signature;
 use crate::spread_points::SpreadPoints;
 use crate::symmetry_kind::SymmetryKind;
-use crate::torn_pieces::{Mender, PointMap};
 use crate::vertex_rows::Guide;
 use faer::Mat;
 
@@ -28,15 +27,6 @@ const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
 /// Size of the map whose signatures are compared, made without curvature: finer and guided ones fit shapes without
 /// a symmetry, too.
 const COARSE_SIZE: usize = 50;
-/// Points on which it and the guided map are refined.
-const REFINED_POINTS: usize = 4000;
-
-/// A map whose torn pieces are mended must not differ in the signatures of partners by this many times what the torn one does.
-const MISMATCH_OF_MENDED: f64 = 1.2;
-
-/// Reflections among which the best one is sought, by their scores and, if these leave doubts, by how they are judged when finished.
-const RIVALS: usize = 4;
-
 /// Vertices that exchange the sides of a thin sheet are nearer than this, in sqrt(area), to their images: 0.01 to 0.05 on plates of a thickness of some percent of
 /// their length, where those of other symmetries are 0.09 and more away (`docs/method.md`).
 const SHEETS: f64 = 0.06;
@@ -81,13 +71,13 @@ pub struct PreparedShell {
 }
 
 impl PreparedShell {
-    /// Factorises and solves: the costly part that does not depend on the map.
+    /// Solves a surface.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
-    pub fn new(surface: IntrinsicSurface, options: &Options, progress: &Progress) -> Result<PreparedShell> {
-        let basis = Eigenbasis::new(&surface, options.eigenfunctions, options.threads, progress)?;
-        let samples = Samples::farthest(&basis, options.samples);
+    pub fn new(surface: IntrinsicSurface, plan: &Plan, threads: usize, progress: &Progress) -> Result<PreparedShell> {
+        let basis = Eigenbasis::new(&surface, plan.eigenfunctions, threads, progress)?;
+        let samples = Samples::farthest(&basis, plan.samples);
         Ok(PreparedShell { surface, basis, samples })
     }
 }
@@ -142,24 +132,24 @@ fn predict(
 pub fn candidates(
     shell: &PreparedShell,
     signs: &[SignPrediction],
-    most: usize,
+    search: &Search,
     options: &Options,
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
     let (surface, basis, samples) = (&shell.surface, &shell.basis, &shell.samples);
-    let found = candidates::find(surface, basis, samples, signs, options, progress)?;
+    let refiner = SampleRefiner::new(samples);
+    let scorer = Scorer::new(surface, basis, &refiner, parities(signs));
+    let found = candidates::find(surface, basis, &refiner, &scorer, signs, search, options, progress)?;
+    let most = options.symmetries;
     let of_kind = |kind| {
         let found: Vec<Candidate> =
             found.iter().filter(|candidate| candidate.score.kind() == Some(kind)).cloned().collect();
-        let (most, of_all) = if most == 1 { (RIVALS, true) } else { (most, false) };
+        let (most, of_all) = if most == 1 { (search.rivals, true) } else { (most, false) };
         candidates::distinct(&found, samples, &basis.eigenvalues, most, of_all)
     };
     let mut kept = of_kind(SymmetryKind::Reflection);
     if most > 1 {
         kept.extend(of_kind(SymmetryKind::HalfTurn));
-        let few = samples.prefix(CANDIDATE_SAMPLES);
-        let refiner = SampleRefiner::new(&few);
-        let scorer = Scorer::new(surface, basis, &refiner, parities(signs));
         kept =
             compositions::complete(&refiner, &scorer, &basis.eigenvalues, kept, &found, 3 * most, progress)?;
         kept.sort_by(|a, b| {
@@ -170,9 +160,11 @@ pub fn candidates(
     Ok(kept)
 }
 
-/// Refines a candidate on all samples, then on points spread over the shell, which is `target`, where it grows to its full
-/// size, then once on all its vertices; at each step projected as the target says. One that will not count for who asks for `least` percent
+/// Refines a candidate on the samples, then on points spread over the shell, which is `target`, where it grows by the plan's schedule, then
+/// once on all its vertices; at each step projected as the target says. One that will not count for who asks for `least` percent
 /// of plausibility does not grow.
+///
+/// What the coarse map says of finer functions is partly chance, so the schedule cuts it back first.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -180,42 +172,40 @@ pub fn finish(
     shell: &PreparedShell,
     target: &MatchTarget,
     candidate: &Candidate,
+    plan: &Plan,
     least: usize,
     progress: &Progress,
 ) -> Result<ShellSymmetry> {
     let refiner = SampleRefiner::new(&shell.samples);
     let map = refiner.refine(candidate.map.clone(), &POLISH_SIZES, target.projection())?;
     let count = shell.basis.count();
-    let points = SpreadPoints::new(target, REFINED_POINTS, count)?;
+    let points = SpreadPoints::new(target, plan.points, count)?;
     let samples = &shell.samples.vertices;
     let images = refiner.partners(&map).into_iter().map(|sample| samples[sample as usize]);
     let seeds = points.seeds(samples, images);
     let (few, all) = (points.sources(), target.vertices());
-    let refine = |points: &Sources, map, seeds: &[(u32, u32)], size, guide| {
-        full_refinement::refine(target, points, map, seeds, &[size], guide, progress.token())
+    let refine = |points: &Sources, map, seeds: &[(u32, u32)], sizes: &[usize], guide| {
+        full_refinement::refine(target, points, map, seeds, sizes, guide, progress.token())
     };
     progress.report("refining", 0.75)?;
-    let (map, images) = refine(&few, map, &seeds, COARSE_SIZE.min(count), Guide::Eigenfunctions)?;
-    let mismatch_of =
-        |images: &VertexImages| signature_mismatch(shell, &points.vertices, &points.mass, images);
-    // Of the map before it is mended: distances along the surface, by which it is, are no evidence beside signatures.
-    let mismatch = mismatch_of(&images);
-    let better = |mended: &PointMap, before: &PointMap| {
-        mismatch_of(&mended.images) < MISMATCH_OF_MENDED * mismatch_of(&before.images)
-    };
-    let mender = Mender::new(target, &points);
-    let PointMap { map, images } = mender.mend(PointMap { map, images }, better, progress.token())?;
+    let coarse = COARSE_SIZE.min(count);
+    let (map, images) = refine(&few, map, &seeds, &[coarse], Guide::Eigenfunctions)?;
+    let mismatch = signature_mismatch(shell, &points.vertices, &points.mass, &images);
     let displacement = mean_displacement_of(&shell.basis, &points.vertices, &points.mass, &images.partners);
     let hopeless = Judgement::new(&candidate.score, mismatch, displacement).is_hopeless(least);
-    let (map, images) = match hopeless {
-        true => (map, images),
-        false => grow(target, &points, &map, &images, progress)?,
-    };
-    let seeds: Vec<(u32, u32)> = points.vertices.iter().copied().zip(images.partners).collect();
-    progress.report("refining", 0.9)?;
-    let (map, images) = match hopeless {
-        true => refine(&all, map, &seeds, COARSE_SIZE.min(count), Guide::Eigenfunctions)?,
-        false => refine(&all, map, &seeds, count, Guide::MeanCurvature)?,
+    let seeds_of =
+        |images: &VertexImages| points.vertices.iter().copied().zip(images.partners.iter().copied()).collect::<Vec<_>>();
+    let (map, images) = if hopeless {
+        refine(&all, map, &seeds_of(&images), &[coarse], Guide::Eigenfunctions)?
+    } else {
+        let guide = Guide::MeanCurvature;
+        let sizes: Vec<usize> = plan.schedule.iter().map(|&size| size.min(count)).collect();
+        let (first, last) = (sizes[0].min(coarse), sizes[sizes.len() - 1]);
+        let start = map.submatrix(0, 0, first, first).to_owned();
+        progress.report("refining", 0.8)?;
+        let (map, images) = refine(&few, start, &images.seeds(), &sizes, guide)?;
+        progress.report("refining", 0.9)?;
+        refine(&all, map, &seeds_of(&images), &[last], guide)?
     };
     let judged = judge(shell, &candidate.score, mismatch, &images);
     let doubts = shell.samples.vertices.iter().copied().zip(candidate.doubts.iter().copied()).collect();

@@ -1,0 +1,127 @@
+//! How much work a detection does, as data.
+//!
+//! One pipeline runs with any [`Effort`]. The default is the small one; if its answer leaves doubts, the same code runs again with the
+//! large one. Counts are those of `docs/ablation.md`, which says what each is worth.
+
+use crate::options::Options;
+
+/// How hard a detection tries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Effort {
+    /// The small plan alone.
+    Fast,
+    /// The small plan, and where its answer leaves doubts the large one.
+    #[default]
+    Default,
+    /// The large plan at once.
+    Thorough,
+}
+
+/// Counts that trade time for accuracy.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Plan {
+    /// Vertices of the simplified mesh on which maps are sought.
+    pub proxy_vertices: usize,
+    /// Eigenpairs.
+    pub eigenfunctions: usize,
+    /// Farthest-point samples on which candidates are refined and scored.
+    pub samples: usize,
+    /// Points, spread over the shell, on which the best candidate grows.
+    pub points: usize,
+    /// Sizes of the functional map while it grows; the last is that of the map of all vertices.
+    pub schedule: Vec<usize>,
+    /// Where candidates come from.
+    pub search: Search,
+    /// Whether parts that a pose has turned far are sought.
+    pub turned: bool,
+}
+
+/// Where candidates come from, and how many of them are finished.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Search {
+    /// Starts that the sign network proposes.
+    pub network_starts: usize,
+    /// Width of the beam search over parities; 0 for none, unless there is no network.
+    pub beam_width: usize,
+    /// Starts that the beam search proposes, of each length.
+    pub beam_starts: usize,
+    /// Whether the ends of limbs are paired.
+    pub limbs: bool,
+    /// Whether half turns that fit better than all reflections are turned over.
+    pub turned_over: bool,
+    /// Distinct reflections that are finished at most, as long as none is beyond doubt.
+    pub rivals: usize,
+}
+
+impl Plan {
+    /// The plan that most shapes need.
+    pub fn small() -> Plan {
+        Plan {
+            proxy_vertices: 4000,
+            eigenfunctions: 64,
+            samples: 500,
+            points: 2000,
+            schedule: vec![20, 25, 30, 35, 40, 45, 50, 55, 60],
+            search: Search {
+                network_starts: 8,
+                beam_width: 0,
+                beam_starts: 8,
+                limbs: false,
+                turned_over: false,
+                rivals: 1,
+            },
+            turned: true,
+        }
+    }
+
+    /// The plan for shapes whose answer by the small one leaves doubts.
+    pub fn large() -> Plan {
+        Plan {
+            proxy_vertices: 6000,
+            points: 4000,
+            search: Search {
+                network_starts: 20,
+                beam_width: 64,
+                beam_starts: 24,
+                limbs: true,
+                turned_over: true,
+                rivals: 4,
+            },
+            ..Plan::small()
+        }
+    }
+
+    /// The plans to follow in turn until an answer leaves no doubts.
+    ///
+    /// Several symmetries, rotations and stated signs ask for the large one.
+    pub fn of(options: &Options) -> Vec<Plan> {
+        let several = options.symmetries > 1 || options.rotations > 0;
+        let mut plans = match options.effort {
+            _ if several => vec![Plan::large()],
+            Effort::Fast => vec![Plan::small()],
+            Effort::Default => vec![Plan::small(), Plan::large()],
+            Effort::Thorough => vec![Plan::large()],
+        };
+        plans.iter_mut().for_each(|plan| plan.overrule(options));
+        plans
+    }
+
+    /// Takes the counts that the options state.
+    fn overrule(&mut self, options: &Options) {
+        let stated = |own: &mut usize, value: usize, least: usize| {
+            if value > 0 {
+                *own = value.max(least);
+            }
+        };
+        stated(&mut self.proxy_vertices, options.proxy_vertices, 1000);
+        stated(&mut self.eigenfunctions, options.eigenfunctions, 12);
+        stated(&mut self.samples, options.samples, 100);
+        stated(&mut self.search.beam_width, options.beam_width, 1);
+        if options.eigenfunctions > 0 {
+            let last = self.schedule.last().copied().unwrap_or(0);
+            self.schedule.extend((last + 10..self.eigenfunctions).step_by(10));
+            self.schedule.push(self.eigenfunctions);
+        }
+    }
+}
