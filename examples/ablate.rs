@@ -1,13 +1,13 @@
 //! Detects each mesh with one thing changed at a time: `ablate OUT LIST VARIANTS.json` (evaluation/ablate.py).
 //!
-//! LIST has a line "NAME PATH" for each mesh. VARIANTS maps a variant's name to the fields of the default effort that it
-//! changes. Every map is accepted. Writes OUT/VARIANT/NAME.map and a line for each detection in OUT/log.jsonl.
+//! LIST has a line "NAME PATH" for each mesh. VARIANTS maps a variant's name to the fields of the default plans, `small` and
+//! `large`, that it changes; `null` in place of a plan leaves it out. Every map is accepted. Writes OUT/VARIANT/NAME.map and a line for each detection in OUT/log.jsonl.
 
-use intrinsym::effort::Effort;
+use intrinsym::effort::Plan;
 use intrinsym::limits::Limits;
 use intrinsym::mesh::{Mesh, io};
 use intrinsym::options::Options;
-use intrinsym::pipeline::{Detection, detect};
+use intrinsym::pipeline::{Detection, detect_by};
 use intrinsym::progress::Progress;
 use serde_json::{Map, Value, json};
 use std::error::Error;
@@ -28,9 +28,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let file = io::read(Path::new(path), &Limits::default())?;
         let mesh = Mesh::new(&file.polygons, &Limits::default())?;
         for (variant, changes) in &variants {
-            let options = Options { effort: changed(changes)?, threads: 1, plausibility: 0, ..Options::default() };
+            let (options, plans) = (Options { threads: 1, plausibility: 0, ..Options::default() }, changed(changes)?);
             let start = cpu_seconds()?;
-            let found = detect(&mesh, &options, &Progress::default());
+            let found = detect_by(&mesh, &options, &plans, &Progress::default());
             let cpu = cpu_seconds()? - start;
             let line = match found {
                 Ok(found) => {
@@ -47,11 +47,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The default effort with the fields of `changes` replaced, in structures too.
-fn changed(changes: &Value) -> Result<Effort, Box<dyn Error>> {
-    let mut effort = serde_json::to_value(Effort::default())?;
-    merge(&mut effort, changes)?;
-    Ok(serde_json::from_value(effort)?)
+/// The default plans with the fields of `changes` replaced, in structures too.
+fn changed(changes: &Value) -> Result<Vec<Plan>, Box<dyn Error>> {
+    let mut plans = json!({ "small": Plan::small(), "large": Plan::large() });
+    merge(&mut plans, changes)?;
+    let [small, large] = ["small", "large"].map(|name| serde_json::from_value::<Option<Plan>>(plans[name].clone()));
+    Ok([small?, large?].into_iter().flatten().collect())
 }
 
 fn merge(into: &mut Value, changes: &Value) -> Result<(), Box<dyn Error>> {
@@ -60,7 +61,7 @@ fn merge(into: &mut Value, changes: &Value) -> Result<(), Box<dyn Error>> {
         return Ok(());
     };
     for (name, value) in fields {
-        merge(into_fields.get_mut(name).ok_or_else(|| format!("no field {name} in the effort"))?, value)?;
+        merge(into_fields.get_mut(name).ok_or_else(|| format!("no field {name} in the plans"))?, value)?;
     }
     Ok(())
 }
