@@ -84,7 +84,7 @@ impl PreparedShell {
 
 /// Parity of a shell's first eigenfunctions as the network sees it, overruled by the signs that are `known`.
 ///
-/// Empty if the caller wants no network and knows nothing, or the library was built without one.
+/// Empty if the caller wants no network and knows nothing.
 ///
 /// # Errors
 /// [`crate::Error::Model`] or [`crate::Error::File`] if a model of the caller's own cannot be used.
@@ -98,8 +98,7 @@ pub fn signs(
     let mut signs = match &options.model {
         _ if options.network == 0 || k < REFERENCES => Vec::new(),
         Some(path) => predict(&SignNetwork::from_file(path)?, surface, basis, k)?,
-        None if cfg!(feature = "onnx") => predict(SignNetwork::shared()?, surface, basis, k)?,
-        None => Vec::new(),
+        None => predict(SignNetwork::shared(), surface, basis, k)?,
     };
     let known = &known[..known.len().min(basis.count())];
     if known.iter().any(|&sign| sign != 0) {

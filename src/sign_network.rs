@@ -1,4 +1,4 @@
-//! Parity of eigenfunctions by a small neural network, run through ONNX Runtime's interface.
+//! Parity of eigenfunctions by a small neural network.
 //!
 //! After Y.-L. Qiao, L. Gao, S.-Z. Liu, L. Liu, Y.-K. Lai, X. Chen, "Learning-based Real-time Detection
 //! of Intrinsic Reflectional Symmetry" (SignNet). It looks at the first three eigenfunctions and one
@@ -6,19 +6,21 @@
 //! deviate: the network is 200 times smaller, it may answer "neither", and its answer does not depend
 //! on the eigenfunctions' signs at all (see `training/network.py` and `docs/sign_network.md`).
 //!
-//! The model is embedded; without the feature `onnx` this module answers every call with an error.
+//! The embedded network needs nothing else. A model of the user's own runs in an ONNX Runtime library that the
+//! user has, by the feature `onnx`.
 
+mod forward;
 #[cfg(feature = "onnx")]
-mod session;
+mod own_model;
 
 use std::path::Path;
-#[cfg(feature = "onnx")]
 use std::sync::OnceLock;
 
 use crate::error::{Error, Result};
 
+use forward::{ForwardPass, POINTS};
 #[cfg(feature = "onnx")]
-use session::Runner;
+use own_model::OwnModel;
 
 /// What the network says of one eigenfunction. The three probabilities add up to one.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -46,7 +48,6 @@ impl SignPrediction {
     }
 
     /// Softmax of the network's three outputs (even, odd, neither).
-    #[cfg_attr(not(feature = "onnx"), allow(dead_code))]
     fn from_logits(logits: [f32; 3]) -> Self {
         let peak = logits.iter().copied().fold(f32::NEG_INFINITY, f32::max);
         let exponentials = logits.map(|logit| (logit - peak).exp());
@@ -56,64 +57,56 @@ impl SignPrediction {
     }
 }
 
-/// A loaded network. Loading takes milliseconds; one network serves any number of meshes and threads
-/// (calls are serialised).
+/// A loaded network. One serves any number of meshes and threads.
 #[derive(Debug)]
-pub struct SignNetwork {
+pub struct SignNetwork(Model);
+
+#[derive(Debug)]
+enum Model {
+    Embedded(ForwardPass),
     #[cfg(feature = "onnx")]
-    runner: Runner,
+    Own(OwnModel),
 }
 
 /// Log-odds of a sign that a person is sure of: above the network's own.
 const CERTAIN_LOGIT: f32 = 30.0;
 
+/// Largest model file that is read, in bytes (the paper's own network has 9 MB).
+const MOST_BYTES: u64 = 256 << 20;
+
 /// Eigenfunctions that every input holds beside the one in question.
 pub const REFERENCES: usize = 3;
 
-/// SHA-256 of the embedded model, hexadecimal, as in `models/signnet.sha256`.
-pub fn embedded_model_hash() -> &'static str {
-    include_str!("../models/signnet.sha256").split_whitespace().next().unwrap_or_default()
-}
-
-#[cfg(feature = "onnx")]
 impl SignNetwork {
     /// The network inside this library.
-    ///
-    /// It runs on the built-in interpreter, or on the ONNX Runtime library that the environment
-    /// variable `ORT_DYLIB_PATH` names; the choice is made once a process, at the first call.
-    ///
-    /// # Errors
-    /// [`Error::Model`] if the library of `ORT_DYLIB_PATH` cannot be loaded.
-    pub fn embedded() -> Result<Self> {
-        let runner = Runner::load(include_bytes!("../models/signnet.onnx"))
-            .map_err(|message| Error::Model(format!("embedded model: {message}")))?;
-        Ok(Self { runner })
+    pub fn embedded() -> Self {
+        Self(Model::Embedded(ForwardPass::new()))
     }
 
-    /// [`SignNetwork::embedded`], loaded once a process.
-    ///
-    /// # Errors
-    /// As [`SignNetwork::embedded`], each time.
-    pub fn shared() -> Result<&'static Self> {
-        static SHARED: OnceLock<std::result::Result<SignNetwork, String>> = OnceLock::new();
-        let load = || Self::embedded().map_err(|error| error.to_string());
-        SHARED.get_or_init(load).as_ref().map_err(|message| Error::Model(message.clone()))
+    /// [`SignNetwork::embedded`], made once a process.
+    pub fn shared() -> &'static Self {
+        static SHARED: OnceLock<SignNetwork> = OnceLock::new();
+        SHARED.get_or_init(Self::embedded)
     }
 
-    /// A model of the user's own: trusted input, as it runs inside this process.
+    /// A model of the user's own: trusted input, as it runs inside this process. Calls of it are serialised.
     ///
     /// It needs one float32 input `[signs, points, 4]` (columns: the first three eigenfunctions and the
     /// one in question; `signs` and `points` may be dynamic) and one float32 output `[signs, 3]`,
-    /// the logits of even, odd, neither.
+    /// the logits of even, odd, neither. It runs in an ONNX Runtime library (1.24 or newer) that the environment
+    /// variable `ORT_DYLIB_PATH` names, or that the system finds; it is chosen once a process.
     ///
     /// # Errors
-    /// [`Error::File`] if the file cannot be read, [`Error::Model`] if it is no such model.
+    /// [`Error::File`] if the file cannot be read, [`Error::Limit`] if it is too large, [`Error::Model`] if it is no
+    /// such model, there is no ONNX Runtime, or this library was built without the feature `onnx`.
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let bytes = session::read_model(path)?;
-        let runner =
-            Runner::load(&bytes).map_err(|message| Error::Model(format!("{}: {message}", path.display())))?;
-        Ok(Self { runner })
+        let bytes = read_model(path)?;
+        let failed = |message| Error::Model(format!("{}: {message}", path.display()));
+        #[cfg(feature = "onnx")]
+        return Ok(Self(Model::Own(OwnModel::load(&bytes).map_err(failed)?)));
+        #[cfg(not(feature = "onnx"))]
+        Err(failed("this library was built without models of one's own (feature `onnx`)".into()))
     }
 
     /// Parity of each of the first `k` eigenfunctions.
@@ -121,71 +114,33 @@ impl SignNetwork {
     /// `eigenfunctions` holds `samples` rows of `k` numbers: the eigenfunctions (constant left out, by
     /// rising eigenvalue) at points spread in proportion to area, see [`crate::sampling::area_weighted_vertices`]. Scale
     /// and sign of each column do not matter. Rows are thinned out evenly, or repeated, to the number
-    /// of points that the model takes (256). Cost: `O(k * points)`, about 0.3 ms an eigenfunction.
+    /// of points that the model takes (256). Cost: `O(k * points)`, about 0.2 ms an eigenfunction.
     ///
     /// # Errors
     /// [`Error::Internal`] if the array's length is not `samples * k`, `samples` is zero, `k` is below
-    /// [`REFERENCES`], or a number is not finite; [`Error::Model`] if the model fails.
+    /// [`REFERENCES`], or a number is not finite; [`Error::Model`] if a model of the user's own fails.
     pub fn predict(&self, eigenfunctions: &[f64], samples: usize, k: usize) -> Result<Vec<SignPrediction>> {
         check_samples(eigenfunctions, samples, k)?;
-        let mut predictions = Vec::with_capacity(k);
-        for first in (0..k).step_by(self.runner.signs()) {
-            let functions: Vec<usize> = (first..first + self.runner.signs()).map(|i| i.min(k - 1)).collect();
-            let input = network_input(eigenfunctions, samples, k, &functions, self.runner.points());
-            let logits = self.runner.run(input).map_err(Error::Model)?;
-            predictions
-                .extend(logits.iter().take(k - first).map(|&three| SignPrediction::from_logits(three)));
-        }
-        Ok(predictions)
+        let thinned = |points| thinned(eigenfunctions, samples, k, points);
+        let logits = match &self.0 {
+            Model::Embedded(network) => network.logits(&thinned(POINTS), k),
+            #[cfg(feature = "onnx")]
+            Model::Own(model) => model.logits(&thinned(model.points()), k).map_err(Error::Model)?,
+        };
+        Ok(logits.into_iter().map(SignPrediction::from_logits).collect())
     }
 }
 
-#[cfg(not(feature = "onnx"))]
-impl SignNetwork {
-    /// Always an error: this library was built without the feature `onnx`.
-    ///
-    /// # Errors
-    /// [`Error::Model`], always.
-    pub fn embedded() -> Result<Self> {
-        Err(without_network())
+/// Reads a model file of at most [`MOST_BYTES`].
+fn read_model(path: &Path) -> Result<Vec<u8>> {
+    let failed = |fault: std::io::Error| Error::File { path: path.into(), message: fault.to_string() };
+    let size = std::fs::metadata(path).map_err(failed)?.len();
+    if size > MOST_BYTES {
+        return Err(Error::Limit { what: "the size of the model file", found: size, limit: MOST_BYTES });
     }
-
-    /// Always an error: this library was built without the feature `onnx`.
-    ///
-    /// # Errors
-    /// [`Error::Model`], always.
-    pub fn shared() -> Result<&'static Self> {
-        Err(without_network())
-    }
-
-    /// Always an error: this library was built without the feature `onnx`.
-    ///
-    /// # Errors
-    /// [`Error::Model`], always.
-    pub fn from_file(_path: impl AsRef<Path>) -> Result<Self> {
-        Err(without_network())
-    }
-
-    /// Always an error: this library was built without the feature `onnx`.
-    ///
-    /// # Errors
-    /// [`Error::Model`], always.
-    pub fn predict(
-        &self,
-        _eigenfunctions: &[f64],
-        _samples: usize,
-        _k: usize,
-    ) -> Result<Vec<SignPrediction>> {
-        Err(without_network())
-    }
+    std::fs::read(path).map_err(failed)
 }
 
-#[cfg(not(feature = "onnx"))]
-fn without_network() -> Error {
-    Error::Model("this library was built without the sign network (feature `onnx`)".into())
-}
-
-#[cfg_attr(not(feature = "onnx"), allow(dead_code))]
 fn check_samples(eigenfunctions: &[f64], samples: usize, k: usize) -> Result<()> {
     if samples == 0 || k < REFERENCES || Some(eigenfunctions.len()) != samples.checked_mul(k) {
         return Err(Error::Internal(format!(
@@ -199,23 +154,9 @@ fn check_samples(eigenfunctions: &[f64], samples: usize, k: usize) -> Result<()>
     Ok(())
 }
 
-/// The network's input `[functions, points, 4]` from `samples` rows thinned out evenly to `points`.
-#[cfg_attr(not(feature = "onnx"), allow(dead_code))]
-fn network_input(
-    eigenfunctions: &[f64],
-    samples: usize,
-    k: usize,
-    functions: &[usize],
-    points: usize,
-) -> Vec<f32> {
-    let mut input = Vec::with_capacity(functions.len() * points * (REFERENCES + 1));
-    for &function in functions {
-        for point in 0..points {
-            let row = &eigenfunctions[point * samples / points * k..][..k];
-            input.extend(row[..REFERENCES].iter().chain([&row[function]]).map(|&value| value as f32));
-        }
-    }
-    input
+/// `points` rows of the `samples`, thinned out evenly or repeated.
+fn thinned(eigenfunctions: &[f64], samples: usize, k: usize, points: usize) -> Vec<f64> {
+    (0..points).flat_map(|point| &eigenfunctions[point * samples / points * k..][..k]).copied().collect()
 }
 
 #[cfg(test)]
@@ -230,12 +171,10 @@ mod tests {
     }
 
     #[test]
-    fn input_repeats_the_references_and_adds_the_function() {
-        let rows = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
-        assert_eq!(
-            network_input(&rows, 2, 4, &[3, 0], 2),
-            [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 1.0, 2.0, 3.0, 1.0, 5.0, 6.0, 7.0, 5.0]
-        );
+    fn rows_are_thinned_out_or_repeated() {
+        let rows = [1.0, 2.0, 3.0, 4.0];
+        assert_eq!(thinned(&rows, 4, 1, 2), [1.0, 3.0]);
+        assert_eq!(thinned(&rows, 2, 2, 4), [1.0, 2.0, 1.0, 2.0, 3.0, 4.0, 3.0, 4.0]);
     }
 
     #[test]

@@ -1,10 +1,11 @@
-"""From a trained network to ONNX, and the proof that both give the same numbers.
+"""From a trained network to ONNX and to plain weights, and the proof that ONNX Runtime gives the framework's numbers.
 
     python -m training.export NET.npz models/signnet.onnx
 
 The graph holds everything: canonical signs, batch normalisation folded into the layers, temperature.
 Input `eigenfunctions` float32 [signs, points, channels], columns of any scale and sign; output
 `logits` float32 [signs, 3]: even, odd, neither. Only elementary operators, for small runtimes.
+`signnet.weights` beside it has the layers' numbers only: the library embeds it (src/sign_network/forward.rs).
 """
 
 from __future__ import annotations
@@ -117,26 +118,40 @@ def reference_rows(points: int, signs: int) -> np.ndarray:
 
 
 def write_reference(path: Path, design: Design, parameters, statistics) -> None:
-    """The framework's logits for `reference_rows`: what every runtime must give, to 1e-4."""
+    """The framework's logits for `reference_rows`: what every runtime must give, to 1e-5."""
     rows = reference_rows(design.points, design.signs)
     x = np.stack([np.c_[rows[:, : design.references], rows[:, i]] for i in range(design.signs)]).astype(np.float32)
     logits = np.asarray(apply(design, parameters, statistics, x)[0])
     path.write_text(json.dumps({"points": design.points, "logits": logits.astype(float).round(6).tolist()}) + "\n")
 
 
+def weights_of(model: onnx.ModelProto) -> bytes:
+    """Each layer's weight (in, out) row by row and its bias, in little-endian float32: the model's arrays that are not scalars."""
+    arrays = [constant for constant in model.graph.initializer if constant.data_type == TensorProto.FLOAT and constant.dims]
+    return b"".join(numpy_helper.to_array(array).astype("<f4").tobytes() for array in arrays)
+
+
+def write_model(model: onnx.ModelProto, out: Path) -> None:
+    """Write the ONNX file, its .weights, and the hashes of both in .sha256."""
+    files = {out: model.SerializeToString(deterministic=True), out.with_suffix(".weights"): weights_of(model)}
+    out.parent.mkdir(parents=True, exist_ok=True)
+    for path, content in files.items():
+        path.write_bytes(content)
+    lines = [f"{hashlib.sha256(content).hexdigest()}  {path.name}\n" for path, content in files.items()]
+    out.with_suffix(".sha256").write_text("".join(lines))
+
+
 def export(network: Path, out: Path) -> float:
-    """Write the ONNX file, its .sha256 and .reference.json; returns the largest difference found.
+    """Write the files of `write_model` and .reference.json; returns the largest difference found.
 
     Refuses a difference over 1e-4.
     """
     design, parameters, statistics = load(network)
-    model = graph_of(design, parameters, statistics).SerializeToString(deterministic=True)
-    worst = largest_difference(design, parameters, statistics, model)
+    model = graph_of(design, parameters, statistics)
+    worst = largest_difference(design, parameters, statistics, model.SerializeToString(deterministic=True))
     if worst > TOLERANCE:
         raise ValueError(f"ONNX Runtime differs from the framework by {worst:.2e}")
-    out.parent.mkdir(parents=True, exist_ok=True)
-    out.write_bytes(model)
-    out.with_suffix(".sha256").write_text(f"{hashlib.sha256(model).hexdigest()}  {out.name}\n")
+    write_model(model, out)
     write_reference(out.with_suffix(".reference.json"), design, parameters, statistics)
     return worst
 

@@ -6,6 +6,7 @@ from pathlib import Path
 import jax
 import jax.numpy as jnp
 import numpy as np
+import onnx
 import onnxruntime
 import pytest
 
@@ -62,8 +63,11 @@ def test_exported_model_equals_the_framework(tmp_path, monkeypatch, trained):
     monkeypatch.setitem(DESIGNS, "tiny", TINY)
     train.save(tmp_path / "net.npz", "tiny", trained[0], trained[1])
     assert export.export(tmp_path / "net.npz", tmp_path / "net.onnx") < export.TOLERANCE
-    stored = (tmp_path / "net.sha256").read_text().split()
-    assert stored == [hashlib.sha256((tmp_path / "net.onnx").read_bytes()).hexdigest(), "net.onnx"]
+    for line in (tmp_path / "net.sha256").read_text().splitlines():
+        digest, name = line.split()
+        assert hashlib.sha256((tmp_path / name).read_bytes()).hexdigest() == digest
+    weights = np.fromfile(tmp_path / "net.weights", "<f4")
+    assert len(weights) == network.parameter_count(trained[0]) - 2 * 8  # the head's scale is folded in
     session = onnxruntime.InferenceSession(tmp_path / "net.onnx")
     assert session.get_inputs()[0].shape == [12, 128, 4] and session.get_outputs()[0].shape == [12, 3]
 
@@ -112,6 +116,10 @@ def test_calibration_error_of_a_known_case():
 
 def test_systematic_samples_follow_the_area():
     assert list(evaluate.systematic_samples(np.array([1.0, 3, 0, 4]), 8)) == [0, 1, 1, 1, 3, 3, 3, 3]
+
+
+def test_the_weights_that_ship_are_the_models():
+    assert SHIPPED.with_suffix(".weights").read_bytes() == export.weights_of(onnx.load(SHIPPED))
 
 
 def test_the_model_file_that_ships_runs():

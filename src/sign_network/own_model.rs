@@ -1,10 +1,8 @@
-//! The ONNX session behind [`super::SignNetwork`]: choice of runtime, checks of a model, one run.
-//!
-//! Two runtimes stand behind the same interface (`ort`): tract, in Rust and linked in, and any ONNX
-//! Runtime shared library that the user names. The reasons are in `docs/sign_network.md`.
+//! A sign network of the user's own in an ONNX Runtime library: finding the library, checks of the model, one run.
 
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX};
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Mutex, OnceLock};
 
 use ort::environment::Environment;
@@ -12,44 +10,45 @@ use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
 use ort::value::{Tensor, TensorElementType, ValueType};
 
-use crate::error::{Error, Result};
+use super::REFERENCES;
 
 /// Eigenfunctions answered at once if the model leaves the number open.
 const DEFAULT_SIGNS: i64 = 12;
 /// Points if the model leaves the number open.
 const DEFAULT_POINTS: i64 = 512;
 /// Numbers per point: three references and the function in question.
-const CHANNELS: i64 = super::REFERENCES as i64 + 1;
+const CHANNELS: i64 = REFERENCES as i64 + 1;
 /// Answers per eigenfunction: even, odd, neither.
 const ANSWERS: i64 = 3;
 /// Bounds on the sizes a model may ask for.
 const MOST_SIGNS: i64 = 1024;
 const MOST_POINTS: i64 = 1 << 16;
-/// Largest model file that is read, in bytes (the paper's own network has 9 MB).
-const MOST_BYTES: u64 = 256 << 20;
+/// What to do where no library is found.
+const REMEDY: &str = "set ORT_DYLIB_PATH to the file of its library, version 1.24 or newer \
+                      (`pip install onnxruntime` brings one: onnxruntime/capi/libonnxruntime.so.*)";
 
 /// A session with the sizes of its input.
-pub(super) struct Runner {
+pub(super) struct OwnModel {
     session: Mutex<Session>,
     signs: i64,
     points: i64,
 }
 
-impl fmt::Debug for Runner {
+impl fmt::Debug for OwnModel {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.debug_struct("Runner").field("signs", &self.signs).field("points", &self.points).finish()
+        formatter.debug_struct("OwnModel").field("signs", &self.signs).field("points", &self.points).finish()
     }
 }
 
-impl Runner {
+impl OwnModel {
     /// Parses, checks and optimises a model; the error says what is wrong with it.
     pub(super) fn load(model: &[u8]) -> Result<Self, String> {
         let session = Session::builder(runtime()?)
             .map_err(|fault| fault.to_string())?
             .with_optimization_level(GraphOptimizationLevel::Level3)
             .map_err(|fault| fault.to_string())?
-            .with_intra_threads(1) // tract has no such setting, and never more than one thread
-            .unwrap_or_else(|fault| fault.recover())
+            .with_intra_threads(1)
+            .map_err(|fault| fault.to_string())?
             .commit_from_memory(model)
             .map_err(|fault| format!("it is not a model that can be run: {fault}"))?;
         let (signs, points) = input_sizes(&session)?;
@@ -57,18 +56,24 @@ impl Runner {
         Ok(Self { session: Mutex::new(session), signs, points })
     }
 
-    /// Eigenfunctions answered by one run.
-    pub(super) fn signs(&self) -> usize {
-        self.signs as usize
-    }
-
     /// Points of the input.
     pub(super) fn points(&self) -> usize {
         self.points as usize
     }
 
-    /// Logits (even, odd, neither) of each of the `signs` rows of the input `[signs, points, 4]`.
-    pub(super) fn run(&self, input: Vec<f32>) -> Result<Vec<[f32; 3]>, String> {
+    /// Logits (even, odd, neither) of each of `k` eigenfunctions; `values` has [`OwnModel::points`] rows of `k` numbers.
+    pub(super) fn logits(&self, values: &[f64], k: usize) -> Result<Vec<[f32; 3]>, String> {
+        let mut logits = Vec::with_capacity(k);
+        for first in (0..k).step_by(self.signs as usize) {
+            let functions = (first..first + self.signs as usize).map(|function| function.min(k - 1));
+            let answers = self.run(network_input(values, k, functions))?;
+            logits.extend(answers.into_iter().take(k - first));
+        }
+        Ok(logits)
+    }
+
+    /// Logits of each of the `signs` rows of the input `[signs, points, 4]`.
+    fn run(&self, input: Vec<f32>) -> Result<Vec<[f32; 3]>, String> {
         let tensor = Tensor::from_array(([self.signs, self.points, CHANNELS], input))
             .map_err(|fault| fault.to_string())?;
         let mut session = self.session.lock().map_err(|_| "an earlier call failed midway".to_string())?;
@@ -84,32 +89,29 @@ impl Runner {
     }
 }
 
-/// The runtime of this process, chosen at the first call.
+/// The input `[functions, points, 4]`: at each point the references and the function in question.
+fn network_input(values: &[f64], k: usize, functions: impl Iterator<Item = usize>) -> Vec<f32> {
+    let of = |function| {
+        values.chunks_exact(k).flat_map(move |row| row[..REFERENCES].iter().chain([&row[function]]))
+    };
+    functions.flat_map(of).map(|&value| value as f32).collect()
+}
+
+/// The ONNX Runtime library of this process, loaded at the first call.
 fn runtime() -> Result<&'static Environment, String> {
     static RUNTIME: OnceLock<Result<Environment, String>> = OnceLock::new();
-    RUNTIME.get_or_init(choose_runtime).as_ref().map_err(Clone::clone)
+    RUNTIME.get_or_init(load_runtime).as_ref().map_err(Clone::clone)
 }
 
-fn choose_runtime() -> Result<Environment, String> {
-    let builder = match std::env::var_os("ORT_DYLIB_PATH").filter(|path| !path.is_empty()) {
-        Some(path) => ort::init_from(PathBuf::from(path))
-            .map_err(|fault| format!("the ONNX Runtime library of ORT_DYLIB_PATH cannot be used: {fault}"))?,
-        None => {
-            ort::set_api(ort_tract::api());
-            ort::init()
-        }
-    };
-    builder.with_telemetry(false).build().map_err(|fault| format!("the ONNX runtime does not start: {fault}"))
-}
-
-/// Reads a model file of at most [`MOST_BYTES`].
-pub(super) fn read_model(path: &Path) -> Result<Vec<u8>> {
-    let failed = |fault: std::io::Error| Error::File { path: path.into(), message: fault.to_string() };
-    let size = std::fs::metadata(path).map_err(failed)?.len();
-    if size > MOST_BYTES {
-        return Err(Error::Limit { what: "the size of the model file", found: size, limit: MOST_BYTES });
-    }
-    std::fs::read(path).map_err(failed)
+/// Loads the library that `ORT_DYLIB_PATH` names, else the one that the system finds by its usual name.
+fn load_runtime() -> Result<Environment, String> {
+    let named = std::env::var_os("ORT_DYLIB_PATH").filter(|path| !path.is_empty());
+    let library = named.unwrap_or_else(|| format!("{DLL_PREFIX}onnxruntime{DLL_SUFFIX}").into());
+    ort::init_from(PathBuf::from(library))
+        .map_err(|fault| format!("a model of your own needs ONNX Runtime: {fault}; {REMEDY}"))?
+        .with_telemetry(false)
+        .build()
+        .map_err(|fault| format!("ONNX Runtime does not start: {fault}"))
 }
 
 /// `signs` and `points` of the model's only input, defaults where the model leaves them open.
@@ -146,5 +148,19 @@ fn float_shape(which: &str, kind: &ValueType) -> Result<Vec<i64>, String> {
     match kind {
         ValueType::Tensor { ty: TensorElementType::Float32, shape, .. } => Ok(shape.to_vec()),
         other => Err(format!("its {which} is {other}, a float32 tensor is wanted")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn input_repeats_the_references_and_adds_the_function() {
+        let rows = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
+        assert_eq!(
+            network_input(&rows, 4, [3, 0].into_iter()),
+            [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 1.0, 2.0, 3.0, 1.0, 5.0, 6.0, 7.0, 5.0]
+        );
     }
 }
