@@ -20,6 +20,7 @@
 mod almost;
 mod colours;
 mod estimate;
+mod length_change;
 mod lookalikes;
 mod matching;
 mod partial;
@@ -32,6 +33,7 @@ use crate::progress::Progress;
 use crate::symmetry_kind::SymmetryKind;
 use colours::{Classes, Colours};
 use estimate::{Distances, Estimate};
+pub use length_change::LengthChange;
 use matching::{Mark, Matching};
 use partial::Context;
 use shells::Shells;
