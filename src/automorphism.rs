@@ -20,17 +20,20 @@
 mod almost;
 mod colours;
 mod estimate;
+mod length_change;
+mod lookalikes;
 mod matching;
 mod partial;
 mod shells;
 
 use crate::error::Result;
-use crate::mesh::NONE;
 use crate::mesh::half_edges::HalfEdges;
+use crate::mesh::{Mesh, NONE};
 use crate::progress::Progress;
 use crate::symmetry_kind::SymmetryKind;
 use colours::{Classes, Colours};
 use estimate::{Distances, Estimate};
+pub use length_change::LengthChange;
 use matching::{Mark, Matching};
 use partial::Context;
 use shells::Shells;
@@ -79,6 +82,8 @@ pub struct Connectivity {
     colours: Colours,
     classes: Classes,
     reflections: Bijections,
+    /// Whether the mesh has shells that are left out.
+    in_part: bool,
 }
 
 /// How many bijections the main shell has, as far as it is known.
@@ -90,12 +95,41 @@ enum Bijections {
 }
 
 impl Connectivity {
+    /// That of the shells of a mesh on which it may be mirrored; `None` if there are none, as on independent triangulations:
+    /// nothing is searched then, and no half-edges are made. O(corners + points log points).
+    ///
+    /// # Errors
+    /// Those of [`HalfEdges::new`].
+    pub fn of(mesh: &Mesh) -> Result<Option<Connectivity>> {
+        let wanted = lookalikes::shells_with_lookalikes(mesh);
+        if !wanted.contains(&true) {
+            return Ok(None);
+        }
+        let (mut offsets, mut points) = (vec![0], Vec::new());
+        for face in mesh.polygon_offsets.windows(2) {
+            let corners = &mesh.polygon_points[face[0] as usize..face[1] as usize];
+            if wanted[mesh.shell_of_point[corners[0] as usize] as usize] {
+                points.extend_from_slice(corners);
+                offsets.push(points.len() as u32);
+            }
+        }
+        let left_out = mesh.shell_of_point.iter().filter(|&&shell| !wanted[shell as usize]).count();
+        let half_edges = HalfEdges::new(mesh.positions.len(), &offsets, &points)?;
+        Ok(Some(Connectivity::of_shells(half_edges, left_out)))
+    }
+
     /// Colours the vertices. O(half-edges + vertices log vertices).
     pub fn new(half_edges: HalfEdges) -> Connectivity {
+        Connectivity::of_shells(half_edges, 0)
+    }
+
+    /// Of a mesh of which so many vertices are left out.
+    fn of_shells(half_edges: HalfEdges, left_out: usize) -> Connectivity {
         let colours = Colours::new(&half_edges);
         let classes = Classes::new(&colours.far);
-        let shells = Shells::new(&half_edges);
-        Connectivity { half_edges, shells, colours, classes, reflections: Bijections::Unknown }
+        let shells = Shells::new(&half_edges, left_out);
+        let in_part = left_out > 0;
+        Connectivity { half_edges, shells, colours, classes, reflections: Bijections::Unknown, in_part }
     }
 
     /// Finds the only reflection of the main shell that its connectivity admits, but for a few defects; no estimate is needed. That there
@@ -159,6 +193,9 @@ impl Connectivity {
             false => self.match_defective_shells(&mut matching, &estimate, matched, progress)?,
         };
         let mut found = by_points(half_edges, &matching.vertex_image, &exact);
+        if let Some(found) = &mut found {
+            found.complete &= !self.in_part;
+        }
         if let (Some(found), Some(shell)) = (&mut found, unrivalled) {
             for &vertex in shells.vertices(shell) {
                 let point = half_edges.point_of_vertex[vertex as usize] as usize;
@@ -228,11 +265,6 @@ struct WholeShells {
     bijections: Bijections,
 }
 
-/// Whether a shell of so many vertices has most of all.
-fn is_main(matching: &Matching, vertices: usize) -> bool {
-    2 * vertices > matching.half_edges.vertex_count()
-}
-
 /// Whether an only bijection may stand against the estimate.
 fn is_not_refuted(distances: &Distances) -> bool {
     distances.share_within.is_none_or(|share| share >= NOT_REFUTED)
@@ -277,8 +309,7 @@ fn match_whole_shells(
         match search.match_whole_shell(matching, shell, progress)? {
             Whole::None => {
                 inexact.push(shell);
-                let main = is_main(matching, shells.vertices(shell).len());
-                defective = defective.or(main.then_some(shell));
+                defective = defective.or(shells.is_main(shell).then_some(shell));
             }
             Whole::Refused => inexact.push(shell),
             Whole::Bijection => {}
@@ -296,7 +327,7 @@ impl Search<'_> {
         progress: &Progress,
     ) -> Result<Whole> {
         let vertices = self.shells.vertices(shell);
-        let main = is_main(matching, vertices.len());
+        let main = self.shells.is_main(shell);
         if main && self.bijections == Bijections::None {
             return Ok(Whole::None);
         }

@@ -6,7 +6,7 @@ use crate::mesh::NONE;
 use crate::mesh::half_edges::HalfEdges;
 
 /// Rounds after which colours are kept: vertices alike within as many rings share a colour.
-const NEAR: usize = 2;
+pub(super) const NEAR: usize = 2;
 const FAR: usize = 6;
 
 /// Colours of all vertices at three ranges.
@@ -68,7 +68,7 @@ fn face_degrees(half_edges: &HalfEdges) -> Vec<u32> {
 }
 
 /// The finaliser of SplitMix64 (Steele, Lea and Flood 2014).
-fn hash(value: u64) -> u64 {
+pub(super) fn hash(value: u64) -> u64 {
     let value = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let value = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let value = (value ^ (value >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -5,16 +5,22 @@ use crate::mesh::half_edges::HalfEdges;
 
 /// Vertices grouped by shell, breadth first within each.
 pub(super) struct Shells {
+    /// Vertices of the mesh, those of shells that are left out included.
+    total: usize,
     shell_of: Vec<u32>,
     starts: Vec<usize>,
     order: Vec<u32>,
 }
 
 impl Shells {
-    /// Floods from each vertex not reached yet.
-    pub fn new(half_edges: &HalfEdges) -> Self {
-        let mut shells =
-            Shells { shell_of: vec![NONE; half_edges.vertex_count()], starts: Vec::new(), order: Vec::new() };
+    /// Floods from each vertex not reached yet; `left_out` vertices of the mesh have no half-edges.
+    pub fn new(half_edges: &HalfEdges, left_out: usize) -> Self {
+        let mut shells = Shells {
+            total: half_edges.vertex_count() + left_out,
+            shell_of: vec![NONE; half_edges.vertex_count()],
+            starts: Vec::new(),
+            order: Vec::new(),
+        };
         for vertex in 0..half_edges.vertex_count() as u32 {
             if shells.shell_of[vertex as usize] == NONE {
                 shells.starts.push(shells.order.len());
@@ -47,6 +53,11 @@ impl Shells {
         let mut shells: Vec<usize> = (0..self.starts.len() - 1).collect();
         shells.sort_by_key(|&shell| std::cmp::Reverse(self.vertices(shell).len()));
         shells
+    }
+
+    /// Whether a shell has most of the vertices of the mesh.
+    pub fn is_main(&self, shell: usize) -> bool {
+        2 * self.vertices(shell).len() > self.total
     }
 
     /// Vertices of a shell, breadth first.
