@@ -24,36 +24,31 @@ use crate::rigid_parts::{self, Carrier, Fitted};
 use crate::shell_symmetry::{PreparedShell, ShellSymmetry};
 use crate::symmetry_kind::SymmetryKind;
 
-/// What turning a shell's map into the caller's symmetry needs, prepared once.
-pub struct Assembler<'a> {
+/// What completing the map of the largest shell to all shells needs.
+pub struct Gatherer<'a> {
     mesh: &'a Mesh,
     shells: &'a [Shell],
-    filled: Option<&'a FilledShell>,
-    /// The largest shell, filled if it has holes, or its proxy.
-    pub shell: &'a PreparedShell,
-    proxy: Option<&'a Proxy<'a>>,
-    /// The same for refinement.
-    pub target: MatchTarget<'a>,
-    /// For each point of every other shell the vertex of `shell` on which it sits.
+    /// For each point of every other shell the vertex of the largest, or of its proxy, on which it sits.
     anchors: Vec<Vec<u32>>,
-    connectivity: &'a Connectivity,
-    /// The plan that is followed.
-    pub plan: &'a Plan,
-    /// From which plausibility on a map counts, in percent.
-    pub least: usize,
+    connectivity: Option<&'a Connectivity>,
 }
 
-impl<'a> Assembler<'a> {
-    /// `shell` is the solved one: the first of `shells`, `filled` if it has holes, or that of its `proxy`.
+/// A map of the largest shell, or of its proxy, with what is known of each of its vertices.
+struct Known<'a> {
+    shell: &'a Shell,
+    images: &'a VertexImages,
+    trust: &'a [f32],
+    odd: &'a [f64],
+    summary: Summary,
+}
+
+impl<'a> Gatherer<'a> {
+    /// `proxy` is that of the first of `shells`, if it has one. `connectivity` is `None` where it is not mirrored.
     pub fn new(
         mesh: &'a Mesh,
         shells: &'a [Shell],
-        filled: Option<&'a FilledShell>,
-        shell: &'a PreparedShell,
-        proxy: Option<&'a Proxy<'a>>,
-        connectivity: &'a Connectivity,
-        plan: &'a Plan,
-        options: &Options,
+        proxy: Option<&Proxy>,
+        connectivity: Option<&'a Connectivity>,
     ) -> Self {
         let mut anchors = if shells.len() > 1 { anchors(mesh, shells, 0) } else { Vec::new() };
         if let Some(proxy) = proxy {
@@ -61,32 +56,44 @@ impl<'a> Assembler<'a> {
                 *anchor = proxy.nearest_vertex(*anchor);
             }
         }
-        let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
-        let least = options.plausibility;
-        Assembler { mesh, shells, filled, shell, proxy, target, anchors, connectivity, plan, least }
+        Gatherer { mesh, shells, anchors, connectivity }
     }
 
-    /// The symmetry of the caller's mesh that a map with images by [`Assembler::with_parts`] is.
+    /// The symmetry that an exact bijection of the largest shell is, to which the shape agrees; its vertices go to `partners`.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
-    pub fn assemble(
+    pub fn exact(&self, found: &Automorphism, partners: Vec<u32>, threads: usize, progress: &Progress) -> Result<Symmetry> {
+        let shell = &self.shells[0];
+        let mut map = PointMap::empty(self.mesh);
+        let images = VertexImages::at_vertices(&shell.triangles, partners);
+        let trust = vec![1.0; images.partners.len()];
+        map.insert(shell, shell, &images, &trust);
+        map.replace_by_connectivity(self.mesh, found);
+        let odd: Vec<f64> = shell.points.iter().map(|&point| map.odd[point as usize]).collect();
+        let summary = Summary { kind: SymmetryKind::Reflection, score: 0.0, plausibility: 1.0 };
+        let known = Known { shell, images: &images, trust: &trust, odd: &odd, summary };
+        self.complete(map, known, threads, progress)
+    }
+
+    /// The symmetry of all shells, from a `map` that holds the largest one's.
+    fn complete(
         &self,
-        found: &ShellSymmetry,
-        kind: SymmetryKind,
+        mut map: PointMap,
+        known: Known,
         threads: usize,
         progress: &Progress,
     ) -> Result<Symmetry> {
-        let mut map = PointMap::empty(self.mesh);
-        let trust = Evidence::new(&self.target, found, kind.order()).confidence();
-        let odd = odd_function(&self.shell.surface, &self.shell.basis, &found.images);
-        self.insert_largest(&mut map, &found.images, &trust, &odd);
+        let kind = known.summary.kind;
         // Other shells are paired, and under a rotation they come in threes or more.
         if self.shells.len() > 1 && !kind.is_rotation() {
-            self.add_companions(&mut map, found, kind, &trust, &odd, progress)?;
+            self.add_companions(&mut map, &known, progress)?;
         }
         progress.report("connectivity", 0.97)?;
-        let exact = self.connectivity.find(&map.partner, &map.confidence, kind, progress)?;
+        let exact = match self.connectivity {
+            Some(connectivity) => connectivity.find(&map.partner, &map.confidence, kind, progress)?,
+            None => None,
+        };
         let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
         let mirrored = match kind.is_rotation() {
             true => None,
@@ -102,8 +109,76 @@ impl<'a> Assembler<'a> {
             SymmetryKind::Reflection => zero_set(&self.mesh.triangles, &map.odd),
             SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => Vec::new(),
         };
+        Ok(symmetry(self.mesh, &map, curve, known.summary))
+    }
+
+    fn add_companions(&self, map: &mut PointMap, known: &Known, progress: &Progress) -> Result<()> {
+        let carrier = Carrier::new(known.shell, known.images, known.summary.kind);
+        let primary = Primary { index: 0, shell: known.shell, carrier };
+        let companions = companions::find(self.mesh, self.shells, &self.anchors, &primary, progress)?;
+        for (own, companion) in companions.iter().enumerate() {
+            let Some(companion) = companion else { continue };
+            let anchors = &self.anchors[own];
+            let share = companion.trust();
+            let trust: Vec<f32> =
+                anchors.iter().map(|&anchor| share * known.trust[anchor as usize]).collect();
+            map.insert(&self.shells[own], &self.shells[companion.target], &companion.images, &trust);
+            let odd: Vec<f64> = anchors.iter().map(|&anchor| known.odd[anchor as usize]).collect();
+            map.insert_sides(&self.shells[own], own, companion, &odd);
+        }
+        Ok(())
+    }
+}
+
+/// What turning a shell's map into the caller's symmetry needs, prepared once.
+pub struct Assembler<'a> {
+    gatherer: Gatherer<'a>,
+    filled: Option<&'a FilledShell>,
+    /// The largest shell, filled if it has holes, or its proxy.
+    pub shell: &'a PreparedShell,
+    proxy: Option<&'a Proxy<'a>>,
+    /// The same for refinement.
+    pub target: MatchTarget<'a>,
+    /// The plan that is followed.
+    pub plan: &'a Plan,
+    /// From which plausibility on a map counts, in percent.
+    pub least: usize,
+}
+
+impl<'a> Assembler<'a> {
+    /// `shell` is the solved one: the first of the gatherer's, `filled` if it has holes, or that of its `proxy`.
+    pub fn new(
+        gatherer: Gatherer<'a>,
+        filled: Option<&'a FilledShell>,
+        shell: &'a PreparedShell,
+        proxy: Option<&'a Proxy<'a>>,
+        plan: &'a Plan,
+        options: &Options,
+    ) -> Self {
+        let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
+        let least = options.plausibility;
+        Assembler { gatherer, filled, shell, proxy, target, plan, least }
+    }
+
+    /// The symmetry of the caller's mesh that a map with images by [`Assembler::with_parts`] is.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+    pub fn assemble(
+        &self,
+        found: &ShellSymmetry,
+        kind: SymmetryKind,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<Symmetry> {
+        let mut map = PointMap::empty(self.gatherer.mesh);
+        let trust = Evidence::new(&self.target, found, kind.order()).confidence();
+        let odd = odd_function(&self.shell.surface, &self.shell.basis, &found.images);
+        self.insert_largest(&mut map, &found.images, &trust, &odd);
         let (score, plausibility) = (found.score.total(), found.judged.plausibility);
-        Ok(symmetry(self.mesh, &map, curve, Summary { kind, score, plausibility }))
+        let summary = Summary { kind, score, plausibility };
+        let known = Known { shell: self.solved(), images: &found.images, trust: &trust, odd: &odd, summary };
+        self.gatherer.complete(map, known, threads, progress)
     }
 
     /// Whether vertices of the largest shell are mirrored, though edges need not be, near a map.
@@ -117,11 +192,11 @@ impl<'a> Assembler<'a> {
         threads: usize,
         progress: &Progress,
     ) -> Result<bool> {
-        let mut map = PointMap::empty(self.mesh);
+        let mut map = PointMap::empty(self.gatherer.mesh);
         let count = found.images.partners.len();
         self.insert_largest(&mut map, &found.images, &vec![0.0; count], &vec![0.0; count]);
         let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
-        Ok(mirrored_vertices::find(self.mesh, estimate, None, kind, threads, progress)?.is_some())
+        Ok(mirrored_vertices::find(self.gatherer.mesh, estimate, None, kind, threads, progress)?.is_some())
     }
 
     /// The map with images that follow the rigid parts of the largest shell, judged anew: a reflection by what its parts
@@ -170,7 +245,7 @@ impl<'a> Assembler<'a> {
 
     /// The largest shell, filled if it has holes.
     fn largest(&self) -> &Shell {
-        self.filled.map_or(&self.shells[0], |filled| &filled.shell)
+        self.filled.map_or(&self.gatherer.shells[0], |filled| &filled.shell)
     }
 
     /// That or its proxy.
@@ -200,7 +275,7 @@ impl<'a> Assembler<'a> {
     /// beside it goes. `None` if it pairs less than half of the shell.
     pub fn images_of_all(&self, found: &Automorphism) -> Option<VertexImages> {
         let shell = self.largest();
-        let mut local = vec![NONE; self.mesh.positions.len()];
+        let mut local = vec![NONE; self.gatherer.mesh.positions.len()];
         for (index, &point) in shell.points.iter().enumerate().filter(|(_, point)| **point != NONE) {
             local[point as usize] = index as u32;
         }
@@ -220,33 +295,6 @@ impl<'a> Assembler<'a> {
             Some(proxy) => proxy.restrict(&partners),
             None => VertexImages::at_vertices(&shell.triangles, partners),
         })
-    }
-
-    fn add_companions(
-        &self,
-        map: &mut PointMap,
-        found: &ShellSymmetry,
-        kind: SymmetryKind,
-        trust: &[f32],
-        odd: &[f64],
-        progress: &Progress,
-    ) -> Result<()> {
-        let primary = Primary {
-            index: 0,
-            shell: self.solved(),
-            carrier: Carrier::new(self.solved(), &found.images, kind),
-        };
-        let companions = companions::find(self.mesh, self.shells, &self.anchors, &primary, progress)?;
-        for (own, companion) in companions.iter().enumerate() {
-            let Some(companion) = companion else { continue };
-            let anchors = &self.anchors[own];
-            let share = companion.trust();
-            let trust: Vec<f32> = anchors.iter().map(|&anchor| share * trust[anchor as usize]).collect();
-            map.insert(&self.shells[own], &self.shells[companion.target], &companion.images, &trust);
-            let anchors_odd: Vec<f64> = anchors.iter().map(|&anchor| odd[anchor as usize]).collect();
-            map.insert_sides(&self.shells[own], own, companion, &anchors_odd);
-        }
-        Ok(())
     }
 }
 

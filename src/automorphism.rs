@@ -69,6 +69,25 @@ pub struct Automorphism {
 }
 
 impl Automorphism {
+    /// What it says of some `points`, without the others.
+    pub fn within(&self, points: &[u32]) -> Automorphism {
+        let none = self.partner.len();
+        let mut kept = Automorphism {
+            partner: vec![NONE; none],
+            exact: vec![false; none],
+            covered: 0,
+            complete: false,
+            unrivalled: vec![false; none],
+        };
+        for point in points.iter().map(|&point| point as usize).filter(|&point| self.partner[point] != NONE) {
+            kept.partner[point] = self.partner[point];
+            kept.exact[point] = self.exact[point];
+            kept.unrivalled[point] = self.unrivalled[point];
+            kept.covered += 1;
+        }
+        kept
+    }
+
     /// Whether an unrivalled pairing is not a bijection of its whole shell.
     pub fn has_defects(&self) -> bool {
         self.unrivalled.iter().zip(&self.exact).any(|(&unrivalled, &exact)| unrivalled && !exact)

@@ -1,8 +1,8 @@
 //! `detect`: the only caller of all stages.
 
 use crate::acceptance::doubt;
-use crate::assembler::Assembler;
-use crate::automorphism::{Automorphism, Connectivity};
+use crate::assembler::{Assembler, Gatherer};
+use crate::automorphism::{Automorphism, Connectivity, LengthChange};
 use crate::candidates::GAP;
 use crate::continuous_family::{Orbits, orbits};
 use crate::correspondence::Symmetry;
@@ -16,14 +16,14 @@ use crate::finishing::finish_best;
 use crate::judging_mesh::JudgingMesh;
 use crate::laplacian::IntrinsicSurface;
 use crate::limits::{check_memory, estimated_memory};
-use crate::mesh::half_edges::HalfEdges;
+use crate::mesh::vector::{Vector, point_areas, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell};
 use crate::options::Options;
 use crate::progress::Progress;
 use crate::proxy::Proxy;
 use crate::rotations;
 use crate::sampling::Samples;
-use crate::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, of_images, signs};
+use crate::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, exchanges_sheets, of_images, signs};
 use crate::sign_network::SignPrediction;
 use crate::stated_signs;
 use crate::symmetry_kind::SymmetryKind;
@@ -60,6 +60,12 @@ pub fn detect_by(mesh: &Mesh, options: &Options, plans: &[Plan], progress: &Prog
     let (connectivity, unrivalled) = connectivity(mesh, progress)?;
     clock.lap("connectivity");
     let case = Case { mesh, shells: &shells, filled: filled.as_ref(), connectivity, unrivalled, options, progress };
+    if let Some(mut exact) = case.exact()? {
+        clock.lap("correspondence");
+        progress.report("done", 1.0)?;
+        exact.report.seconds = clock.laps;
+        return Ok(exact);
+    }
     let (mut best, mut solved): (Option<Detection>, _) = (None, None);
     for plan in plans {
         let kept = solved.take().filter(|kept: &Solved| kept.serves(plan));
@@ -106,7 +112,8 @@ struct Case<'a> {
     shells: &'a [Shell],
     /// The largest shell, its holes filled, if it has some.
     filled: Option<&'a FilledShell>,
-    connectivity: Connectivity,
+    /// `None` where it is not mirrored.
+    connectivity: Option<Connectivity>,
     /// The only reflection that the connectivity admits.
     unrivalled: Option<Automorphism>,
     options: &'a Options,
@@ -137,6 +144,31 @@ fn counts(plan: &Plan) -> [usize; 3] {
 }
 
 impl<'a> Case<'a> {
+    /// The answer where the connectivity of the largest shell admits one reflection and the shape agrees with it: nothing is solved then.
+    fn exact(&self) -> Result<Option<Detection>> {
+        let Case { mesh, shells, options, progress, .. } = *self;
+        let wanted = options.symmetries == 1 && options.rotations == 0 && !options.states_signs();
+        let Some(found) = self.unrivalled.as_ref().filter(|found| wanted && !found.has_defects()) else {
+            return Ok(None);
+        };
+        let found = found.within(&shells[0].points);
+        let (Some(partners), Some(change)) = (shells[0].numbered(&found.partner), LengthChange::of(mesh, &found))
+        else {
+            return Ok(None);
+        };
+        if !change.agrees() || exchanges_sheets(mean_distance(&shells[0], &partners)) {
+            return Ok(None);
+        }
+        let gatherer = Gatherer::new(mesh, shells, None, self.connectivity.as_ref());
+        let symmetry = gatherer.exact(&found, partners, options.threads, progress)?;
+        let evidence = format!(
+            "the connectivity of the largest part admits one reflection, and lengths agree with it: edges and their images differ by {:.1} % in the median",
+            100.0 * change.median
+        );
+        let report = Report { evidence, ..Report::of(mesh) };
+        Ok(Some(Detection { outcome: Outcome::Found, symmetries: vec![symmetry], report, judging: None }))
+    }
+
     /// Simplifies and solves the largest shell.
     fn solve(&self, plan: &Plan, clock: &mut Clock) -> Result<Solved<'a>> {
         let Case { mesh, options, progress, .. } = *self;
@@ -170,16 +202,9 @@ impl<'a> Case<'a> {
     /// Follows a plan.
     fn attempt(&self, plan: &Plan, solved: &Solved, clock: &mut Clock) -> Result<Detection> {
         let Case { mesh, shells, options, progress, .. } = *self;
-        let assembler = Assembler::new(
-            mesh,
-            shells,
-            self.filled,
-            &solved.shell,
-            solved.proxy.as_ref(),
-            &self.connectivity,
-            plan,
-            options,
-        );
+        let (proxy, connectivity) = (solved.proxy.as_ref(), self.connectivity.as_ref());
+        let gatherer = Gatherer::new(mesh, shells, proxy, connectivity);
+        let assembler = Assembler::new(gatherer, self.filled, &solved.shell, proxy, plan, options);
         let mirrored = self.mirrored(&assembler)?;
         let mut maps = match mirrored.as_ref().filter(|map| self.is_certain(map)) {
             Some(map) => vec![self.as_reflection(&assembler, map.clone())?],
@@ -301,12 +326,21 @@ impl<'a> Case<'a> {
     }
 }
 
-/// The connectivity, and the only reflection that it admits if there is just one: all that needs no positions.
-fn connectivity(mesh: &Mesh, progress: &Progress) -> Result<(Connectivity, Option<Automorphism>)> {
-    let half_edges = HalfEdges::new(mesh.positions.len(), &mesh.polygon_offsets, &mesh.polygon_points)?;
-    let mut connectivity = Connectivity::new(half_edges);
+/// The connectivity where it is mirrored, and the only reflection that it admits if there is just one: all that needs no positions.
+fn connectivity(mesh: &Mesh, progress: &Progress) -> Result<(Option<Connectivity>, Option<Automorphism>)> {
+    let Some(mut connectivity) = Connectivity::of(mesh)? else { return Ok((None, None)) };
     let unrivalled = connectivity.find_unrivalled(progress)?;
-    Ok((connectivity, unrivalled))
+    Ok((Some(connectivity), unrivalled))
+}
+
+/// Mean distance of a shell's vertices from their partners, in sqrt(area).
+fn mean_distance(shell: &Shell, partners: &[u32]) -> f64 {
+    let areas = point_areas(&shell.positions, &shell.triangles);
+    let moved = |(place, &partner): (&Vector, &u32)| {
+        squared_norm(subtract(*place, shell.positions[partner as usize])).sqrt()
+    };
+    let sum: f64 = shell.positions.iter().zip(partners).map(moved).zip(&areas).map(|(m, a)| m * a).sum();
+    sum / areas.iter().sum::<f64>()
 }
 
 /// Leaves the maps that count as symmetries from `least` percent on: none, or the first and those not much worse than

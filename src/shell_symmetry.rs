@@ -56,8 +56,13 @@ pub struct ShellSymmetry {
 impl ShellSymmetry {
     /// Whether it exchanges the sides of a thin sheet: a symmetry, but hardly one that anybody asks for.
     pub fn exchanges_sheets(&self) -> bool {
-        self.moved < SHEETS
+        exchanges_sheets(self.moved)
     }
+}
+
+/// Whether a map exchanges the sides of a thin sheet that moves vertices by so much, in sqrt(area), in the mean.
+pub fn exchanges_sheets(moved: f64) -> bool {
+    moved < SHEETS
 }
 
 /// A shell with its operators and eigenbasis.

@@ -31,6 +31,12 @@ impl Shell {
 }
 
 impl Shell {
+    /// The local numbers of what is given for each point of the mesh, at the shell's points; `None` if any of it is not on the shell.
+    pub fn numbered(&self, values: &[u32]) -> Option<Vec<u32>> {
+        let local = |point: &u32| self.points.binary_search(point).ok().map(|local| local as u32);
+        self.points.iter().map(|&point| local(&values[point as usize])).collect()
+    }
+
     /// The same, centred and of unit area again after vertices or triangles were added.
     pub fn rescaled(mut self) -> Shell {
         centre(&mut self.positions);
