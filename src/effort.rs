@@ -109,15 +109,15 @@ impl Plan {
 
     /// Takes the counts that the options state.
     fn overrule(&mut self, options: &Options) {
-        let stated = |own: &mut usize, value: usize, least: usize| {
+        let stated = |own: &mut usize, value: usize| {
             if value > 0 {
-                *own = value.max(least);
+                *own = value;
             }
         };
-        stated(&mut self.proxy_vertices, options.proxy_vertices, 1000);
-        stated(&mut self.eigenfunctions, options.eigenfunctions, 12);
-        stated(&mut self.samples, options.samples, 100);
-        stated(&mut self.search.beam_width, options.beam_width, 1);
+        stated(&mut self.proxy_vertices, options.proxy_vertices);
+        stated(&mut self.eigenfunctions, options.eigenfunctions);
+        stated(&mut self.samples, options.samples);
+        stated(&mut self.search.beam_width, options.beam_width);
         if options.eigenfunctions > 0 {
             let last = self.schedule.last().copied().unwrap_or(0);
             self.schedule.extend((last + 10..self.eigenfunctions).step_by(10));

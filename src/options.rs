@@ -47,7 +47,7 @@ pub struct OptionSpec {
     pub name: &'static str,
     /// Value used when none is given.
     pub default: usize,
-    /// Smallest accepted value.
+    /// Smallest accepted value but for the default.
     pub minimum: usize,
     /// Largest accepted value.
     pub maximum: usize,
@@ -118,25 +118,25 @@ pub const OPTIONS: [OptionSpec; 11] = [
     OptionSpec {
         name: "eigenfunctions",
         default: 0,
-        minimum: 0,
+        minimum: 12,
         maximum: 200,
         choices: &[],
         expert: true,
-        help: "Laplace-Beltrami eigenfunctions of the refined map, at least 12; 0: as the effort says.",
+        help: "Laplace-Beltrami eigenfunctions of the refined map; 0: as the effort says.",
     },
     OptionSpec {
         name: "samples",
         default: 0,
-        minimum: 0,
+        minimum: 100,
         maximum: 5000,
         choices: &[],
         expert: true,
-        help: "Surface samples on which candidate maps are refined, at least 100; 0: as the effort says.",
+        help: "Surface samples on which candidate maps are refined; 0: as the effort says.",
     },
     OptionSpec {
         name: "beam_width",
         default: 0,
-        minimum: 0,
+        minimum: 1,
         maximum: 256,
         choices: &[],
         expert: true,
@@ -145,11 +145,11 @@ pub const OPTIONS: [OptionSpec; 11] = [
     OptionSpec {
         name: "proxy_vertices",
         default: 0,
-        minimum: 0,
+        minimum: 1000,
         maximum: 100_000_000,
         choices: &[],
         expert: true,
-        help: "Vertices above which the map is found on a simplified mesh of about so many, at least 1000, and carried back; 0: as the effort says.",
+        help: "Vertices above which the map is found on a simplified mesh of about so many and carried back; 0: as the effort says.",
     },
     OptionSpec {
         name: "rotations",
@@ -263,7 +263,7 @@ fn index_of(name: &str) -> Result<usize> {
 impl OptionSpec {
     /// Refuses a value outside the range.
     fn check(&self, value: usize) -> Result<()> {
-        if (self.minimum..=self.maximum).contains(&value) {
+        if value == self.default || (self.minimum..=self.maximum).contains(&value) {
             return Ok(());
         }
         let message = format!("{value} is outside {}..={}", self.minimum, self.maximum);

@@ -13,11 +13,11 @@ def _property_of(spec):
     about = {
         "name": spec.name.replace("_", " ").title(),
         "description": spec.help.rstrip("."),  # Blender adds the full stop
-        "default": spec.default,
-        "min": spec.minimum,
-        "max": spec.maximum,
     }
-    return bpy.props.IntProperty(**about) if spec.is_integer else bpy.props.FloatProperty(**about)
+    if spec.choices:
+        items = [(choice, choice.title(), "") for choice in spec.choices]
+        return bpy.props.EnumProperty(items=items, default=spec.choices[spec.default], **about)
+    return bpy.props.IntProperty(default=spec.default, min=min(spec.default, spec.minimum), max=spec.maximum, **about)
 
 
 class IntrinsicSymmetryPreferences(bpy.types.AddonPreferences):
@@ -34,7 +34,7 @@ class IntrinsicSymmetryPreferences(bpy.types.AddonPreferences):
         layout = self.layout
         layout.use_property_split = True
         column = layout.column()
-        for spec in SPECS:
+        for spec in sorted(SPECS, key=lambda spec: spec.is_expert):
             column.prop(self, spec.name)
         column.prop(self, "model")
         layout.label(text=f"Intrinsym {intrinsym.library_version()}")

@@ -17,7 +17,7 @@ QString readable(const char *name) {
 }
 
 bool is_switch(const isym_option_spec &spec) {
-  return spec.is_integer == 1 && spec.minimum == 0 && spec.maximum == 1;
+  return spec.choices == nullptr && spec.minimum == 0 && spec.maximum == 1;
 }
 
 // The options that are shown: all but one, since no filter takes a rotation.
@@ -33,13 +33,14 @@ void add_options(RichParameterList &list) {
   for (const isym_option_spec &spec : shown_options()) {
     const QString name(spec.name), label = readable(spec.name);
     const QString help = QString("%1 From %2 to %3.").arg(spec.help).arg(spec.minimum).arg(spec.maximum);
-    const bool advanced = name != "symmetries";
-    if (is_switch(spec)) {
-      list.addParam(RichBool(name, spec.default_value != 0, label, spec.help, advanced));
-    } else if (spec.is_integer == 1) {
-      list.addParam(RichInt(name, static_cast<int>(spec.default_value), label, help, advanced));
+    const bool advanced = spec.is_expert == 1;
+    const int value = static_cast<int>(spec.default_value);
+    if (spec.choices != nullptr) {
+      list.addParam(RichEnum(name, value, readable(spec.choices).split('|'), label, spec.help, advanced));
+    } else if (is_switch(spec)) {
+      list.addParam(RichBool(name, value != 0, label, spec.help, advanced));
     } else {
-      list.addParam(RichFloat(name, Scalarm(spec.default_value), label, help, advanced));
+      list.addParam(RichInt(name, value, label, help, advanced));
     }
   }
 }
@@ -122,12 +123,10 @@ RichParameterList asymmetry_parameters(Scalarm diagonal) {
 OptionValues chosen_options(const RichParameterList &parameters) {
   OptionValues values;
   for (const isym_option_spec &spec : shown_options()) {
-    const bool whole = spec.is_integer == 1;
-    const double value = is_switch(spec) ? double(parameters.getBool(spec.name))
-                         : whole         ? double(parameters.getInt(spec.name))
-                                         : double(parameters.getFloat(spec.name));
-    const double default_value = whole ? spec.default_value : double(Scalarm(spec.default_value));
-    if (value != default_value) {
+    const double value = spec.choices != nullptr ? double(parameters.getEnum(spec.name))
+                         : is_switch(spec)       ? double(parameters.getBool(spec.name))
+                                                 : double(parameters.getInt(spec.name));
+    if (value != spec.default_value) {
       values.emplace_back(spec.name, value);
     }
   }

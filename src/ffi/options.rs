@@ -21,20 +21,22 @@ pub struct isym_option_spec {
     pub name: *const c_char,
     /// One sentence for dialogs, in English. Never freed.
     pub help: *const c_char,
-    /// Value used when none is set.
+    /// Names of the values from 0 on, with `|` between them; NULL where values have none. Never freed.
+    pub choices: *const c_char,
+    /// Value used when none is set. All values are whole numbers.
     pub default_value: f64,
-    /// Smallest accepted value.
+    /// Smallest accepted value but for the default.
     pub minimum: f64,
     /// Largest accepted value.
     pub maximum: f64,
-    /// 1 if only whole numbers are accepted, otherwise 0.
-    pub is_integer: i32,
+    /// 1 if only experts need it, otherwise 0.
+    pub is_expert: i32,
 }
 
 /// The table's texts as C reads them.
-static TEXTS: LazyLock<Vec<[CString; 2]>> = LazyLock::new(|| {
+static TEXTS: LazyLock<Vec<[CString; 3]>> = LazyLock::new(|| {
     let of = |text: &str| CString::new(text).unwrap_or_default();
-    OPTIONS.iter().map(|spec| [of(spec.name), of(spec.help)]).collect()
+    OPTIONS.iter().map(|spec| [of(spec.name), of(spec.help), of(&spec.choices.join("|"))]).collect()
 });
 
 /// The options of a handle, as they are now.
@@ -56,17 +58,18 @@ pub unsafe extern "C" fn isym_option_describe(index: usize, spec: *mut isym_opti
     boundary(|| {
         // SAFETY: the caller's one promise.
         let output = unsafe { Output::new(spec, 1, "spec") }?;
-        let Some((found, [name, help])) = OPTIONS.get(index).zip(TEXTS.get(index)) else {
+        let Some((found, [name, help, choices])) = OPTIONS.get(index).zip(TEXTS.get(index)) else {
             let message = format!("there is no option {index}, only {}", OPTIONS.len());
             return Err(Fault::new(ISYM_ERROR_INDEX, message));
         };
         output.write(&[isym_option_spec {
             name: name.as_ptr(),
             help: help.as_ptr(),
+            choices: if choices.is_empty() { std::ptr::null() } else { choices.as_ptr() },
             default_value: found.default as f64,
             minimum: found.minimum as f64,
             maximum: found.maximum as f64,
-            is_integer: 1,
+            is_expert: i32::from(found.expert),
         }]);
         Ok(())
     })

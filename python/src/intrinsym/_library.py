@@ -44,10 +44,11 @@ class OptionSpecStruct(ctypes.Structure):
     _fields_ = [
         ("name", ctypes.c_char_p),
         ("help", ctypes.c_char_p),
+        ("choices", ctypes.c_char_p),
         ("default_value", ctypes.c_double),
         ("minimum", ctypes.c_double),
         ("maximum", ctypes.c_double),
-        ("is_integer", ctypes.c_int32),
+        ("is_expert", ctypes.c_int32),
     ]
 
 

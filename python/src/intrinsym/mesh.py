@@ -111,11 +111,11 @@ class Mesh:
         model: str | os.PathLike[str] | None = None,
         known_signs: ArrayLike | None = None,
         previous: Detection | Symmetry | None = None,
-        **options: float,
+        **options: float | str,
     ) -> Detection:
         """Finds the intrinsic symmetries, the best first; none found is an empty Detection and no error.
 
-        ``options``: those of :func:`intrinsym.option_specs`, such as ``eigenfunctions=50`` or ``symmetries=4``.
+        ``options``: those of :func:`intrinsym.option_specs`, such as ``effort="thorough"`` or ``symmetries=4``.
         ``model``: file of a sign network of your own (ONNX); it is trusted input. ``known_signs``: what a person
         knows of the first functions of :meth:`eigen`, 1 even, -1 odd, 0 unknown; they overrule the network.
         ``previous``: what was found on a mesh with the same connectivity and other positions, or a restored Symmetry.

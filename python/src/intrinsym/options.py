@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from . import _arrays
 from ._handles import Handle, new_handle
 from ._library import LIBRARY, OptionSpecStruct
+from .errors import OptionError
 
 
 @dataclass(frozen=True)
@@ -22,14 +23,16 @@ class OptionSpec:
     name: str
     #: One sentence, in English.
     help: str
+    #: Names of the values from 0 on, which may be given in their place; empty where values have none.
+    choices: tuple[str, ...]
     #: Value used when none is given.
-    default: float
-    #: Smallest accepted value.
-    minimum: float
+    default: int
+    #: Smallest accepted value but for the default.
+    minimum: int
     #: Largest accepted value.
-    maximum: float
-    #: Whether only whole numbers are accepted.
-    is_integer: bool
+    maximum: int
+    #: Whether only experts need it.
+    is_expert: bool
 
 
 def option_specs() -> list[OptionSpec]:
@@ -40,26 +43,37 @@ def option_specs() -> list[OptionSpec]:
 def _describe(index: int) -> OptionSpec:
     found = OptionSpecStruct()
     LIBRARY.isym_option_describe(index, ctypes.byref(found))
-    number = int if found.is_integer else float
     return OptionSpec(
         name=found.name.decode(),
         help=found.help.decode(),
-        default=number(found.default_value),
-        minimum=number(found.minimum),
-        maximum=number(found.maximum),
-        is_integer=bool(found.is_integer),
+        choices=tuple(found.choices.decode().split("|")) if found.choices else (),
+        default=int(found.default_value),
+        minimum=int(found.minimum),
+        maximum=int(found.maximum),
+        is_expert=bool(found.is_expert),
     )
 
 
+def _number(name: str, value: float | str) -> float:
+    """A value, or the number of a choice that is named."""
+    if not isinstance(value, str):
+        return float(value)
+    choices = next((spec.choices for spec in option_specs() if spec.name == name), ())
+    if value not in choices:
+        known = f"one of {', '.join(choices)}" if choices else "a number"
+        raise OptionError(f"option {name}: {value!r} is not {known}")
+    return float(choices.index(value))
+
+
 def options_handle(
-    options: dict[str, float],
+    options: dict[str, float | str],
     model: str | os.PathLike[str] | None,
     known_signs: ArrayLike | None,
 ) -> Handle:
     """The library's set of options. Raises OptionError as the library finds them wrong."""
     handle = new_handle("options", LIBRARY.isym_options_new)
     for name, value in options.items():
-        LIBRARY.isym_options_set(handle.pointer, name.encode(), float(value))
+        LIBRARY.isym_options_set(handle.pointer, name.encode(), _number(name, value))
     if model is not None:
         LIBRARY.isym_options_set_model(handle.pointer, os.fsencode(model))
     if known_signs is not None:

@@ -1,9 +1,10 @@
 //! What may be typed. Numeric options come from the table that every host shares.
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command as ClapCommand, FromArgMatches, Parser, Subcommand};
 use intrinsym::limits::Limits;
-use intrinsym::options::{OPTIONS, Options};
+use intrinsym::options::{OPTIONS, OptionSpec, Options};
 use intrinsym::picture::Up;
 use std::path::PathBuf;
 
@@ -197,12 +198,22 @@ pub struct NumericOptions {
 impl Args for NumericOptions {
     fn augment_args(command: ClapCommand) -> ClapCommand {
         command.args(OPTIONS.iter().map(|spec| {
-            Arg::new(spec.name)
-                .long(spec.name.replace('_', "-"))
-                .value_name("N")
-                .default_value(spec.default.to_string())
-                .value_parser(clap::value_parser!(u64).range(spec.minimum as u64..=spec.maximum as u64))
-                .help(format!("{} Range {}..={}", spec.help, spec.minimum, spec.maximum))
+            let flag = Arg::new(spec.name).long(spec.name.replace('_', "-"));
+            let flag = if spec.expert { flag.help_heading("For experts") } else { flag };
+            match spec.choices {
+                [] => flag
+                    .value_name("N")
+                    .default_value(spec.default.to_string())
+                    .value_parser(|text: &str| number(text, spec))
+                    .help(format!("{} Range {}..={}", spec.help, spec.minimum, spec.maximum)),
+                choices => {
+                    let index = |name: String| choices.iter().position(|&own| own == name).unwrap_or_default() as u64;
+                    flag.value_name("HOW")
+                        .default_value(choices[spec.default])
+                        .value_parser(PossibleValuesParser::new(choices).map(index))
+                        .help(spec.help)
+                }
+            }
         }))
     }
 
@@ -228,6 +239,13 @@ impl FromArgMatches for NumericOptions {
         self.threads_given = matches.value_source("threads") == Some(ValueSource::CommandLine);
         Ok(())
     }
+}
+
+/// A value of an option in its range, or its default.
+fn number(text: &str, spec: &OptionSpec) -> Result<u64, String> {
+    let value: u64 = text.parse().map_err(|error| format!("{error}"))?;
+    let fits = value == spec.default as u64 || (spec.minimum as u64..=spec.maximum as u64).contains(&value);
+    fits.then_some(value).ok_or_else(|| format!("{value} is not in {}..={}", spec.minimum, spec.maximum))
 }
 
 fn ply_path(text: &str) -> Result<PathBuf, String> {
@@ -279,14 +297,17 @@ mod tests {
     fn options_come_from_the_shared_table() {
         for spec in &OPTIONS {
             let flag = format!("--{}", spec.name.replace('_', "-"));
+            let named = |value: usize| spec.choices.get(value).map_or_else(|| value.to_string(), |&name| name.into());
             let parse = |value: usize| {
-                Arguments::try_parse_from(["intrinsym", "detect", "in.ply", &flag, &value.to_string()])
+                Arguments::try_parse_from(["intrinsym", "detect", "in.ply", &flag, &named(value)])
             };
             let Command::Detect(detect) = parse(spec.maximum).unwrap().command else { unreachable!() };
             let mut expected = Options::default();
             expected.set(spec.name, spec.maximum).unwrap();
             assert_eq!(detect.options(), expected);
-            assert!(parse(spec.maximum + 1).is_err() && parse(spec.minimum.wrapping_sub(1)).is_err());
+            assert!(parse(spec.maximum + 1).is_err());
+            let below = spec.minimum.wrapping_sub(1);
+            assert_eq!(parse(below).is_err(), below != spec.default, "{}", spec.name);
         }
     }
 
