@@ -126,9 +126,9 @@ def write_reference(path: Path, design: Design, parameters, statistics) -> None:
 
 
 def weights_of(model: onnx.ModelProto) -> bytes:
-    """Each layer's weight (in, out) row by row and its bias, in little-endian float32: the model's arrays that are not scalars."""
-    arrays = [constant for constant in model.graph.initializer if constant.data_type == TensorProto.FLOAT and constant.dims]
-    return b"".join(numpy_helper.to_array(array).astype("<f4").tobytes() for array in arrays)
+    """Each layer's weight (in, out) row by row and its bias, in little-endian float32: the arrays of more than one number."""
+    arrays = map(numpy_helper.to_array, model.graph.initializer)
+    return b"".join(array.astype("<f4").tobytes() for array in arrays if array.size > 1)
 
 
 def write_model(model: onnx.ModelProto, out: Path) -> None:

@@ -10,6 +10,9 @@ TRAIN_PYTHON = $(TRAIN_OUT)/venv/bin/python
 # One thread each: the two workers below fill two cores, and results do not depend on the number of cores.
 TRAIN_ENVIRONMENT = OMP_NUM_THREADS=1 PYTHONHASHSEED=0
 
+# The library inside the onnxruntime wheel, for models of one's own.
+ONNX_RUNTIME = $(abspath $(TRAIN_OUT))/venv/lib/python3*/site-packages/onnxruntime/capi/libonnxruntime.so.*
+
 train-setup: $(TRAIN_OUT)/venv/.ready
 
 $(TRAIN_OUT)/venv/.ready: training/requirements.txt training/requirements-data.txt evaluation/requirements.txt
@@ -19,7 +22,7 @@ $(TRAIN_OUT)/venv/.ready: training/requirements.txt training/requirements-data.t
 	touch $@
 
 $(TRAIN_OUT)/data.ready: $(TRAIN_OUT)/venv/.ready
-	cargo build --release --locked --no-default-features --features cli
+	cargo build --release --locked --bin intrinsym
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.dataset --count $(TRAIN_SHAPES) --seed $(TRAIN_SEED)001 --jobs 2 --out $(TRAIN_OUT)/train.npz
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.dataset --count 300 --seed $(TRAIN_SEED)002 --jobs 2 --out $(TRAIN_OUT)/calibration.npz
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.dataset --count 500 --seed $(TRAIN_SEED)003 --jobs 2 --out $(TRAIN_OUT)/test.npz
@@ -33,8 +36,9 @@ train: $(TRAIN_OUT)/data.ready ## Make the sign network from nothing (under 30 m
 train-evaluate: $(TRAIN_OUT)/venv/.ready ## Measure the shipped sign network on the public benchmark at $$SCB_DATA
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.evaluate models/signnet.onnx --benchmark "$$SCB_DATA" --cache $(TRAIN_OUT)/benchmark
 
-train-test: $(TRAIN_OUT)/venv/.ready ## Test training (a tiny run, no downloads beyond the environment) and evaluation
+train-test: $(TRAIN_OUT)/venv/.ready ## Test training (a tiny run, no downloads beyond the environment) and evaluation, and models of one's own
 	cargo build --release --locked --bin intrinsym
+	ORT_DYLIB_PATH=$$(echo $(ONNX_RUNTIME)) cargo test --release --locked --test sign_network -- --ignored
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m pytest -q training/tests evaluation/tests
 
 design-table: $(TRAIN_OUT)/data.ready ## Train and measure the designs that the paper compares

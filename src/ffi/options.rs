@@ -126,7 +126,8 @@ pub unsafe extern "C" fn isym_options_get(
 }
 
 /// Takes a sign network (ONNX) of your own instead of the embedded one; it is trusted input. `path` is UTF-8;
-/// an empty text takes the embedded one again. Whether it can be used shows when it is: `ISYM_ERROR_MODEL`.
+/// an empty text takes the embedded one again. It runs in the ONNX Runtime library (1.24 or newer) that the
+/// environment variable `ORT_DYLIB_PATH` names. Whether it can be used shows when it is: `ISYM_ERROR_MODEL`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_options_set_model(
     options: *mut isym_options,

@@ -15,6 +15,15 @@ const WIDTHS: [usize; 6] = [REFERENCES + 1, 48, 96, 192, 64, 3];
 /// Of each layer the weights, input by input, then the biases: little-endian `f32` (`training/export.py`).
 const WEIGHTS: &[u8] = include_bytes!("../../models/signnet.weights");
 
+const _: () = {
+    let (mut count, mut layer) = (0, 0);
+    while layer + 1 < WIDTHS.len() {
+        count += (WIDTHS[layer] + 1) * WIDTHS[layer + 1];
+        layer += 1;
+    }
+    assert!(WEIGHTS.len() == 4 * count);
+};
+
 /// One linear layer.
 #[derive(Debug)]
 struct Layer {

@@ -44,6 +44,18 @@ fn a_missing_file_is_named() {
 }
 
 #[test]
+#[cfg(feature = "onnx")]
+fn a_model_of_ones_own_needs_onnx_runtime() {
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/signnet.onnx");
+    let arguments = ["detect".into(), example("quadruped.ply"), "--model".into(), model];
+    let output = command().args(arguments).env("ORT_DYLIB_PATH", "no/such/library.so").output().unwrap();
+    assert_eq!(output.status.code(), FAILED);
+    for expected in ["signnet.onnx", "no/such/library.so", "set ORT_DYLIB_PATH to"] {
+        assert!(stderr(&output).contains(expected), "{}", stderr(&output));
+    }
+}
+
+#[test]
 fn a_bad_mesh_names_the_file_and_the_element() {
     let path = folder("bad").join("index.off");
     std::fs::write(&path, "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 7\n").unwrap();

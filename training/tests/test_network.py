@@ -67,7 +67,7 @@ def test_exported_model_equals_the_framework(tmp_path, monkeypatch, trained):
         digest, name = line.split()
         assert hashlib.sha256((tmp_path / name).read_bytes()).hexdigest() == digest
     weights = np.fromfile(tmp_path / "net.weights", "<f4")
-    assert len(weights) == network.parameter_count(trained[0]) - 2 * 8  # the head's scale is folded in
+    assert len(weights) == network.parameter_count(trained[0]) - (8 + 16 + 8)  # the scales are folded in
     session = onnxruntime.InferenceSession(tmp_path / "net.onnx")
     assert session.get_inputs()[0].shape == [12, 128, 4] and session.get_outputs()[0].shape == [12, 3]
 

@@ -74,7 +74,8 @@ pub struct Detect {
     #[arg(long, value_enum, value_name = "WHEN", default_value = "auto")]
     pub colors: Colors,
 
-    /// Use this sign network (ONNX) instead of the built-in one; trusted input
+    /// Use this sign network (ONNX) instead of the built-in one; trusted input, run by the ONNX Runtime library that
+    /// ORT_DYLIB_PATH names (1.24 or newer)
     #[arg(long, value_name = "MODEL.onnx")]
     pub model: Option<PathBuf>,
 
