@@ -1,6 +1,6 @@
 //! The bijection by connectivity on the shipped examples, whose mirror tables are the truth.
 
-use intrinsym::automorphism::{Automorphism, find};
+use intrinsym::automorphism::{Automorphism, Connectivity, LengthChange, find};
 use intrinsym::limits::Limits;
 use intrinsym::mesh::half_edges::HalfEdges;
 use intrinsym::mesh::{Mesh, NONE, io};
@@ -115,4 +115,49 @@ fn shapes_without_mirrored_connectivity_have_no_match() {
             None
         );
     }
+}
+
+#[test]
+fn half_edges_are_made_only_where_colours_repeat() {
+    let quiet = Progress::default();
+    for name in ["quadruped", "blob"] {
+        assert!(Connectivity::of(&Example::read_mesh(name)).unwrap().is_none(), "{name}");
+    }
+    for name in ["human", "human_shells"] {
+        let mut connectivity = Connectivity::of(&Example::read_mesh(name)).unwrap().expect(name);
+        assert!(connectivity.find_unrivalled(&quiet).unwrap().is_some(), "{name}");
+    }
+    // A body beside a creature that is meshed apart.
+    let (human, mut other) = (Example::read_mesh("human"), Example::read_mesh("quadruped"));
+    let count = human.positions.len() as u32;
+    let shift = other.positions.len() as u32;
+    other.positions.extend(&human.positions);
+    let last = *other.polygon_offsets.last().unwrap();
+    other.polygon_points.extend(human.polygon_points.iter().map(|point| point + shift));
+    other.polygon_offsets.extend(human.polygon_offsets[1..].iter().map(|offset| offset + last));
+    other.shell_of_point.extend(vec![1; count as usize]);
+    other.shell_count = 2;
+    let found = Connectivity::of(&other).unwrap().unwrap().find_unrivalled(&quiet).unwrap().unwrap();
+    assert_eq!(found.covered, count as usize);
+    assert!(!found.complete, "nothing was sought on the creature");
+}
+
+#[test]
+fn lengths_say_whether_the_shape_agrees() {
+    let mut human = Example::read("human");
+    let found = human.find(&vec![NONE; human.truth.len()]).unwrap();
+    let change = |mesh: &Mesh| LengthChange::of(mesh, &found).unwrap();
+    assert!(change(&human.mesh).agrees(), "{:?}", change(&human.mesh));
+    let sheared = |position: &[f64; 3]| [position[0] + 0.4 * position[1], position[1], position[2]];
+    let rest = human.mesh.positions.clone();
+    human.mesh.positions = rest.iter().map(sheared).collect();
+    assert!(!change(&human.mesh).agrees(), "sheared: {:?}", change(&human.mesh));
+    // Every third vertex of one side is moved.
+    let is_moved = |point: usize| point % 3 == 0 && found.partner[point] < point as u32;
+    let moved =
+        |(point, p): (usize, &[f64; 3])| if is_moved(point) { p.map(|x| 1.01 * x + 0.01) } else { *p };
+    human.mesh.positions = rest.iter().enumerate().map(moved).collect();
+    assert!(!change(&human.mesh).agrees(), "rough: {:?}", change(&human.mesh));
+    let nothing = Automorphism { partner: vec![NONE; rest.len()], ..found.clone() };
+    assert_eq!(LengthChange::of(&human.mesh, &nothing), None);
 }

@@ -1,8 +1,8 @@
 //! Where images are thought to be: the estimate, and after pairing the estimate moved.
 
 use super::percolation::Pairing;
-use super::surroundings::Surroundings;
-use super::{Estimate, MirroredVertices};
+use super::{Estimate, MirroredVertices, image_position};
+use crate::adjacency::Adjacency;
 use crate::embedded_triangles::{Fans, TrianglePoint, TriangleProducts, nearest_in_triangle};
 use crate::mesh::vector::{Vector, dot, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE};
@@ -22,16 +22,10 @@ pub(super) struct Places {
 
 impl Places {
     pub fn new(mesh: &Mesh, estimate: &Estimate) -> Places {
-        let position = |inside: &TrianglePoint| {
-            let corners =
-                mesh.triangles[inside.triangle as usize].map(|corner| mesh.positions[corner as usize]);
-            std::array::from_fn(|axis| {
-                (0..3).map(|k| f64::from(inside.barycentric[k]) * corners[k][axis]).sum()
-            })
-        };
+        let position = |point: u32| image_position(mesh, estimate, point);
         Places {
             vertex: estimate.partner.to_vec(),
-            position: estimate.image.iter().map(position).collect(),
+            position: (0..estimate.image.len() as u32).map(position).collect(),
             moved: vec![None; estimate.image.len()],
         }
     }
@@ -60,8 +54,12 @@ impl Places {
                 self.moved[point as usize] = Some(correction);
                 let place = &mut self.position[point as usize];
                 (0..3).for_each(|axis| place[axis] += correction[axis]);
-                self.vertex[point as usize] =
-                    descend(pairing.around, self.vertex[neighbour as usize], *place);
+                self.vertex[point as usize] = descend(
+                    pairing.around.mesh,
+                    &pairing.around.edges,
+                    self.vertex[neighbour as usize],
+                    *place,
+                );
             }
             front = next;
         }
@@ -105,12 +103,12 @@ fn correction(pairing: &Pairing, moved: &[Option<Vector>], point: u32) -> (Vecto
 }
 
 /// The vertex nearest to a position that is reached from `vertex` along edges, always nearer.
-pub(super) fn descend(around: &Surroundings, mut vertex: u32, position: Vector) -> u32 {
-    let distance = |vertex: u32| squared_norm(subtract(around.mesh.positions[vertex as usize], position));
+pub(super) fn descend(mesh: &Mesh, edges: &Adjacency, mut vertex: u32, position: Vector) -> u32 {
+    let distance = |vertex: u32| squared_norm(subtract(mesh.positions[vertex as usize], position));
     let mut least = distance(vertex);
     loop {
         let from = vertex;
-        for &near in around.edges.of(from as usize) {
+        for &near in edges.of(from as usize) {
             let there = distance(near);
             if there < least {
                 (vertex, least) = (near, there);

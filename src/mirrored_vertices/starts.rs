@@ -12,7 +12,7 @@ const REGIONS: usize = 80;
 const LOOKS: usize = 16;
 const STARTS: usize = 4;
 /// Largest mean distance between the moved estimate and vertices, in edges, at a start, and of a vertex that it pairs.
-const START_MISS: f64 = 0.2;
+pub(super) const START_MISS: f64 = 0.2;
 const VERTEX_MISS: f64 = 0.3;
 /// What moving the estimate by an edge costs a start, in miss: on a grid all fit, and the nearer are likelier.
 const SHIFT: f64 = 0.02;
@@ -84,7 +84,7 @@ fn starts_at(around: &Surroundings, places: &Places, vertex: u32) -> Vec<Start> 
         let mut start = Start { miss: 0.0, pairs: vec![(vertex, centre)] };
         for &(near, offset) in &offsets {
             let wanted: Vector = std::array::from_fn(|axis| origin[axis] + offset[axis]);
-            let image = descend(around, centre, wanted);
+            let image = descend(around.mesh, &around.edges, centre, wanted);
             let miss = squared_norm(subtract(positions[image as usize], wanted)).sqrt() / edge;
             start.miss += miss.min(1.0) / offsets.len() as f64;
             if start.miss >= START_MISS {
