@@ -10,12 +10,11 @@ mod shift_invert;
 
 use crate::dense::symmetric_eigen;
 use crate::error::Result;
-use crate::laplacian::{IntrinsicSurface, SymmetricSparse};
+use crate::laplacian::IntrinsicSurface;
 use crate::progress::Progress;
 use crate::sparse_cholesky::Analysis;
-use crate::threads;
 use faer::Mat;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 /// Makes `stiffness + SHIFT * mass` positive definite, on a surface of unit area.
 const SHIFT: f64 = 10.0;
@@ -23,8 +22,6 @@ const SHIFT: f64 = 10.0;
 const TOLERANCE: f64 = 1e-7;
 /// Below this many vertices the dense solver is used.
 const DENSE_LIMIT: usize = 300;
-/// Columns that are written at once: a row's numbers in one cache line.
-const COLUMNS: usize = 8;
 
 /// How near to the exact eigenpairs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,13 +33,24 @@ pub enum Accuracy {
 }
 
 /// Approximate eigenpairs on the way, the constant included.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 struct RitzPairs {
     /// Eigenvalues of the Laplacian, ascending.
     values: Vec<f64>,
-    /// size x width, row by row.
-    vectors: Vec<f64>,
-    width: usize,
+    /// size x width.
+    vectors: Mat<f64>,
+}
+
+impl RitzPairs {
+    /// The functions row by row.
+    fn rows(&self) -> Vec<f32> {
+        let width = self.vectors.ncols();
+        let mut rows = vec![0.0; self.vectors.nrows() * width];
+        for (j, column) in self.vectors.col_iter().enumerate() {
+            rows[j..].iter_mut().step_by(width).zip(column.iter()).for_each(|(row, value)| *row = *value as f32);
+        }
+        rows
+    }
 }
 
 /// The lowest eigenpairs, the constant function left out.
@@ -92,7 +100,7 @@ impl Eigenbasis {
         } else {
             sparse_eigenpairs(surface, count + 1, accuracy, threads, progress)?
         };
-        let mut basis = Eigenbasis::of(&pairs, count, threads);
+        let mut basis = Eigenbasis::of(&pairs, count);
         if accuracy == Accuracy::Full {
             basis.residuals = residuals(surface, &basis);
         }
@@ -111,30 +119,14 @@ impl Eigenbasis {
         threads: usize,
         progress: &Progress,
     ) -> Result<Eigenbasis> {
-        let (stiffness, mass) = (&surface.stiffness, &surface.lumped_mass);
-        let analysis = start.analysis(stiffness)?;
-        let functions = start.functions.as_ref();
-        let pairs = nested_iteration::continued(analysis, stiffness, mass, functions, threads, progress)?;
-        Ok(Eigenbasis::of(&pairs, count, threads))
+        start.share_analysis(surface)?;
+        let pairs = nested_iteration::continued(surface, start.functions.as_ref(), threads, progress)?;
+        Ok(Eigenbasis::of(&pairs, count))
     }
 
-    fn of(pairs: &RitzPairs, count: usize, threads: usize) -> Eigenbasis {
-        let size = pairs.vectors.len() / pairs.width;
-        let mut eigenfunctions = Mat::zeros(size, count);
-        let (mut rest, mut parts) = (eigenfunctions.as_mut(), Vec::new());
-        for first in (0..count).step_by(COLUMNS) {
-            let (part, others) = rest.split_at_col_mut(COLUMNS.min(count - first));
-            parts.push((first, part));
-            rest = others;
-        }
-        threads::map(threads, parts, |(first, mut part)| {
-            for (i, row) in pairs.vectors.chunks_exact(pairs.width).enumerate() {
-                for (j, &value) in row[first + 1..][..part.ncols()].iter().enumerate() {
-                    part[(i, j)] = value;
-                }
-            }
-        });
+    fn of(pairs: &RitzPairs, count: usize) -> Eigenbasis {
         let eigenvalues = pairs.values[1..=count].iter().map(|value| value.max(0.0)).collect();
+        let eigenfunctions = pairs.vectors.subcols(1, count).to_owned();
         Eigenbasis { eigenvalues, eigenfunctions, residuals: Vec::new() }
     }
 
@@ -168,7 +160,7 @@ impl Eigenbasis {
 pub struct Start {
     /// vertices x functions, the constant left out.
     functions: Mat<f32>,
-    analysis: OnceLock<Analysis>,
+    analysis: OnceLock<Arc<Analysis>>,
 }
 
 impl Start {
@@ -188,12 +180,13 @@ impl Start {
         nested_iteration::width(count + 1) - 1
     }
 
-    fn analysis(&self, stiffness: &SymmetricSparse) -> Result<&Analysis> {
-        if let Some(analysis) = self.analysis.get() {
-            return Ok(analysis);
+    /// One analysis for all shapes.
+    fn share_analysis(&self, surface: &IntrinsicSurface) -> Result<()> {
+        match self.analysis.get() {
+            Some(analysis) => surface.set_analysis(analysis),
+            None => drop(self.analysis.set(surface.analysis()?.clone())),
         }
-        let analysis = Analysis::new(stiffness)?;
-        Ok(self.analysis.get_or_init(|| analysis))
+        Ok(())
     }
 }
 
@@ -208,9 +201,8 @@ fn dense_eigenpairs(surface: &IntrinsicSurface, count: usize) -> Result<RitzPair
         }
     }
     let (values, vectors) = symmetric_eigen(matrix.as_ref())?;
-    let row = |i: usize| (0..count).map(move |j| (i, j));
-    let vectors = (0..size).flat_map(row).map(|(i, j)| vectors[(i, j)] * scale[i]).collect();
-    Ok(RitzPairs { values: values[..count].to_vec(), vectors, width: count })
+    let vectors = Mat::from_fn(size, count, |i, j| vectors[(i, j)] * scale[i]);
+    Ok(RitzPairs { values: values[..count].to_vec(), vectors })
 }
 
 fn sparse_eigenpairs(
@@ -220,10 +212,11 @@ fn sparse_eigenpairs(
     threads: usize,
     progress: &Progress,
 ) -> Result<RitzPairs> {
-    let (stiffness, mass) = (&surface.stiffness, &surface.lumped_mass);
     match accuracy {
-        Accuracy::Full => lanczos::eigenpairs(stiffness, mass, count, TOLERANCE, progress),
-        Accuracy::Map => nested_iteration::eigenpairs(stiffness, mass, count, threads, progress),
+        Accuracy::Full => {
+            lanczos::eigenpairs(&surface.stiffness, &surface.lumped_mass, count, TOLERANCE, progress)
+        }
+        Accuracy::Map => nested_iteration::eigenpairs(surface, count, threads, progress),
     }
 }
 

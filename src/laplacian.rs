@@ -8,7 +8,10 @@
 
 mod mean_curvature;
 
+use crate::error::Result;
 use crate::mesh::Shell;
+use crate::sparse_cholesky::Analysis;
+use std::sync::{Arc, OnceLock};
 
 /// Relative slack of the mollified triangle inequalities, in mean edge lengths.
 const MOLLIFICATION: f64 = 1e-5;
@@ -62,6 +65,8 @@ pub struct IntrinsicSurface {
     pub mean_curvature: Vec<Vec<f64>>,
     /// Whether "clockwise" means the same on the whole shell.
     pub orientable: bool,
+    /// Made when it is first asked for.
+    analysis: OnceLock<Arc<Analysis>>,
 }
 
 impl IntrinsicSurface {
@@ -90,6 +95,7 @@ impl IntrinsicSurface {
             stiffness,
             lumped_mass,
             orientable: shell.orientable,
+            analysis: OnceLock::new(),
         }
     }
 
@@ -98,6 +104,22 @@ impl IntrinsicSurface {
         let mut surface = IntrinsicSurface::new(shell);
         surface.mean_curvature = mean_curvature::channels(shell, &surface.stiffness, &surface.lumped_mass);
         surface
+    }
+
+    /// The order in which the stiffness and all matrices of its sparsity are factorised, made once.
+    ///
+    /// # Errors
+    /// [`crate::Error::Internal`] if the factor has too many entries for 32-bit indices.
+    pub fn analysis(&self) -> Result<&Arc<Analysis>> {
+        if self.analysis.get().is_none() {
+            self.set_analysis(&Arc::new(Analysis::new(&self.stiffness)?));
+        }
+        Ok(self.analysis.get().expect("it was made"))
+    }
+
+    /// Takes over the analysis of another shape of the same connectivity, if there is none yet.
+    pub(crate) fn set_analysis(&self, analysis: &Arc<Analysis>) {
+        self.analysis.get_or_init(|| analysis.clone());
     }
 
     /// Number of vertices.

@@ -28,7 +28,6 @@ use crate::laplacian::IntrinsicSurface;
 use crate::mesh::Shell;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
 use crate::progress::CancelToken;
-use crate::sparse_cholesky::Analysis;
 use crate::symmetry_kind::SymmetryKind;
 use crate::threads;
 use mapped::{Disc, Mapped};
@@ -92,14 +91,14 @@ pub fn fit(
     if turned {
         turned_parts::right(&mut mapped, mirrored, threads, token)?;
     }
-    let analysis = Analysis::new(&surface.stiffness)?;
+    let analysis = surface.analysis()?;
     let mut disagreement = None;
     for (radius, count) in PASSES {
         let discs = discs(&mapped, radius, count, threads, token)?;
         let parts = parts(&mapped, &discs, radius, mirrored, threads, token)?;
         let agreed = agreed(&mapped, &parts);
         disagreement = disagreement.or_else(|| Some(median_disagreement(&mapped, &parts, &agreed)));
-        let goals = blending::goals(&mapped, surface, &analysis, &parts, &agreed)?;
+        let goals = blending::goals(&mapped, surface, analysis, &parts, &agreed)?;
         let project = |range: Range<usize>| -> Vec<(u32, TrianglePoint)> {
             range.map(|vertex| mapped.nearest(vertex, goals[vertex])).collect()
         };

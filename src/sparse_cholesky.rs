@@ -4,7 +4,7 @@
 //! Ordering (approximate minimum degree: P. Amestoy, T. Davis, I. Duff, 1996), analysis and numeric factorisation
 //! (supernodal: E. Ng, B. Peyton, "Block Sparse Cholesky Algorithms on Advanced Uniprocessor Computers", 1993) are
 //! faer's. The solve is ours: right-hand sides lie row by row, so that one entry of L meets a whole vector register
-//! of them, and each supernode's panel is read once, in order.
+//! of them, and each supernode's panel is read once, in order. In single or double precision.
 
 use crate::error::{Error, Result};
 use crate::laplacian::SymmetricSparse;
@@ -16,8 +16,9 @@ use faer::sparse::linalg::cholesky::{
     factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::traits::{ComplexField, RealField};
 use faer::{Par, Side};
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Arch, Simd, WithSimd, bytemuck};
 
 /// The order of elimination and the structure of L: all that depends on the sparsity alone.
 #[derive(Debug)]
@@ -29,20 +30,26 @@ pub struct Analysis {
     pub order: Vec<u32>,
 }
 
+/// Single or double precision.
+pub trait Scalar: RealField + Copy + bytemuck::Pod {}
+
+impl Scalar for f32 {}
+impl Scalar for f64 {}
+
 /// The factor, with its rows and columns in the order of elimination.
-pub struct Factor<'a> {
+pub struct Factor<'a, T> {
     analysis: &'a Analysis,
     /// Each supernode's panel row by row, rows x columns; the diagonal inverted, all else negated.
-    panels: Vec<f64>,
+    panels: Vec<T>,
 }
 
 /// One supernode: columns `start..start + columns` of L.
-struct Supernode<'a> {
+struct Supernode<'a, T> {
     start: usize,
     columns: usize,
     /// Rows of the panel below its diagonal block.
     below: &'a [u32],
-    panel: &'a [f64],
+    panel: &'a [T],
 }
 
 impl Analysis {
@@ -81,21 +88,26 @@ impl Analysis {
     ///
     /// # Errors
     /// [`Error::Internal`] if the sum is not positive definite.
-    pub fn factorise(&self, matrix: &SymmetricSparse, shift: f64, scale: &[f64]) -> Result<Factor<'_>> {
+    pub fn factorise<T: Scalar>(
+        &self,
+        matrix: &SymmetricSparse,
+        shift: f64,
+        scale: &[f64],
+    ) -> Result<Factor<'_, T>> {
         let size = self.size();
         let mut values = Vec::with_capacity(self.rows.len());
         for i in 0..size {
             let lower = matrix.row(i).filter(|(j, _)| *j <= i);
             values.extend(lower.map(|(j, value)| {
                 let value = value / (scale[i] * scale[j]);
-                if i == j { value + shift } else { value }
+                T::from_f64_impl(if i == j { value + shift } else { value })
             }));
         }
         let pattern =
             SymbolicSparseColMatRef::new_checked(size, size, &self.column_offsets, None, &self.rows);
         let sparse = SparseColMatRef::new(pattern, values.as_slice());
-        let mut panels = vec![0.0; self.symbolic.len_val()];
-        let scratch = self.symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let mut panels = vec![T::zero_impl(); self.symbolic.len_val()];
+        let scratch = self.symbolic.factorize_numeric_llt_scratch::<T>(Par::Seq, Default::default());
         let mut memory = MemBuffer::new(scratch);
         self.symbolic
             .factorize_numeric_llt(
@@ -140,7 +152,7 @@ impl Analysis {
     }
 }
 
-impl Factor<'_> {
+impl<T: Scalar> Factor<'_, T> {
     /// From faer's panels, column by column, to ours.
     fn turn_panels(&mut self) {
         let mut column_major = Vec::new();
@@ -153,13 +165,13 @@ impl Factor<'_> {
             for (r, row) in panel.chunks_exact_mut(columns).enumerate() {
                 for (c, value) in row.iter_mut().enumerate() {
                     let entry = column_major[c * rows + r];
-                    *value = if r == c { entry.recip() } else { -entry };
+                    *value = if r == c { T::recip_impl(&entry) } else { -entry };
                 }
             }
         }
     }
 
-    fn supernode(&self, index: usize) -> Supernode<'_> {
+    fn supernode(&self, index: usize) -> Supernode<'_, T> {
         let (start, columns, below, offset) = self.analysis.supernode(index);
         let panel = &self.panels[offset..offset + (columns + below.len()) * columns];
         Supernode { start, columns, below, panel }
@@ -172,42 +184,44 @@ impl Factor<'_> {
 
     /// Solves in place for `width` right-hand sides: `block` is size x width row by row, its rows in the order of
     /// elimination ([`Analysis::order`]). O(entries of L x width).
-    pub fn solve(&self, block: &mut [f64], width: usize) {
+    pub fn solve(&self, block: &mut [T], width: usize) {
         assert!(block.len() == width * self.analysis.size());
         Arch::new().dispatch(Solve { factor: self, block, width });
     }
 }
 
 /// Vector registers of right-hand sides that are solved together.
-const REGISTERS: usize = 4;
+const REGISTERS: usize = 2;
+/// Rows or columns of a panel that meet them together.
+const GROUP: usize = 4;
 
 /// One row of a few right-hand sides.
-type Row<S> = [<S as Simd>::f64s; REGISTERS];
+type Row<T, S> = [<T as ComplexField>::SimdVec<S>; REGISTERS];
 
 /// The solve as an operation that is compiled for each instruction set and chosen at run time.
-struct Solve<'a> {
-    factor: &'a Factor<'a>,
-    block: &'a mut [f64],
+struct Solve<'a, T> {
+    factor: &'a Factor<'a, T>,
+    block: &'a mut [T],
     width: usize,
 }
 
-impl WithSimd for Solve<'_> {
+impl<T: Scalar> WithSimd for Solve<'_, T> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let lanes = REGISTERS * S::F64_LANES;
+        let lanes = size_of::<Row<T, S>>() / size_of::<T>();
         if self.width == lanes {
-            return solve_columns(simd, self.factor, S::as_mut_simd_f64s(self.block).0.as_chunks_mut().0);
+            return solve_columns(simd, self.factor, bytemuck::cast_slice_mut(self.block));
         }
         // Columns are solved a few at a time in a block of their own: fewer cache lines than in the wide one.
-        let mut columns = vec![0.0; self.factor.analysis.size() * lanes];
+        let mut columns = vec![T::zero_impl(); self.factor.analysis.size() * lanes];
         for first in (0..self.width).step_by(lanes) {
             let taken = first..self.width.min(first + lanes);
             for (narrow, wide) in columns.chunks_exact_mut(lanes).zip(self.block.chunks_exact(self.width)) {
                 narrow[..taken.len()].copy_from_slice(&wide[taken.clone()]);
             }
-            solve_columns(simd, self.factor, S::as_mut_simd_f64s(&mut columns).0.as_chunks_mut().0);
+            solve_columns(simd, self.factor, bytemuck::cast_slice_mut(&mut columns));
             for (narrow, wide) in columns.chunks_exact(lanes).zip(self.block.chunks_exact_mut(self.width)) {
                 wide[taken.clone()].copy_from_slice(&narrow[..taken.len()]);
             }
@@ -216,88 +230,112 @@ impl WithSimd for Solve<'_> {
 }
 
 #[inline(always)]
-fn solve_columns<S: Simd>(simd: S, factor: &Factor, columns: &mut [Row<S>]) {
+fn solve_columns<T: Scalar, S: Simd>(simd: S, factor: &Factor<T>, columns: &mut [T::SimdVec<S>]) {
+    let columns: &mut [Row<T, S>] = columns.as_chunks_mut().0;
+    let simd = T::simd_ctx(simd);
     let count = factor.analysis.supernode_count();
     for index in 0..count {
-        forward(simd, &factor.supernode(index), columns);
+        forward::<T, S>(simd, &factor.supernode(index), columns);
     }
     for index in (0..count).rev() {
-        backward(simd, &factor.supernode(index), columns);
+        backward::<T, S>(simd, &factor.supernode(index), columns);
     }
 }
 
 /// `sum += factor * row`.
 #[inline(always)]
-fn add_multiple<S: Simd>(simd: S, sum: &mut Row<S>, factor: f64, row: &Row<S>) {
+fn add_multiple<T: Scalar, S: Simd>(simd: T::SimdCtx<S>, sum: &mut Row<T, S>, factor: T, row: &Row<T, S>) {
+    let factor = T::simd_splat(&simd, &factor);
     for register in 0..REGISTERS {
-        sum[register] = simd.mul_add_e_f64s(simd.splat_f64s(factor), row[register], sum[register]);
+        sum[register] = T::simd_mul_add(&simd, factor, row[register], sum[register]);
     }
 }
 
 #[inline(always)]
-fn scaled<S: Simd>(simd: S, row: Row<S>, factor: f64) -> Row<S> {
-    row.map(|value| simd.mul_f64s(value, simd.splat_f64s(factor)))
+fn scaled<T: Scalar, S: Simd>(simd: T::SimdCtx<S>, row: Row<T, S>, factor: T) -> Row<T, S> {
+    row.map(|value| T::simd_mul(&simd, value, T::simd_splat(&simd, &factor)))
 }
 
 /// `L y = x` for the columns of a supernode, and their part of the rows below.
 #[inline(always)]
-fn forward<S: Simd>(simd: S, node: &Supernode, x: &mut [Row<S>]) {
+fn forward<T: Scalar, S: Simd>(simd: T::SimdCtx<S>, node: &Supernode<T>, x: &mut [Row<T, S>]) {
     let (square, rest) = node.panel.split_at(node.columns * node.columns);
     for (r, row) in square.chunks_exact(node.columns).enumerate() {
         let own = &mut x[node.start..node.start + r + 1];
         let (done, last) = own.split_at_mut(r);
         for (entry, value) in row.iter().zip(done.iter()) {
-            add_multiple(simd, &mut last[0], *entry, value);
+            add_multiple::<T, S>(simd, &mut last[0], *entry, value);
         }
-        last[0] = scaled(simd, last[0], row[r]);
+        last[0] = scaled::<T, S>(simd, last[0], row[r]);
     }
-    let mut pairs = rest.chunks_exact(2 * node.columns);
-    for (rows, targets) in (&mut pairs).zip(node.below.chunks_exact(2)) {
-        let (upper, lower) = rows.split_at(node.columns);
-        let (mut first, mut second) = (x[targets[0] as usize], x[targets[1] as usize]);
-        let own = &x[node.start..node.start + node.columns];
-        for ((a, b), value) in upper.iter().zip(lower).zip(own) {
-            add_multiple(simd, &mut first, *a, value);
-            add_multiple(simd, &mut second, *b, value);
+    let (groups, others) = node.below.as_chunks::<GROUP>();
+    let mut rows = rest.chunks_exact(node.columns);
+    for targets in groups {
+        forward_rows::<T, S, GROUP>(simd, node, &mut rows, targets, x);
+    }
+    for target in others {
+        forward_rows::<T, S, 1>(simd, node, &mut rows, &[*target], x);
+    }
+}
+
+/// The supernode's part of the next few rows below.
+#[inline(always)]
+fn forward_rows<'a, T: Scalar, S: Simd, const COUNT: usize>(
+    simd: T::SimdCtx<S>,
+    node: &Supernode<T>,
+    rows: &mut impl Iterator<Item = &'a [T]>,
+    targets: &[u32; COUNT],
+    x: &mut [Row<T, S>],
+) {
+    let rows: [&[T]; COUNT] = std::array::from_fn(|_| &rows.next().expect("a row")[..node.columns]);
+    let mut sums = targets.map(|target| x[target as usize]);
+    for (c, value) in x[node.start..][..node.columns].iter().enumerate() {
+        for (sum, row) in sums.iter_mut().zip(rows) {
+            add_multiple::<T, S>(simd, sum, row[c], value);
         }
-        x[targets[0] as usize] = first;
-        x[targets[1] as usize] = second;
     }
-    if let (row @ [_, ..], Some(&target)) = (pairs.remainder(), node.below.last()) {
-        let mut sum = x[target as usize];
-        for (entry, value) in row.iter().zip(&x[node.start..]) {
-            add_multiple(simd, &mut sum, *entry, value);
-        }
-        x[target as usize] = sum;
-    }
+    targets.iter().zip(sums).for_each(|(&target, sum)| x[target as usize] = sum);
 }
 
 /// `L^T y = x` for the columns of a supernode, from the rows below, which are done.
 #[inline(always)]
-fn backward<S: Simd>(simd: S, node: &Supernode, x: &mut [Row<S>]) {
+fn backward<T: Scalar, S: Simd>(simd: T::SimdCtx<S>, node: &Supernode<T>, x: &mut [Row<T, S>]) {
     let (columns, start) = (node.columns, node.start);
-    let (square, rest) = node.panel.split_at(columns * columns);
-    for c in (0..columns).step_by(2) {
-        // The last column of an odd number is paired with the one before it, whose sum is then thrown away.
-        let other = if c + 1 < columns { c + 1 } else { c.saturating_sub(1) };
-        let (mut first, mut second) = (x[start + c], x[start + other]);
-        for (row, &target) in rest.chunks_exact(columns).zip(node.below) {
-            let value = &x[target as usize];
-            add_multiple(simd, &mut first, row[c], value);
-            add_multiple(simd, &mut second, row[other], value);
-        }
-        x[start + c] = first;
-        if other > c {
-            x[start + other] = second;
+    for first in (0..columns).step_by(GROUP) {
+        match columns - first {
+            1 => backward_columns::<T, S, 1>(simd, node, first, x),
+            2 => backward_columns::<T, S, 2>(simd, node, first, x),
+            3 => backward_columns::<T, S, 3>(simd, node, first, x),
+            _ => backward_columns::<T, S, GROUP>(simd, node, first, x),
         }
     }
     for c in (0..columns).rev() {
         let (own, done) = x[start + c..start + columns].split_first_mut().expect("a column of the supernode");
         for (r, value) in done.iter().enumerate() {
-            add_multiple(simd, own, square[(c + 1 + r) * columns + c], value);
+            add_multiple::<T, S>(simd, own, node.panel[(c + 1 + r) * columns + c], value);
         }
-        *own = scaled(simd, *own, square[c * columns + c]);
+        *own = scaled::<T, S>(simd, *own, node.panel[c * columns + c]);
     }
+}
+
+/// The part of the rows below in a few columns.
+#[inline(always)]
+fn backward_columns<T: Scalar, S: Simd, const COUNT: usize>(
+    simd: T::SimdCtx<S>,
+    node: &Supernode<T>,
+    first: usize,
+    x: &mut [Row<T, S>],
+) {
+    let rest = &node.panel[node.columns * node.columns..];
+    let at = node.start + first;
+    let mut sums: [Row<T, S>; COUNT] = x[at..at + COUNT].try_into().expect("columns of the supernode");
+    for (row, &target) in rest.chunks_exact(node.columns).zip(node.below) {
+        let value = &x[target as usize];
+        for (sum, entry) in sums.iter_mut().zip(&row[first..first + COUNT]) {
+            add_multiple::<T, S>(simd, sum, *entry, value);
+        }
+    }
+    x[at..at + COUNT].copy_from_slice(&sums);
 }
 
 #[cfg(test)]
@@ -328,7 +366,7 @@ mod tests {
         let size = matrix.size();
         let scale: Vec<f64> = (0..size).map(|i| 1.0 + (i % 7) as f64).collect();
         let analysis = Analysis::new(&matrix).unwrap();
-        let factor = analysis.factorise(&matrix, 0.3, &scale).unwrap();
+        let factor = analysis.factorise::<f64>(&matrix, 0.3, &scale).unwrap();
         let mut place = vec![0; size];
         analysis.order.iter().enumerate().for_each(|(at, &i)| place[i as usize] = at);
         for width in [1, 12, 16, 37] {
@@ -360,6 +398,6 @@ mod tests {
     fn a_matrix_that_is_not_positive_definite_is_refused() {
         let matrix = grid(5);
         let analysis = Analysis::new(&matrix).unwrap();
-        assert!(analysis.factorise(&matrix, -1.0, &[1.0; 25]).is_err());
+        assert!(analysis.factorise::<f64>(&matrix, -1.0, &[1.0; 25]).is_err());
     }
 }

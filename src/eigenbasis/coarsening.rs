@@ -38,6 +38,14 @@ impl SparseRows {
         &self.entries[self.offsets[i]..self.offsets[i + 1]]
     }
 
+    /// Adds row `i` times a matrix, given row by row, to `out`.
+    pub fn add_product(&self, i: usize, matrix: &[f32], out: &mut [f32]) {
+        for &(j, value) in self.row(i) {
+            let from = &matrix[j as usize * out.len()..][..out.len()];
+            out.iter_mut().zip(from).for_each(|(sum, entry)| *sum += value as f32 * entry);
+        }
+    }
+
     fn close_row(&mut self) {
         self.offsets.push(self.entries.len());
     }

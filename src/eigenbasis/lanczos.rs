@@ -43,12 +43,12 @@ pub fn eigenpairs(
     let analysis = Analysis::new(stiffness)?;
     let operator = ShiftInvert::new(&analysis, stiffness, mass, super::SHIFT)?;
     progress.report("eigenfunctions", 0.1)?;
-    Ok(operator.in_vertex_order(lanczos(&operator, count, tolerance, progress)?, 1))
+    Ok(operator.in_vertex_order(lanczos(&operator, count, tolerance, progress)?))
 }
 
 /// The same of a factorised operator, its rows in the order of elimination and times the square root of the mass.
-pub fn lanczos(
-    operator: &ShiftInvert,
+fn lanczos(
+    operator: &ShiftInvert<f64>,
     count: usize,
     tolerance: f64,
     progress: &Progress,
@@ -75,9 +75,7 @@ pub fn lanczos(
     let (values, coefficients) =
         accepted.ok_or_else(|| Error::Internal("the Lanczos iteration took no step".into()))?;
     let basis = krylov.vectors.subcols(0, coefficients.nrows());
-    // Row by row: the transpose of coefficients^T basis^T.
-    let vectors = product(coefficients.transpose(), basis.transpose());
-    Ok(RitzPairs { values, vectors: row_major(vectors.as_ref()), width: count })
+    Ok(RitzPairs { values, vectors: product(basis, coefficients.as_ref()) })
 }
 
 /// The columns of a transposed block one after another.
@@ -108,7 +106,7 @@ impl Krylov {
     }
 
     /// Appends `next` to the basis and makes the block after it.
-    fn step(&mut self, operator: &ShiftInvert) -> Result<()> {
+    fn step(&mut self, operator: &ShiftInvert<f64>) -> Result<()> {
         let start = self.filled;
         self.filled += BLOCK;
         self.vectors.subcols_mut(start, BLOCK).copy_from(&self.next);

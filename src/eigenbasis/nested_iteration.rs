@@ -13,17 +13,19 @@ use super::lanczos;
 use super::shift_invert::ShiftInvert;
 use crate::dense::{gram_cholesky, symmetric_eigen};
 use crate::error::Result;
-use crate::laplacian::SymmetricSparse;
+use crate::laplacian::{IntrinsicSurface, SymmetricSparse};
 use crate::progress::Progress;
 use crate::sparse_cholesky::Analysis;
 use crate::threads;
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
-use faer::{Accum, Mat, MatMut, MatRef, Par};
+use faer::{Accum, Mat, MatRef, Par};
 
 /// Columns that are filtered at once, few enough to stay in the cache; widths are multiples of it.
 const PANEL: usize = 16;
+/// Rows of products that are summed at once, few enough to stay in the cache.
+const ROWS: usize = 256;
 /// Vertices for each eigenpair from which a coarser operator is made.
 const VERTICES_PER_PAIR: usize = 8;
 /// Coarse vertices for each eigenpair that are enough for a start; vertices with very many neighbours may leave fewer.
@@ -36,24 +38,20 @@ const FINEST_DEGREE: usize = 3;
 /// Relative residual to which the coarsest problem is solved, or a mesh that has no coarser one, to start from.
 const COARSE_TOLERANCE: f64 = 1e-2;
 
-/// The `count` lowest eigenpairs (the constant included) and some more, approximately: functions at the vertices,
-/// orthonormal in the mass.
+/// The `count` lowest eigenpairs (the constant included), approximately: functions at the vertices, orthonormal in the
+/// mass.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
 pub fn eigenpairs(
-    stiffness: &SymmetricSparse,
-    mass: &[f64],
+    surface: &IntrinsicSurface,
     count: usize,
     threads: usize,
     progress: &Progress,
 ) -> Result<RitzPairs> {
-    let sizes = Sizes { width: width(count), kept: count };
-    if pays(mass.len(), sizes.width) {
-        corrected(stiffness, mass, sizes, FINEST_DEGREE, threads, progress)
-    } else {
-        lone(stiffness, mass, sizes, threads, progress)
-    }
+    let analysis = surface.analysis()?;
+    let problem = Problem { stiffness: &surface.stiffness, mass: &surface.lumped_mass, analysis };
+    problem.corrected(width(count), count, FINEST_DEGREE, threads, progress)
 }
 
 /// Pairs that are carried along for `count`: what is beyond them is damped by their ratio in each inverse iteration.
@@ -67,26 +65,109 @@ pub fn width(count: usize) -> usize {
 /// # Errors
 /// As [`eigenpairs`].
 pub fn continued(
-    analysis: &Analysis,
-    stiffness: &SymmetricSparse,
-    mass: &[f64],
+    surface: &IntrinsicSurface,
     start: MatRef<f32>,
     threads: usize,
     progress: &Progress,
 ) -> Result<RitzPairs> {
     let width = start.ncols() + 1;
-    let operator = ShiftInvert::new(analysis, stiffness, mass, SHIFT_PER_PAIR * width as f64)?;
-    progress.report("eigenfunctions", 0.2)?;
-    let mut block = vec![0.0; mass.len() * width];
-    for ((row, &vertex), scale) in block.chunks_exact_mut(width).zip(operator.order()).zip(operator.scale()) {
-        row[0] = *scale;
-        for (j, value) in row[1..].iter_mut().enumerate() {
-            *value = scale * f64::from(start[(vertex as usize, j)]);
-        }
+    let analysis = surface.analysis()?;
+    let problem = Problem { stiffness: &surface.stiffness, mass: &surface.lumped_mass, analysis };
+    let operator = problem.operator(width)?;
+    let block = Block::new(&operator, width, |vertex, row| {
+        row[0] = 1.0;
+        row[1..].iter_mut().zip(start.row(vertex).iter()).for_each(|(value, start)| *value = *start);
+    });
+    problem.improved(block, width, FINEST_DEGREE, threads, progress)
+}
+
+/// One level.
+struct Problem<'a> {
+    stiffness: &'a SymmetricSparse,
+    mass: &'a [f64],
+    analysis: &'a Analysis,
+}
+
+impl Problem<'_> {
+    /// The operator whose largest eigenpairs are sought, shifted for `width` of them.
+    fn operator(&self, width: usize) -> Result<ShiftInvert<'_, f32>> {
+        ShiftInvert::new(self.analysis, self.stiffness, self.mass, SHIFT_PER_PAIR * width as f64)
     }
-    let pairs = improve(&operator, block, Sizes { width, kept: width }, FINEST_DEGREE, threads, progress)?;
-    progress.report("eigenfunctions", 0.4)?;
-    Ok(operator.in_vertex_order(pairs, threads))
+
+    /// The lowest `kept` eigenpairs, `width` of them carried along from a coarse start, or from a rough answer where
+    /// there is no coarser mesh that can hold them.
+    fn corrected(
+        &self,
+        width: usize,
+        kept: usize,
+        degree: usize,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<RitzPairs> {
+        let coarse = pays(self.mass.len(), width).then(|| Coarsening::new(self.stiffness, self.mass));
+        let coarse = coarse.filter(|coarse| coarse.mass.len() as f64 >= LEAST_PER_PAIR * width as f64);
+        let rough = |stiffness: &SymmetricSparse, mass: &[f64]| {
+            lanczos::eigenpairs(stiffness, mass, width, COARSE_TOLERANCE, progress)
+        };
+        let start = || match &coarse {
+            Some(coarse) if pays(coarse.mass.len(), width) => {
+                let analysis = &Analysis::new(&coarse.stiffness)?;
+                let problem = Problem { stiffness: &coarse.stiffness, mass: &coarse.mass, analysis };
+                problem.corrected(width, width, 0, threads, progress)
+            }
+            Some(coarse) => rough(&coarse.stiffness, &coarse.mass),
+            None => rough(self.stiffness, self.mass),
+        };
+        let (start, operator) = threads::join(threads, start, || self.operator(width));
+        let (start, operator) = (start?.rows(), operator?);
+        progress.report("eigenfunctions", 0.2)?;
+        let block = Block::new(&operator, width, |vertex, row| match &coarse {
+            Some(coarse) => coarse.prolongation.add_product(vertex, &start, row),
+            None => row.copy_from_slice(&start[vertex * width..][..width]),
+        });
+        let degree = if coarse.is_some() { degree } else { FINEST_DEGREE };
+        self.improved(block, kept, degree, threads, progress)
+    }
+
+    /// Damps what lies beyond the block's eigenpairs, then one inverse iteration, then the lowest Ritz pairs, which are
+    /// exact for the block as single precision leaves it.
+    fn improved(
+        &self,
+        mut block: Block,
+        kept: usize,
+        degree: usize,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<RitzPairs> {
+        block.filter(degree, threads, progress)?;
+        let functions = block.at_vertices();
+        let (values, coefficients) = self.ritz_pairs(&functions, block.width, threads)?;
+        let vectors = combined(&functions, coefficients.subcols(0, kept), threads);
+        progress.report("eigenfunctions", 0.4)?;
+        Ok(RitzPairs { values: values[..kept].to_vec(), vectors })
+    }
+
+    /// Of the space of `functions` (vertices x width, row by row): eigenvalues, ascending, and coefficients.
+    fn ritz_pairs(&self, functions: &[f32], width: usize, threads: usize) -> Result<(Vec<f64>, Mat<f64>)> {
+        let row = |vertex: usize| &functions[vertex * width..][..width];
+        let by_mass = |vertex: usize, out: &mut [f64]| {
+            let mass = self.mass[vertex];
+            out.iter_mut().zip(row(vertex)).for_each(|(out, value)| *out = mass * f64::from(*value));
+        };
+        let by_stiffness = |vertex: usize, out: &mut [f64]| {
+            out.fill(0.0);
+            for (other, weight) in self.stiffness.row(vertex) {
+                out.iter_mut().zip(row(other)).for_each(|(out, value)| *out += weight * f64::from(*value));
+            }
+        };
+        let product = |with_mass: bool| match with_mass {
+            true => symmetric_product(functions, width, by_mass),
+            false => symmetric_product(functions, width, by_stiffness),
+        };
+        let products = threads::map(threads, vec![false, true], product);
+        let [energy, gram] = <[_; 2]>::try_from(products).expect("two products");
+        generalised_eigen(energy, gram)
+    }
 }
 
 /// Whether a mesh of `size` vertices leaves a coarse one that can hold `width` eigenpairs.
@@ -94,153 +175,102 @@ fn pays(size: usize, width: usize) -> bool {
     size > VERTICES_PER_PAIR * width
 }
 
-/// Pairs that are carried along, and how many of them are wanted.
-#[derive(Clone, Copy)]
-struct Sizes {
+/// Functions times the square root of the mass, in the order of elimination.
+struct Block<'a> {
+    operator: &'a ShiftInvert<'a, f32>,
     width: usize,
-    kept: usize,
+    /// Panels of a few columns one after another, each row by row.
+    panels: Vec<f32>,
 }
 
-/// The lowest eigenpairs of a mesh that has no coarser one: a rough answer is the start, and is corrected on the mesh itself.
-fn lone(
-    stiffness: &SymmetricSparse,
-    mass: &[f64],
-    sizes: Sizes,
-    threads: usize,
-    progress: &Progress,
-) -> Result<RitzPairs> {
-    let analysis = Analysis::new(stiffness)?;
-    let operator = ShiftInvert::new(&analysis, stiffness, mass, SHIFT_PER_PAIR * sizes.width as f64)?;
-    let start = lanczos::lanczos(&operator, sizes.width, COARSE_TOLERANCE, progress)?;
-    let pairs = improve(&operator, start.vectors, sizes, FINEST_DEGREE, threads, progress)?;
-    Ok(operator.in_vertex_order(pairs, threads))
-}
-
-/// The lowest eigenpairs from a coarse start.
-fn corrected(
-    stiffness: &SymmetricSparse,
-    mass: &[f64],
-    sizes: Sizes,
-    degree: usize,
-    threads: usize,
-    progress: &Progress,
-) -> Result<RitzPairs> {
-    let width = sizes.width;
-    let coarse = Coarsening::new(stiffness, mass);
-    if (coarse.mass.len() as f64) < LEAST_PER_PAIR * width as f64 {
-        return lone(stiffness, mass, sizes, threads, progress);
-    }
-    let (start, analysis) = if pays(coarse.mass.len(), width) {
-        let all = Sizes { width, kept: width };
-        let start = corrected(&coarse.stiffness, &coarse.mass, all, 0, threads, progress);
-        (start, Analysis::new(stiffness))
-    } else {
-        let solve =
-            || lanczos::eigenpairs(&coarse.stiffness, &coarse.mass, width, COARSE_TOLERANCE, progress);
-        threads::join(threads, solve, || Analysis::new(stiffness))
-    };
-    let (start, analysis) = (start?, analysis?);
-    let operator = ShiftInvert::new(&analysis, stiffness, mass, SHIFT_PER_PAIR * width as f64)?;
-    progress.report("eigenfunctions", 0.2)?;
-    let block = prolonged(&coarse, &start, &operator, threads);
-    let pairs = improve(&operator, block, sizes, degree, threads, progress)?;
-    progress.report("eigenfunctions", 0.4)?;
-    Ok(operator.in_vertex_order(pairs, threads))
-}
-
-/// Coarse functions at the fine vertices, times the square root of the mass, in the order of elimination.
-fn prolonged(coarse: &Coarsening, start: &RitzPairs, operator: &ShiftInvert, threads: usize) -> Vec<f64> {
-    let width = start.width;
-    let mut block = vec![0.0; operator.size() * width];
-    let at_once = operator.size().div_ceil(threads.max(1)).max(1);
-    let rows = operator.order().chunks(at_once).zip(operator.scale().chunks(at_once));
-    let parts = block.chunks_mut(at_once * width).zip(rows).collect();
-    threads::map(threads, parts, |(out, (order, scale)): (&mut [f64], (&[u32], &[f64]))| {
-        for ((row, &vertex), scale) in out.chunks_exact_mut(width).zip(order).zip(scale) {
-            for &(j, value) in coarse.prolongation.row(vertex as usize) {
-                let from = &start.vectors[j as usize * width..][..width];
-                for (sum, entry) in row.iter_mut().zip(from) {
-                    *sum += scale * value * entry;
-                }
+impl Block<'_> {
+    /// `fill` is given a vertex and its row of zeros.
+    fn new<'a>(
+        operator: &'a ShiftInvert<f32>,
+        width: usize,
+        fill: impl Fn(usize, &mut [f32]),
+    ) -> Block<'a> {
+        let mut panels = vec![0.0; operator.size() * width];
+        let mut row = vec![0.0; width];
+        for (place, (&vertex, scale)) in operator.order().iter().zip(operator.scale()).enumerate() {
+            row.fill(0.0);
+            fill(vertex as usize, &mut row);
+            row.iter_mut().for_each(|value| *value *= *scale as f32);
+            for (panel, values) in panels.chunks_exact_mut(operator.size() * PANEL).zip(row.chunks(PANEL)) {
+                panel[place * PANEL..][..PANEL].copy_from_slice(values);
             }
         }
-    });
-    block
-}
-
-/// Damps what lies beyond the block's eigenpairs, then one inverse iteration, then the lowest Ritz pairs.
-fn improve(
-    operator: &ShiftInvert,
-    mut block: Vec<f64>,
-    Sizes { width, kept }: Sizes,
-    degree: usize,
-    threads: usize,
-    progress: &Progress,
-) -> Result<RitzPairs> {
-    let mut bound = 0.0;
-    if degree > 0 {
-        // The last panel holds the bound of the filter's interval.
-        let panel = panel_of(&block, width, width - PANEL);
-        let mut image = panel.clone();
-        operator.apply(&mut image, PANEL);
-        bound = largest_rayleigh_quotient(&panel, &image);
+        Block { operator, width, panels }
     }
-    let mut image = vec![0.0; block.len()];
-    let token = progress.token();
-    // As many panels at once as there are threads: more would only wait with their results in memory.
-    for group in (0..width).step_by(PANEL).collect::<Vec<_>>().chunks(threads.max(1)) {
-        let panels = group.iter().map(|&first| (first, panel_of(&block, width, first))).collect();
-        let of_panel = |(first, panel)| -> Result<_> {
-            token.check()?;
-            Ok((first, filtered(operator, panel, degree, bound)))
+
+    /// The functions at the vertices, row by row.
+    fn at_vertices(&self) -> Vec<f32> {
+        let (order, scale) = (self.operator.order(), self.operator.scale());
+        let mut functions = vec![0.0; self.panels.len()];
+        for (first, panel) in self.panels.chunks_exact(order.len() * PANEL).enumerate() {
+            for ((&vertex, scale), row) in order.iter().zip(scale).zip(panel.as_chunks::<PANEL>().0) {
+                let out = &mut functions[vertex as usize * self.width + first * PANEL..][..PANEL];
+                let scale = scale.recip() as f32;
+                out.iter_mut().zip(row).for_each(|(out, value)| *out = scale * value);
+            }
+        }
+        functions
+    }
+
+    /// A polynomial filter of `degree`, then one inverse iteration.
+    fn filter(&mut self, degree: usize, threads: usize, progress: &Progress) -> Result<()> {
+        let length = self.operator.size() * PANEL;
+        let bound = match degree {
+            0 => 0.0,
+            // The last panel holds the bound of the filter's interval.
+            _ => largest_rayleigh_quotient(self.operator, &self.panels[self.panels.len() - length..]),
         };
-        for result in threads::map(threads, panels, of_panel) {
-            let (first, (filtered, inverse)) = result?;
-            put_panel(&mut block, width, first, &filtered);
-            put_panel(&mut image, width, first, &inverse);
-        }
+        let panels = self.panels.len() / length;
+        let parts = self.panels.chunks_mut(panels.div_ceil(threads.max(1)) * length).collect();
+        let token = progress.token();
+        let filter = |part: &mut [f32]| -> Result<()> {
+            let mut scratch = (vec![0.0; length], vec![0.0; length]);
+            for panel in part.chunks_exact_mut(length) {
+                token.check()?;
+                filter_panel(self.operator, panel, &mut scratch, degree, bound);
+            }
+            Ok(())
+        };
+        threads::map(threads, parts, filter).into_iter().collect()
     }
-    let (x, y) = (rows(&block, width), rows(&image, width));
-    // For y = B x: y^T B^-1 y = y^T x.
-    let products = threads::map(threads, vec![x, y], |right| symmetric_product(y, right));
-    let [energy, gram] = <[_; 2]>::try_from(products).expect("two products");
-    let (values, coefficients) = generalised_eigen(energy, gram)?;
-    let coefficients = coefficients.subcols(0, kept);
-    let mut vectors = block;
-    vectors.truncate(operator.size() * kept);
-    let rows_at_once = operator.size().div_ceil(4 * threads.max(1)).max(1);
-    let parts = vectors.chunks_mut(rows_at_once * kept).zip(image.chunks(rows_at_once * width)).collect();
-    threads::map(threads, parts, |(out, y): (&mut [f64], &[f64])| {
-        let out = MatMut::from_row_major_slice_mut(out, y.len() / width, kept);
-        matmul(out, Accum::Replace, rows(y, width), coefficients, 1.0, Par::Seq);
-    });
-    let values = values[..kept].iter().map(|value| value - operator.shift).collect();
-    Ok(RitzPairs { values, vectors, width: kept })
 }
 
-/// `T(B) x` and `B T(B) x` of a panel x, with the Chebyshev polynomial T of `degree` on `[0, 1 / bound]`: Y. Saad,
+/// Replaces a panel x by `B T(B) x`, with the Chebyshev polynomial T of `degree` on `[0, 1 / bound]`: Y. Saad,
 /// "Chebyshev Acceleration Techniques for Solving Nonsymmetric Eigenvalue Problems", 1984.
-fn filtered(operator: &ShiftInvert, panel: Vec<f64>, degree: usize, bound: f64) -> (Vec<f64>, Vec<f64>) {
-    let (mut before, mut own) = (Vec::new(), panel);
-    let mut image = own.clone();
-    operator.apply(&mut image, PANEL);
+fn filter_panel(
+    operator: &ShiftInvert<f32>,
+    panel: &mut [f32],
+    scratch: &mut (Vec<f32>, Vec<f32>),
+    degree: usize,
+    bound: f32,
+) {
+    let (mut before, image) = (&mut scratch.0[..], &mut scratch.1[..]);
+    let mut own = &mut panel[..];
+    image.copy_from_slice(own);
+    operator.apply(image, PANEL);
     for step in 0..degree {
-        if step == 0 {
-            before = own.iter().zip(&image).map(|(x, image)| 2.0 * bound * image - x).collect();
-        } else {
-            for ((older, own), image) in before.iter_mut().zip(&own).zip(&image) {
-                *older = 4.0 * bound * image - 2.0 * own - *older;
-            }
+        for ((older, own), image) in before.iter_mut().zip(&*own).zip(&*image) {
+            *older = match step {
+                0 => 2.0 * bound * image - own,
+                _ => 4.0 * bound * image - 2.0 * own - *older,
+            };
         }
         std::mem::swap(&mut before, &mut own);
-        image.copy_from_slice(&own);
-        operator.apply(&mut image, PANEL);
+        image.copy_from_slice(own);
+        operator.apply(image, PANEL);
     }
-    (own, image)
+    panel.copy_from_slice(image);
 }
 
 /// Of B^-1: the largest of the columns' `x^T y / y^T y` with `y = B x`.
-fn largest_rayleigh_quotient(panel: &[f64], image: &[f64]) -> f64 {
+fn largest_rayleigh_quotient(operator: &ShiftInvert<f32>, panel: &[f32]) -> f32 {
+    let mut image = panel.to_vec();
+    operator.apply(&mut image, PANEL);
     let (mut products, mut squares) = ([0.0; PANEL], [0.0; PANEL]);
     for (x, y) in panel.as_chunks::<PANEL>().0.iter().zip(image.as_chunks::<PANEL>().0) {
         for j in 0..PANEL {
@@ -248,43 +278,51 @@ fn largest_rayleigh_quotient(panel: &[f64], image: &[f64]) -> f64 {
             squares[j] += y[j] * y[j];
         }
     }
-    products.iter().zip(&squares).map(|(product, square)| product / square).fold(0.0, f64::max)
+    products.iter().zip(&squares).map(|(product, square)| product / square).fold(0.0, f32::max)
 }
 
-/// Columns `first..first + PANEL` of a block.
-fn panel_of(block: &[f64], width: usize, first: usize) -> Vec<f64> {
-    let mut panel = Vec::with_capacity(block.len() / width * PANEL);
-    for row in block.chunks_exact(width) {
-        panel.extend_from_slice(&row[first..first + PANEL]);
+/// The lower triangle of `functions^T right`, which is symmetric; `fill` writes rows of `right`.
+fn symmetric_product(functions: &[f32], width: usize, fill: impl Fn(usize, &mut [f64])) -> Mat<f64> {
+    let mut sum = Mat::zeros(width, width);
+    let (mut left, mut right) = (vec![0.0; ROWS * width], vec![0.0; ROWS * width]);
+    for (chunk, values) in functions.chunks(ROWS * width).enumerate() {
+        let (left, right) = (&mut left[..values.len()], &mut right[..values.len()]);
+        left.iter_mut().zip(values).for_each(|(left, value)| *left = f64::from(*value));
+        right.chunks_exact_mut(width).zip(chunk * ROWS..).for_each(|(row, vertex)| fill(vertex, row));
+        triangular::matmul(
+            sum.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            rows(left, width).transpose(),
+            BlockStructure::Rectangular,
+            rows(right, width),
+            BlockStructure::Rectangular,
+            1.0,
+            Par::Seq,
+        );
     }
-    panel
+    sum
 }
 
-fn put_panel(block: &mut [f64], width: usize, first: usize, panel: &[f64]) {
-    for (row, values) in block.chunks_exact_mut(width).zip(panel.as_chunks::<PANEL>().0) {
-        row[first..first + PANEL].copy_from_slice(values);
+/// `functions coefficients`.
+fn combined(functions: &[f32], coefficients: MatRef<f64>, threads: usize) -> Mat<f64> {
+    let width = coefficients.nrows();
+    let mut out = Mat::zeros(functions.len() / width, coefficients.ncols());
+    let (mut rest, mut parts) = (out.as_mut(), Vec::new());
+    for values in functions.chunks(ROWS * width) {
+        let (part, others) = rest.split_at_row_mut(values.len() / width);
+        parts.push((part, values));
+        rest = others;
     }
+    threads::map(threads, parts, |(part, values)| {
+        let values: Vec<f64> = values.iter().map(|value| f64::from(*value)).collect();
+        matmul(part, Accum::Replace, rows(&values, width), coefficients, 1.0, Par::Seq);
+    });
+    out
 }
 
 fn rows(block: &[f64], width: usize) -> MatRef<'_, f64> {
     MatRef::from_row_major_slice(block, block.len() / width, width)
-}
-
-/// The lower triangle of `left^T right`, which is symmetric.
-fn symmetric_product(left: MatRef<f64>, right: MatRef<f64>) -> Mat<f64> {
-    let mut out = Mat::zeros(left.ncols(), right.ncols());
-    triangular::matmul(
-        out.as_mut(),
-        BlockStructure::TriangularLower,
-        Accum::Replace,
-        left.transpose(),
-        BlockStructure::Rectangular,
-        right,
-        BlockStructure::Rectangular,
-        1.0,
-        Par::Seq,
-    );
-    out
 }
 
 /// Eigenvalues, ascending, and eigenvectors of `energy v = value gram v`; lower triangles are read.

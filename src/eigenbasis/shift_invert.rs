@@ -6,19 +6,19 @@
 use super::RitzPairs;
 use crate::error::Result;
 use crate::laplacian::SymmetricSparse;
-use crate::sparse_cholesky::{Analysis, Factor};
-use crate::threads;
+use crate::sparse_cholesky::{Analysis, Factor, Scalar};
+use faer::Mat;
 
 /// The operator, its rows in the order of elimination.
-pub struct ShiftInvert<'a> {
-    factor: Factor<'a>,
+pub struct ShiftInvert<'a, T> {
+    factor: Factor<'a, T>,
     /// Square root of the mass.
     scale: Vec<f64>,
     /// What makes `K + shift M` positive definite.
     pub shift: f64,
 }
 
-impl<'a> ShiftInvert<'a> {
+impl<'a, T: Scalar> ShiftInvert<'a, T> {
     /// Factorises `stiffness + shift mass`.
     ///
     /// # Errors
@@ -50,27 +50,26 @@ impl<'a> ShiftInvert<'a> {
         &self.factor.analysis().order
     }
 
+    /// The row of each vertex.
+    pub fn places(&self) -> Vec<u32> {
+        let mut places = vec![0; self.size()];
+        for (row, &vertex) in (0..).zip(self.order()) {
+            places[vertex as usize] = row;
+        }
+        places
+    }
+
     /// Replaces `block` (size x width, row by row) by B times it.
-    pub fn apply(&self, block: &mut [f64], width: usize) {
+    pub fn apply(&self, block: &mut [T], width: usize) {
         self.factor.solve(block, width);
     }
 
-    /// The functions at the vertices, from scaled vectors in the order of elimination; on at most `threads` threads.
-    pub fn in_vertex_order(&self, pairs: RitzPairs, threads: usize) -> RitzPairs {
-        let mut place = vec![0; self.size()];
-        for (row, &vertex) in self.order().iter().enumerate() {
-            place[vertex as usize] = row;
-        }
-        let mut vectors = vec![0.0; pairs.vectors.len()];
-        let at_once = self.size().div_ceil(threads.max(1)).max(1);
-        let parts = vectors.chunks_mut(at_once * pairs.width).zip(place.chunks(at_once)).collect();
-        threads::map(threads, parts, |(out, places): (&mut [f64], &[usize])| {
-            for (out, &row) in out.chunks_exact_mut(pairs.width).zip(places) {
-                let scale = self.scale[row];
-                for (value, entry) in out.iter_mut().zip(&pairs.vectors[row * pairs.width..]) {
-                    *value = entry / scale;
-                }
-            }
+    /// The functions at the vertices, from scaled vectors in the order of elimination.
+    pub fn in_vertex_order(&self, pairs: RitzPairs) -> RitzPairs {
+        let places = self.places();
+        let vectors = Mat::from_fn(self.size(), pairs.vectors.ncols(), |i, j| {
+            let row = places[i] as usize;
+            pairs.vectors[(row, j)] / self.scale[row]
         });
         RitzPairs { vectors, ..pairs }
     }
