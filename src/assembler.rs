@@ -20,7 +20,7 @@ use crate::options::Options;
 use crate::progress::{CancelToken, Progress};
 use crate::proxy::Proxy;
 use crate::regrowth::regrow;
-use crate::rigid_parts::{self, Carrier, Fitted};
+use crate::rigid_parts::{self, Carrier, Fitted, PartsEffort};
 use crate::shell_symmetry::{PreparedShell, ShellSymmetry};
 use crate::symmetry_kind::SymmetryKind;
 
@@ -134,13 +134,17 @@ impl<'a> Assembler<'a> {
         threads: usize,
         token: &CancelToken,
     ) -> Result<ShellSymmetry> {
-        let turned = !found.judged.is_hopeless(self.least);
+        let effort = PartsEffort::thorough();
+        let effort = match found.judged.is_hopeless(self.least) {
+            true => effort.without_turned(),
+            false => effort,
+        };
         let Fitted { images, rigidity } = rigid_parts::fit(
             self.solved(),
             &self.shell.surface,
             &found.images,
             kind,
-            turned,
+            &effort,
             threads,
             token,
         )?;

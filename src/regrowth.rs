@@ -9,7 +9,7 @@ use crate::full_refinement::{MatchTarget, VertexImages, estimate, refine};
 use crate::functional_map::project;
 use crate::mesh::Shell;
 use crate::progress::CancelToken;
-use crate::rigid_parts;
+use crate::rigid_parts::{self, PartsEffort};
 use crate::symmetry_kind::SymmetryKind;
 use crate::vertex_rows::Guide;
 use faer::Mat;
@@ -37,6 +37,7 @@ pub fn regrow(
     let start = project(estimate(&all, target, &images.points, first, first), target.projection())?;
     let sizes: Vec<usize> = (first + STEP..count).step_by(STEP).chain([count]).collect();
     let (map, images) = refine(target, &all, start, &images.seeds(), &sizes, Guide::MeanCurvature, token)?;
-    let fitted = rigid_parts::fit(shell, target.surface, &images, kind, false, target.threads(), token)?;
+    let effort = PartsEffort::thorough().without_turned();
+    let fitted = rigid_parts::fit(shell, target.surface, &images, kind, &effort, target.threads(), token)?;
     Ok((map, fitted.images))
 }

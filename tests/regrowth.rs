@@ -7,7 +7,7 @@ use intrinsym::full_refinement::{MatchTarget, VertexImages};
 use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::progress::{CancelToken, Progress};
 use intrinsym::regrowth::regrow;
-use intrinsym::rigid_parts::fit;
+use intrinsym::rigid_parts::{PartsEffort, fit};
 use intrinsym::surface_walk::SurfaceWalk;
 use intrinsym::symmetry_kind::SymmetryKind::Reflection;
 use support::*;
@@ -51,7 +51,8 @@ fn a_shin_that_the_map_turns_about_its_axis_is_turned_back() {
     let basis = Eigenbasis::new(&surface, 150, 2, &Progress::default()).unwrap();
     let target = MatchTarget::new(&surface, &basis, 2);
     let token = CancelToken::default();
-    let by_parts = fit(&shell, &surface, &turned, Reflection, false, 2, &token).unwrap().images;
+    let effort = PartsEffort::thorough().without_turned();
+    let by_parts = fit(&shell, &surface, &turned, Reflection, &effort, 2, &token).unwrap().images;
     let (_, regrown) = regrow(&shell, &target, &by_parts, Reflection, &token).unwrap();
     let [before, by_parts, regrown] = [&turned, &by_parts, &regrown].map(off);
     assert!(shin.len() > 1000 && before > 0.03, "{} {before}", shin.len());
