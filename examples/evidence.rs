@@ -12,7 +12,7 @@ use intrinsym::mesh::{Mesh, io};
 use intrinsym::options::Options;
 use intrinsym::progress::Progress;
 use intrinsym::regrowth::regrow;
-use intrinsym::rigid_parts;
+use intrinsym::rigid_parts::{self, PartsEffort};
 use intrinsym::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, signs};
 use intrinsym::symmetry_kind::SymmetryKind;
 use std::fmt::Write;
@@ -43,7 +43,8 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
     let map = finish(&shell, &target, candidate, 0, &progress)?;
     let (kind, token) = (SymmetryKind::Reflection, progress.token());
-    let fitted = rigid_parts::fit(solved, &shell.surface, &map.images, kind, true, 1, token)?;
+    let fitted =
+        rigid_parts::fit(solved, &shell.surface, &map.images, kind, &PartsEffort::thorough(), 1, token)?;
     let (grown, images) = regrow(solved, &target, &fitted.images, kind, token)?;
     let map = ShellSymmetry { map: grown, images, ..map };
     let evidence = Evidence::new(&target, &map, 2);

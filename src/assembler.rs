@@ -212,13 +212,17 @@ impl<'a> Assembler<'a> {
         threads: usize,
         token: &CancelToken,
     ) -> Result<ShellSymmetry> {
-        let turned = self.plan.turned && !found.judged.is_hopeless(self.least);
+        let parts = &self.plan.parts;
+        let effort = match found.judged.is_hopeless(self.least) {
+            true => &parts.clone().without_turned(),
+            false => parts,
+        };
         let Fitted { images, rigidity } = rigid_parts::fit(
             self.solved(),
             &self.shell.surface,
             &found.images,
             kind,
-            turned,
+            effort,
             threads,
             token,
         )?;

@@ -4,6 +4,7 @@
 //! large one. Counts are those of `docs/ablation.md`, which says what each is worth.
 
 use crate::options::Options;
+use crate::rigid_parts::PartsEffort;
 
 /// How hard a detection tries.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
@@ -33,8 +34,8 @@ pub struct Plan {
     pub schedule: Vec<usize>,
     /// Where candidates come from.
     pub search: Search,
-    /// Whether parts that a pose has turned far are sought.
-    pub turned: bool,
+    /// Rigid and turned parts.
+    pub parts: PartsEffort,
 }
 
 /// Where candidates come from, and how many of them are finished.
@@ -71,7 +72,7 @@ impl Plan {
                 turned_over: false,
                 rivals: 1,
             },
-            turned: true,
+            parts: PartsEffort::default(),
         }
     }
 
@@ -80,6 +81,7 @@ impl Plan {
         Plan {
             proxy_vertices: 6000,
             points: 4000,
+            parts: PartsEffort::thorough(),
             search: Search {
                 network_starts: 20,
                 beam_width: 64,

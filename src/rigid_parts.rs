@@ -12,6 +12,7 @@
 
 mod blending;
 mod carrier;
+mod effort;
 mod mapped;
 mod motion;
 mod scatter;
@@ -19,9 +20,9 @@ mod takeover;
 mod turned_parts;
 
 pub use carrier::Carrier;
+pub use effort::{PartsEffort, TurnedEffort};
 
 use crate::acceptance::Rigidity;
-use crate::embedded_triangles::TrianglePoint;
 use crate::error::Result;
 use crate::full_refinement::VertexImages;
 use crate::laplacian::IntrinsicSurface;
@@ -31,30 +32,29 @@ use crate::progress::CancelToken;
 use crate::symmetry_kind::SymmetryKind;
 use crate::threads;
 use mapped::{Disc, Mapped};
-use motion::{Fit, Motion};
-use std::ops::Range;
+use motion::{Approach, Motion};
 
-/// Radius of the parts along edges, in sqrt(area), and how many they are, in each pass; their middles are spread over the shell.
-const PASSES: [(f64, usize); 2] = [(0.16, 200), (0.08, 400)];
-/// Points of a part that its motion is fitted to.
-const FITTED_POINTS: usize = 80;
-/// Distance of interest from the surface, in sqrt(area), in a motion's fit.
-const LEAVE: f64 = 0.0015;
+/// Radii of the parts, in sqrt(area), in each pass; their middles are spread over the shell.
+const RADII: [f64; 2] = [0.16, 0.08];
+/// Distance of interest from the surface, in sqrt(area), in a motion's fit, and how far the map is off where the surface leaves the
+/// motion open.
+const NOISE: f64 = 0.0015;
+const MAP_ERROR: f64 = 0.01;
 /// A motion that leaves the surface by this much, in sqrt(area), counts half.
 const TRUSTED: f64 = 0.004;
 /// One that starts this far from what the others agree on counts a quarter there.
 const STRAY: f64 = 0.05;
-/// Rounds in which the parts around a vertex agree.
-const AGREEING_ROUNDS: usize = 2;
 /// Weight of the map itself.
 const MAP_WEIGHT: f64 = 0.02;
-/// Vertices that one thread takes at a time.
-const CHUNK: usize = 2048;
-
 /// The vertices around one, how much it counts at each, and the motion that mirrors them.
 struct Part<'a> {
     disc: &'a Disc,
-    fit: Fit,
+    /// The motion fitted to the map.
+    start: Motion,
+    /// The motion fitted to the surface.
+    motion: Motion,
+    /// More the nearer it comes to the surface, 0..=1.
+    trust: f64,
 }
 
 /// Images that follow the rigid parts of a shell.
@@ -68,9 +68,8 @@ pub struct Fitted {
 
 /// Moves the images of an oriented shell's vertices to where the rigid parts put them.
 ///
-/// `surface` is that of the shell; parts that a pose has turned far are sought if `turned`, which takes longer than all else, most of all
-/// on a map that is no symmetry. Images of a shell that is not oriented, or has no area, stay. O(vertices log vertices), with some
-/// ten to thirty parts at each vertex, and a sparse factorisation in each pass.
+/// `surface` is that of the shell. Images of a shell that is not oriented, or has no area, stay. O(vertices log vertices), with some
+/// ten to thirty parts at each vertex, and a sparse factorisation in each pass. Turned parts take longest on a map that is no symmetry.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
@@ -79,7 +78,7 @@ pub fn fit(
     surface: &IntrinsicSurface,
     images: &VertexImages,
     kind: SymmetryKind,
-    turned: bool,
+    effort: &PartsEffort,
     threads: usize,
     token: &CancelToken,
 ) -> Result<Fitted> {
@@ -87,57 +86,47 @@ pub fn fit(
         return Ok(Fitted { images: images.clone(), rigidity: None });
     }
     let mirrored = kind == SymmetryKind::Reflection;
-    let mut mapped = Mapped::new(shell, images.clone());
-    if turned {
-        turned_parts::right(&mut mapped, mirrored, threads, token)?;
+    let mut mapped = Mapped::new(shell, images);
+    let turned = effort.turned.as_ref();
+    let counts = turned.map_or([0; 2], |turned| [turned.parts, turned.small]);
+    let most = counts.into_iter().chain(effort.passes).max();
+    let middles = mapped.spread(most.unwrap_or(0));
+    if let Some(turned) = turned {
+        turned_parts::map_turned(&mut mapped, &middles, turned, mirrored, threads, token)?;
     }
     let analysis = surface.analysis()?;
     let mut disagreement = None;
-    for (radius, count) in PASSES {
-        let discs = discs(&mapped, radius, count, threads, token)?;
-        let parts = parts(&mapped, &discs, radius, mirrored, threads, token)?;
+    for (radius, count) in RADII.into_iter().zip(effort.passes) {
+        let discs = mapped.discs(&middles[..count.min(middles.len())], radius, threads);
+        let parts = parts(&mapped, &discs, effort, mirrored, threads, token)?;
         let agreed = agreed(&mapped, &parts);
         disagreement = disagreement.or_else(|| Some(median_disagreement(&mapped, &parts, &agreed)));
         let goals = blending::goals(&mapped, surface, analysis, &parts, &agreed)?;
-        let project = |range: Range<usize>| -> Vec<(u32, TrianglePoint)> {
-            range.map(|vertex| mapped.nearest(vertex, goals[vertex])).collect()
-        };
-        let ranges = threads::ranges(goals.len(), goals.len().div_ceil(CHUNK));
-        let (partners, points) = threads::map(threads, ranges, project).into_iter().flatten().unzip();
-        mapped.replace_all(VertexImages { partners, points });
+        mapped.move_to(goals, threads);
     }
     let rigidity =
         disagreement.map(|disagreement| Rigidity { disagreement, scatter: scatter::scatter(&mapped) });
-    Ok(Fitted { images: mapped.found, rigidity })
-}
-
-/// Discs spread over the shell.
-fn discs(
-    mapped: &Mapped,
-    radius: f64,
-    count: usize,
-    threads: usize,
-    token: &CancelToken,
-) -> Result<Vec<Disc>> {
-    let disc = |middle: u32| token.check().map(|()| mapped.disc(middle, radius));
-    threads::map(threads, mapped.spread(count), disc).into_iter().collect()
+    Ok(Fitted { images: mapped.on_surface(threads), rigidity })
 }
 
 /// The parts of a shell, and how each moves.
 fn parts<'a>(
     mapped: &Mapped,
     discs: &'a [Disc],
-    radius: f64,
+    effort: &PartsEffort,
     mirrored: bool,
     threads: usize,
     token: &CancelToken,
 ) -> Result<Vec<Part<'a>>> {
+    let approach = Approach { rounds: effort.rounds, noise: NOISE, held: MAP_ERROR, free: false };
     let part = |disc: &'a Disc| {
         token.check()?;
-        let places = mapped.places(&mapped.picked(&disc.members, FITTED_POINTS));
+        let places = mapped.places(&mapped.picked(&disc.members, effort.points));
         let start = Motion::between(&places, mirrored);
-        let fit = start.onto(&places, radius, LEAVE, |goal, start| mapped.alike(goal, start))?;
-        Ok(Part { disc, fit })
+        let mut near: Vec<u32> = places.iter().map(|place| place.partner).collect();
+        let motion = start.settled(mapped, &places, &mut near, approach);
+        let trust = 1.0 / (1.0 + (motion.left(mapped, &places, &near) / TRUSTED).powi(4));
+        Ok(Part { disc, start, motion, trust })
     };
     threads::map(threads, discs.iter().collect(), part).into_iter().collect()
 }
@@ -149,12 +138,11 @@ impl Part<'_> {
         mapped: &'a Mapped,
         agreed: Option<&'a [Goal]>,
     ) -> impl Iterator<Item = (usize, f64)> + 'a {
-        let trust = 1.0 / (1.0 + (self.fit.left / TRUSTED).powi(4));
         self.disc.members.iter().map(move |&(vertex, weight)| {
-            let start = self.fit.start.of(mapped.shell.positions[vertex as usize]);
+            let start = self.start.of(mapped.shell.positions[vertex as usize]);
             let apart = |agreed: &[Goal]| subtract(start, agreed[vertex as usize].place);
             let stray = agreed.map_or(0.0, |agreed| squared_norm(apart(agreed)) / (STRAY * STRAY));
-            (vertex as usize, trust * weight / (1.0 + stray).powi(2))
+            (vertex as usize, self.trust * weight / (1.0 + stray).powi(2))
         })
     }
 }
@@ -170,26 +158,23 @@ struct Goal {
 /// Where most of each vertex's parts put its image: the mean of what they say, but for those that the others contradict, and a
 /// little of the map.
 fn agreed(mapped: &Mapped, parts: &[Part]) -> Vec<Goal> {
-    let start = |fit: &Fit, position| fit.start.of(position);
-    let mut agreed = mean(mapped, parts, None, start);
-    for _ in 0..AGREEING_ROUNDS {
-        agreed = mean(mapped, parts, Some(&agreed), start);
-    }
-    agreed
+    let first = mean(mapped, parts, None, |part| part.start);
+    mean(mapped, parts, Some(&first), |part| part.start)
 }
 
-/// The mean over each vertex's parts of where `place` puts it.
+/// The mean over each vertex's parts of where one of its motions puts it.
 fn mean(
     mapped: &Mapped,
     parts: &[Part],
     agreed: Option<&[Goal]>,
-    place: impl Fn(&Fit, Vector) -> Vector,
+    motion: impl Fn(&Part) -> Motion,
 ) -> Vec<Goal> {
     // Offsets from the map's image, their squared lengths, and weights, all summed.
     let mut sums = vec![([0.0; 3], 0.0, 0.0); mapped.images.len()];
     for part in parts {
+        let motion = motion(part);
         for (vertex, weight) in part.says(mapped, agreed) {
-            let offset = subtract(place(&part.fit, mapped.shell.positions[vertex]), mapped.images[vertex]);
+            let offset = subtract(motion.of(mapped.shell.positions[vertex]), mapped.images[vertex]);
             let (sum, squares, all) = &mut sums[vertex];
             (0..3).for_each(|axis| sum[axis] += weight * offset[axis]);
             *squares += weight * squared_norm(offset);
@@ -208,7 +193,7 @@ fn mean(
 
 /// Half of the area disagrees by no more than that.
 fn median_disagreement(mapped: &Mapped, parts: &[Part], agreed: &[Goal]) -> f64 {
-    let goals = mean(mapped, parts, Some(agreed), |fit, position| fit.motion.of(position));
+    let goals = mean(mapped, parts, Some(agreed), |part| part.motion);
     let mut of_area: Vec<(f64, f64)> =
         goals.iter().map(|goal| goal.disagreement).zip(mapped.areas.iter().copied()).collect();
     of_area.sort_by(|(a, _), (b, _)| a.total_cmp(b));

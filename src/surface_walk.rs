@@ -3,6 +3,7 @@
 //! Where a tree would find the nearest point of the whole surface, a walk stays on the sheet it starts on: a
 //! hand that touches a hip is not taken for it.
 
+use crate::adjacency::Adjacency;
 use crate::embedded_triangles::{TrianglePoint, TriangleProducts, nearest_in_triangle};
 use crate::mesh::bucket;
 use crate::mesh::vector::{Vector, dot, squared_norm, subtract};
@@ -12,6 +13,7 @@ use crate::mesh::vector::{Vector, dot, squared_norm, subtract};
 pub struct SurfaceWalk<'a> {
     positions: &'a [Vector],
     triangles: &'a [[u32; 3]],
+    graph: Adjacency,
     /// Where each vertex's triangles start in `triangles_around`.
     starts: Vec<u32>,
     triangles_around: Vec<u32>,
@@ -22,12 +24,18 @@ impl<'a> SurfaceWalk<'a> {
     pub fn new(positions: &'a [Vector], triangles: &'a [[u32; 3]]) -> SurfaceWalk<'a> {
         let (starts, corners) = bucket(triangles.as_flattened().iter().copied(), positions.len());
         let triangles_around = corners.into_iter().map(|corner| corner / 3).collect();
-        SurfaceWalk { positions, triangles, starts, triangles_around }
+        let mut walk =
+            SurfaceWalk { positions, triangles, graph: Adjacency::default(), starts, triangles_around };
+        walk.graph = Adjacency::from_rows(positions.len(), |vertex, row| {
+            let corners = walk.triangles_of(vertex).iter().flat_map(|&triangle| triangles[triangle as usize]);
+            row.extend(corners.filter(|&corner| corner != vertex));
+        });
+        walk
     }
 
-    /// The corners of the triangles around `vertex`: itself, and each neighbour once or twice.
+    /// The neighbours of `vertex`, ascending.
     pub fn around(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
-        self.triangles_of(vertex).iter().flat_map(|&triangle| self.triangles[triangle as usize])
+        self.graph.of(vertex as usize).iter().copied()
     }
 
     /// The one of two vertices that is nearer to `query`, the first if they are equally near.
@@ -35,26 +43,32 @@ impl<'a> SurfaceWalk<'a> {
         if self.distance(query, second) < self.distance(query, first) { second } else { first }
     }
 
-    /// Downhill from `start` along edges to a vertex that is nearer to `query` than its neighbours, then to the
-    /// nearest point of the triangles around it. Both are returned.
+    /// The vertex that [`Self::nearest_vertex`] finds, and the nearest point of the triangles around it.
     pub fn nearest(&self, query: Vector, start: u32) -> (u32, TrianglePoint) {
+        let vertex = self.nearest_vertex(query, start);
+        (vertex, self.nearest_beside(query, vertex))
+    }
+
+    /// Downhill from `start` along edges to a vertex that is nearer to `query` than its neighbours.
+    pub fn nearest_vertex(&self, query: Vector, start: u32) -> u32 {
         let mut vertex = start;
         let mut distance = self.distance(query, start);
         loop {
             let from = vertex;
-            for next in self.around(from).filter(|&next| next != from) {
+            for next in self.around(from) {
                 let candidate = self.distance(query, next);
                 if candidate < distance {
                     (vertex, distance) = (next, candidate);
                 }
             }
             if vertex == from {
-                return (vertex, self.nearest_around(query, vertex));
+                return vertex;
             }
         }
     }
 
-    fn nearest_around(&self, query: Vector, vertex: u32) -> TrianglePoint {
+    /// The nearest point of the triangles around `vertex`.
+    pub fn nearest_beside(&self, query: Vector, vertex: u32) -> TrianglePoint {
         let mut best = (TrianglePoint { triangle: 0, barycentric: [1.0, 0.0, 0.0] }, f32::MAX);
         for &triangle in self.triangles_of(vertex) {
             let corners = self.triangles[triangle as usize];

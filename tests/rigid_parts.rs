@@ -7,7 +7,7 @@ use intrinsym::full_refinement::VertexImages;
 use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::mesh::{PolygonMesh, Shell};
 use intrinsym::progress::CancelToken;
-use intrinsym::rigid_parts::{Fitted, fit};
+use intrinsym::rigid_parts::{Fitted, PartsEffort, fit};
 use intrinsym::surface_walk::SurfaceWalk;
 use intrinsym::symmetry_kind::SymmetryKind::{self, HalfTurn, Reflection};
 use support::*;
@@ -60,7 +60,8 @@ fn off(shell: &Shell, images: &VertexImages, truth: &[u32]) -> f64 {
 }
 
 fn fitted_on(threads: usize, shell: &Shell, images: &VertexImages, kind: SymmetryKind) -> Fitted {
-    fit(shell, &IntrinsicSurface::new(shell), images, kind, true, threads, &CancelToken::default()).unwrap()
+    let (surface, effort) = (IntrinsicSurface::new(shell), PartsEffort::default());
+    fit(shell, &surface, images, kind, &effort, threads, &CancelToken::default()).unwrap()
 }
 
 fn fitted(shell: &Shell, images: &VertexImages, kind: SymmetryKind) -> VertexImages {
@@ -205,8 +206,10 @@ fn turned_heads_are_left_alone_where_nobody_asks_for_them() {
     let shell = shell(&mesh);
     let images = moved(&shell, &truth, head_turned(&shell, 1.2));
     let surface = IntrinsicSurface::new(&shell);
-    let off_if = |turned| {
-        let found = fit(&shell, &surface, &images, Reflection, turned, 2, &CancelToken::default()).unwrap();
+    let off_if = |turned: bool| {
+        let effort = PartsEffort::default();
+        let effort = if turned { effort } else { effort.without_turned() };
+        let found = fit(&shell, &surface, &images, Reflection, &effort, 2, &CancelToken::default()).unwrap();
         off(&shell, &found.images, &truth)
     };
     assert!(off_if(false) > 5.0 * off_if(true), "{} {}", off_if(false), off_if(true));
@@ -289,6 +292,6 @@ fn it_can_be_cancelled() {
     let token = CancelToken::default();
     token.cancel();
     let (surface, images) = (IntrinsicSurface::new(&shell), moved(&shell, &truth, |_| [0.0; 3]));
-    let found = fit(&shell, &surface, &images, Reflection, true, 2, &token);
+    let found = fit(&shell, &surface, &images, Reflection, &PartsEffort::default(), 2, &token);
     assert!(matches!(found, Err(Error::Cancelled)));
 }

@@ -32,7 +32,7 @@ use intrinsym::options::Options;
 use intrinsym::pipeline::detect;
 use intrinsym::progress::Progress;
 use intrinsym::proxy::Proxy;
-use intrinsym::rigid_parts;
+use intrinsym::rigid_parts::{self, PartsEffort};
 use intrinsym::sampling::Samples;
 use intrinsym::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, signs};
 use intrinsym::signature;
@@ -100,7 +100,9 @@ fn measure(criterion: &mut Criterion, frequency: u32) {
     let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
     let found = time_search(&mut timer, &shell, &target, &options);
     let (surface, kind) = (&shell.surface, SymmetryKind::Reflection);
-    let fit = || rigid_parts::fit(solved, surface, &found.images, kind, true, options.threads, quiet.token());
+    let effort = PartsEffort::default();
+    let fit =
+        || rigid_parts::fit(solved, surface, &found.images, kind, &effort, options.threads, quiet.token());
     timer.time("rigid parts", fit);
     let found = ShellSymmetry { images: fit().expect("images").images, ..found.clone() };
     timer.time("confidence", || Evidence::new(&target, &found, 2).confidence());

@@ -61,7 +61,7 @@ pub(super) fn goals(
 fn said(mapped: &Mapped, parts: &[Part], agreed: &[Goal]) -> Vec<[f64; NUMBERS]> {
     let mut said = vec![[0.0; NUMBERS]; mapped.images.len()];
     for part in parts {
-        let numbers = numbers(&part.fit.motion);
+        let numbers = numbers(&part.motion);
         for (vertex, weight) in part.says(mapped, Some(agreed)) {
             said[vertex].iter_mut().zip(&numbers).for_each(|(sum, number)| *sum += weight * number);
         }
@@ -82,7 +82,6 @@ mod tests {
     use crate::full_refinement::VertexImages;
     use crate::mesh::Shell;
     use crate::rigid_parts::mapped::Disc;
-    use crate::rigid_parts::motion::Fit;
     use crate::rigid_parts::strip;
 
     const COLUMNS: u32 = 41;
@@ -102,16 +101,15 @@ mod tests {
         let shell = flat_strip();
         let surface = IntrinsicSurface::new(&shell);
         let own = (0..shell.positions.len() as u32).collect();
-        let mapped = Mapped::new(&shell, VertexImages::at_vertices(&shell.triangles, own));
+        let mapped = Mapped::new(&shell, &VertexImages::at_vertices(&shell.triangles, own));
         let column = |vertex: u32| shell.points[vertex as usize] / 5;
         let disc = |columns: &std::ops::Range<u32>| Disc {
             middle: 0,
             members: (0..5 * COLUMNS).filter(|&v| columns.contains(&column(v))).map(|v| (v, 10.0)).collect(),
         };
         let discs: Vec<Disc> = lifted.iter().map(|(columns, _)| disc(columns)).collect();
-        let fit = |height: f64| Fit { start: lift(height), motion: lift(height), left: 0.0 };
-        let parts: Vec<Part> =
-            discs.iter().zip(lifted).map(|(disc, (_, height))| Part { disc, fit: fit(*height) }).collect();
+        let part = |(disc, (_, height))| Part { disc, start: lift(height), motion: lift(height), trust: 1.0 };
+        let parts: Vec<Part> = discs.iter().zip(lifted.iter().copied()).map(part).collect();
         let agreed = crate::rigid_parts::agreed(&mapped, &parts);
         let analysis = Analysis::new(&surface.stiffness).expect("an analysis");
         let goals = goals(&mapped, &surface, &analysis, &parts, &agreed).expect("goals");

@@ -3,7 +3,6 @@
 //! A rigid motion fitted to how a whole region is mapped averages out what the map is off by at each vertex of it, and it says where
 //! the room around the surface goes, too.
 
-use super::FITTED_POINTS;
 use super::mapped::{Disc, Mapped};
 use super::motion::Motion;
 use crate::full_refinement::VertexImages;
@@ -11,8 +10,10 @@ use crate::mesh::Shell;
 use crate::mesh::vector::Vector;
 use crate::symmetry_kind::SymmetryKind;
 
-/// Radius, in sqrt(area) along edges, of the regions whose motions carry points.
+/// Radius, in sqrt(area), of the regions whose motions carry points.
 const RADIUS: f64 = 0.12;
+/// Points of a region that its motion is fitted to.
+const POINTS: usize = 80;
 /// A region of fewer vertices, as on a coarse mesh, says little of a turn, and is made larger.
 const LEAST_VERTICES: usize = 16;
 const LARGEST_RADIUS: f64 = 2.0;
@@ -28,7 +29,7 @@ pub struct Carrier<'a> {
 impl<'a> Carrier<'a> {
     /// `images` are those of the shell's vertices. O(vertices).
     pub fn new(shell: &'a Shell, images: &VertexImages, kind: SymmetryKind) -> Carrier<'a> {
-        Carrier { mapped: Mapped::new(shell, images.clone()), mirrored: kind == SymmetryKind::Reflection }
+        Carrier { mapped: Mapped::new(shell, images), mirrored: kind == SymmetryKind::Reflection }
     }
 
     /// Where `points` go, each of which sits on the vertex of the shell that `anchors` names; all in the shell's unit.
@@ -42,7 +43,7 @@ impl<'a> Carrier<'a> {
                 continue;
             }
             let disc = self.region(anchors[index]);
-            let places = self.mapped.places(&self.mapped.picked(&disc.members, FITTED_POINTS));
+            let places = self.mapped.places(&self.mapped.picked(&disc.members, POINTS));
             let motion = Motion::between(&places, self.mirrored);
             disc.members.iter().for_each(|&(vertex, weight)| weight_at[vertex as usize] = weight);
             for ((sum, all), (point, &anchor)) in sums.iter_mut().zip(points.iter().zip(anchors)) {
@@ -59,9 +60,9 @@ impl<'a> Carrier<'a> {
     }
 
     fn region(&self, middle: u32) -> Disc {
-        let mut radius = RADIUS;
+        let (mut radius, mut reached) = (RADIUS, vec![false; self.mapped.areas.len()]);
         loop {
-            let disc = self.mapped.disc(middle, radius);
+            let disc = self.mapped.disc(middle, radius, &mut reached);
             if disc.members.len() >= LEAST_VERTICES || radius > LARGEST_RADIUS {
                 return disc;
             }

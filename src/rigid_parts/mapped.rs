@@ -1,8 +1,6 @@
 //! A shell with its map, as parts of it see it.
 
 use super::motion::{Oriented, Place};
-use crate::adjacency::Adjacency;
-use crate::embedded_triangles::TrianglePoint;
 use crate::full_refinement::VertexImages;
 use crate::mesh::Shell;
 use crate::mesh::vector::{Vector, cross, dot, point_areas, squared_norm, subtract};
@@ -10,28 +8,35 @@ use crate::refinement::nearest;
 use crate::sampling::{area_weighted_vertices, farthest_points};
 use crate::shortest_ways::Search;
 use crate::surface_walk::SurfaceWalk;
+use crate::threads;
 use faer::Mat;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
 /// A turn of the normal by one radian is as unlike as this distance, in sqrt(area).
 const TURN: f64 = 0.06;
+/// Vertices that one thread takes at a time.
+const CHUNK: usize = 2048;
 
 /// A shell and its map.
 pub(super) struct Mapped<'a> {
     pub shell: &'a Shell,
-    pub graph: Adjacency,
     pub walk: SurfaceWalk<'a>,
     /// Area of each vertex.
     pub areas: Vec<f64>,
     /// Unit normals of the vertices.
     normals: Vec<Vector>,
-    /// Images of the vertices.
-    pub found: VertexImages,
-    /// Positions of the images.
+    /// Features of the vertices.
+    features: Vec<Feature>,
+    /// Where the map puts the vertices: on the surface or near it.
     pub images: Vec<Vector>,
+    /// The vertices nearest to there.
+    pub partners: Vec<u32>,
 }
 
-/// The vertices within a radius of one, with their weights, which fall to 0 at the radius.
+/// A position and a normal times [`TURN`], in single precision: the distance of two is how unlike the points are.
+type Feature = [f32; 8];
+
+/// The vertices around one, with their weights, which fall to 0 at the radius.
 pub(super) struct Disc {
     pub middle: u32,
     pub members: Vec<(u32, f64)>,
@@ -40,48 +45,68 @@ pub(super) struct Disc {
 /// Vertices among which images are sought.
 pub(super) struct Sought {
     vertices: Vec<u32>,
-    /// Their places and normals.
-    rows: Mat<f32>,
+    features: Mat<f32>,
 }
 
 impl<'a> Mapped<'a> {
-    pub fn new(shell: &'a Shell, found: VertexImages) -> Mapped<'a> {
-        let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
+    pub fn new(shell: &'a Shell, found: &VertexImages) -> Mapped<'a> {
+        let normals = normals(shell);
+        let oriented = shell.positions.iter().zip(&normals);
         Mapped {
             shell,
-            graph: Adjacency::new(shell.positions.len(), shell.triangles.iter().flat_map(sides)),
             walk: SurfaceWalk::new(&shell.positions, &shell.triangles),
             areas: point_areas(&shell.positions, &shell.triangles),
-            normals: normals(shell),
+            features: oriented
+                .map(|(&position, &normal)| Oriented { position, normal })
+                .map(feature)
+                .collect(),
+            normals,
             images: found
                 .points
                 .iter()
                 .map(|point| point.interpolate_vectors(&shell.triangles, &shell.positions))
                 .collect(),
-            found,
+            partners: found.partners.clone(),
         }
     }
 
-    /// Vertices spread evenly in space.
+    /// Vertices spread evenly in space; each prefix is, too.
     pub fn spread(&self, count: usize) -> Vec<u32> {
         let point = |position: &Vector| std::array::from_fn(|j| position.get(j).map_or(0.0, |&x| x as f32));
         let points: Vec<_> = self.shell.positions.iter().map(point).collect();
         farthest_points(&points, count.min(points.len())).into_iter().map(|vertex| vertex as u32).collect()
     }
 
-    pub fn disc(&self, middle: u32, radius: f64) -> Disc {
-        let weight = |distance: f64| (1.0 - distance * distance / (radius * radius)).powi(2);
-        let within = self.within(&[middle], radius).into_iter();
-        Disc { middle, members: within.map(|(vertex, distance)| (vertex, weight(distance))).collect() }
+    /// Discs around vertices: what lies nearer than `radius` and is joined to the middle by what does.
+    pub fn discs(&self, middles: &[u32], radius: f64, threads: usize) -> Vec<Disc> {
+        let some = |range: Range<usize>| -> Vec<Disc> {
+            let mut reached = vec![false; self.areas.len()];
+            middles[range].iter().map(|&middle| self.disc(middle, radius, &mut reached)).collect()
+        };
+        let ranges = threads::ranges(middles.len(), 2 * threads);
+        threads::map(threads, ranges, some).into_iter().flatten().collect()
+    }
+
+    /// `reached` is false everywhere, before and after.
+    pub fn disc(&self, middle: u32, radius: f64, reached: &mut [bool]) -> Disc {
+        let from = self.shell.positions[middle as usize];
+        let square = |vertex: u32| {
+            squared_norm(subtract(self.shell.positions[vertex as usize], from)) / (radius * radius)
+        };
+        let joined = self.joined(middle, reached, |vertex| square(vertex) < 1.0);
+        let member = |vertex: u32| {
+            reached[vertex as usize] = false;
+            (vertex, (1.0 - square(vertex)).powi(2))
+        };
+        Disc { middle, members: joined.into_iter().map(member).collect() }
     }
 
     /// Vertices nearer than `radius` to one of `sources` along edges, the nearest first, with their distances.
     pub fn within(&self, sources: &[u32], radius: f64) -> Vec<(u32, f64)> {
         let edges = |vertex: u32| {
-            let from = self.shell.positions[vertex as usize];
-            let length =
-                move |near: u32| squared_norm(subtract(self.shell.positions[near as usize], from)).sqrt();
-            self.graph.of(vertex as usize).iter().map(move |&near| (near, length(near)))
+            let at = |vertex: u32| self.shell.positions[vertex as usize];
+            let length = move |near: u32| squared_norm(subtract(at(near), at(vertex))).sqrt();
+            self.walk.around(vertex).map(move |near| (near, length(near)))
         };
         let mut reached = Vec::new();
         Search::new(self.areas.len()).run(sources, radius, edges, |vertex, distance| {
@@ -89,6 +114,23 @@ impl<'a> Mapped<'a> {
             ControlFlow::Continue(())
         });
         reached
+    }
+
+    /// `first` and what is joined to it along edges through vertices `through` which that goes; what was `reached` is left out.
+    pub fn joined(&self, first: u32, reached: &mut [bool], through: impl Fn(u32) -> bool) -> Vec<u32> {
+        let mut joined = vec![first];
+        reached[first as usize] = true;
+        let mut next = 0;
+        while let Some(&vertex) = joined.get(next) {
+            for near in self.walk.around(vertex) {
+                if !reached[near as usize] && through(near) {
+                    reached[near as usize] = true;
+                    joined.push(near);
+                }
+            }
+            next += 1;
+        }
+        joined
     }
 
     /// Some of a disc's members, each standing for the same area.
@@ -103,7 +145,7 @@ impl<'a> Mapped<'a> {
         let place = |&(vertex, weight): &(u32, f64)| Place {
             own: self.oriented(vertex),
             image: self.images[vertex as usize],
-            partner: self.found.partners[vertex as usize],
+            partner: self.partners[vertex as usize],
             weight,
         };
         members.iter().map(place).collect()
@@ -112,8 +154,8 @@ impl<'a> Mapped<'a> {
     /// The places' images.
     pub fn sought(&self, places: &[Place]) -> Sought {
         let vertices: Vec<u32> = places.iter().map(|place| place.partner).collect();
-        let points: Vec<Oriented> = vertices.iter().map(|&vertex| self.oriented(vertex)).collect();
-        Sought { rows: rows(&points), vertices }
+        let features: Vec<Feature> = vertices.iter().map(|&vertex| self.features[vertex as usize]).collect();
+        Sought { features: rows(&features), vertices }
     }
 
     /// A vertex's position and normal.
@@ -121,49 +163,55 @@ impl<'a> Mapped<'a> {
         Oriented { position: self.shell.positions[vertex as usize], normal: self.normals[vertex as usize] }
     }
 
-    /// The vertex most like `goal` in place and normal, sought downhill from `start`.
-    pub fn alike(&self, goal: Oriented, start: u32) -> (u32, Oriented) {
-        let unlike = |vertex: u32| unlike(goal, self.oriented(vertex));
+    /// The vertex most like `goal` in place and normal, sought downhill from `start`, and how unlike it is, squared.
+    pub fn alike(&self, goal: Oriented, start: u32) -> (u32, f32) {
+        let goal = feature(goal);
+        let unlike = |vertex: u32| squared_distance(&goal, &self.features[vertex as usize]);
         let (mut best, mut least) = (start, unlike(start));
         loop {
             let from = best;
-            for &near in self.graph.of(from as usize) {
+            for near in self.walk.around(from) {
                 let near_unlike = unlike(near);
                 if near_unlike < least {
                     (best, least) = (near, near_unlike);
                 }
             }
             if best == from {
-                return (best, self.oriented(best));
+                return (best, least);
             }
         }
     }
 
-    /// Squared: how unlike `goal` a vertex is.
-    pub fn unlike_vertex(&self, goal: Oriented, vertex: u32) -> f64 {
-        unlike(goal, self.oriented(vertex))
+    /// Squared: how unlike `goal` the surface is beside a vertex, between vertices too.
+    pub fn unlike_beside(&self, goal: Oriented, vertex: u32) -> f64 {
+        let point = self.walk.nearest_beside(goal.position, vertex);
+        let at = |vectors: &[Vector]| point.interpolate_vectors(&self.shell.triangles, vectors);
+        let there = Oriented { position: at(&self.shell.positions), normal: unit(at(&self.normals)) };
+        f64::from(squared_distance(&feature(goal), &feature(there)))
     }
 
-    /// Squared: how unlike `goal` the surface is near a vertex, between vertices too.
-    pub fn unlike_near(&self, goal: Oriented, vertex: u32) -> f64 {
-        let (_, point) = self.walk.nearest(goal.position, vertex);
-        let normal = unit(point.interpolate_vectors(&self.shell.triangles, &self.normals));
-        unlike(
-            goal,
-            Oriented {
-                position: point.interpolate_vectors(&self.shell.triangles, &self.shell.positions),
-                normal,
-            },
-        )
+    /// Gives the vertices other images. The map may have torn one from those around it, so its partner is sought from whichever
+    /// of their former ones is nearest.
+    pub fn move_to(&mut self, goals: Vec<Vector>, threads: usize) {
+        let partner = |vertex: usize| {
+            let (goal, around) = (goals[vertex], self.walk.around(vertex as u32));
+            let nearer = |start, near: u32| self.walk.nearer(goal, start, self.partners[near as usize]);
+            self.walk.nearest_vertex(goal, around.fold(self.partners[vertex], nearer))
+        };
+        let partners = self.for_all(threads, partner);
+        (self.images, self.partners) = (goals, partners);
     }
 
-    /// The vertex and the point nearest to where a vertex's image should lie. The map may have torn it from those around it, so
-    /// the walk starts from whichever of their images is nearest.
-    pub fn nearest(&self, vertex: usize, goal: Vector) -> (u32, TrianglePoint) {
-        let partners = &self.found.partners;
-        let around = self.graph.of(vertex).iter().map(|&near| partners[near as usize]);
-        let start = around.fold(partners[vertex], |start, other| self.walk.nearer(goal, start, other));
-        self.walk.nearest(goal, start)
+    /// The images on the surface.
+    pub fn on_surface(&self, threads: usize) -> VertexImages {
+        let point = |vertex: usize| self.walk.nearest_beside(self.images[vertex], self.partners[vertex]);
+        VertexImages { partners: self.partners.clone(), points: self.for_all(threads, point) }
+    }
+
+    fn for_all<R: Send>(&self, threads: usize, of: impl Fn(usize) -> R + Sync) -> Vec<R> {
+        let ranges = threads::ranges(self.images.len(), self.images.len().div_ceil(CHUNK));
+        let some = |range: Range<usize>| range.map(&of).collect::<Vec<R>>();
+        threads::map(threads, ranges, some).into_iter().flatten().collect()
     }
 
     /// How far the map of some vertices is from an isometry that mirrors the surface, or does not: how much it stretches or shrinks
@@ -184,7 +232,7 @@ impl<'a> Mapped<'a> {
             }
             let twice = squared_norm(cross(own[0], own[1])).sqrt();
             let normal = cross(image[0], image[1]);
-            let there = |&corner: &u32| self.normals[self.found.partners[corner as usize] as usize];
+            let there = |&corner: &u32| self.normals[self.partners[corner as usize] as usize];
             let facing: f64 = corners.iter().map(|corner| dot(normal, there(corner))).sum();
             wrong += if (facing > 0.0) == mirrored { twice } else { 0.0 };
             area += twice;
@@ -192,44 +240,40 @@ impl<'a> Mapped<'a> {
         stretched / length + wrong / area
     }
 
-    /// Gives all vertices other images.
-    pub fn replace_all(&mut self, found: VertexImages) {
-        self.images = found
-            .points
-            .iter()
-            .map(|point| point.interpolate_vectors(&self.shell.triangles, &self.shell.positions))
-            .collect();
-        self.found = found;
-    }
-
-    /// Gives a vertex another image, and gives its former one back.
-    pub fn replace(&mut self, vertex: usize, (partner, point): (u32, TrianglePoint)) -> (u32, TrianglePoint) {
-        self.images[vertex] = point.interpolate_vectors(&self.shell.triangles, &self.shell.positions);
-        let VertexImages { partners, points } = &mut self.found;
-        (std::mem::replace(&mut partners[vertex], partner), std::mem::replace(&mut points[vertex], point))
+    /// Gives some vertices other partners and images, and returns their former ones.
+    pub fn replaced(&mut self, vertices: &[u32], by: Vec<(u32, Vector)>) -> Vec<(u32, Vector)> {
+        let replace = |(&vertex, (partner, image)): (&u32, (u32, Vector))| {
+            let vertex = vertex as usize;
+            let former = std::mem::replace(&mut self.partners[vertex], partner);
+            (former, std::mem::replace(&mut self.images[vertex], image))
+        };
+        vertices.iter().zip(by).map(replace).collect()
     }
 }
 
 impl Sought {
     /// For each goal the vertex most like it.
-    pub fn most_alike(&self, goals: &[Oriented]) -> Vec<u32> {
-        let found = nearest(rows(goals).as_ref(), self.rows.as_ref());
+    pub fn most_alike(&self, goals: impl Iterator<Item = Oriented>) -> Vec<u32> {
+        let goals: Vec<Feature> = goals.map(feature).collect();
+        let found = nearest(rows(&goals).as_ref(), self.features.as_ref());
         found.into_iter().map(|index| self.vertices[index as usize]).collect()
     }
 }
 
-/// Rows whose distances are how unlike the points are.
-fn rows(points: &[Oriented]) -> Mat<f32> {
-    let number = |point: &Oriented, j: usize| match j {
-        0..3 => point.position[j],
-        _ => TURN * point.normal[j - 3],
-    };
-    Mat::from_fn(points.len(), 6, |i, j| number(&points[i], j) as f32)
+fn rows(features: &[Feature]) -> Mat<f32> {
+    Mat::from_fn(features.len(), 6, |i, j| features[i][j])
 }
 
-fn unlike(goal: Oriented, there: Oriented) -> f64 {
-    let turned = squared_norm(subtract(there.normal, goal.normal));
-    squared_norm(subtract(there.position, goal.position)) + TURN * TURN * turned
+fn feature(Oriented { position: [x, y, z], normal }: Oriented) -> Feature {
+    let [p, q, r] = normal.map(|coordinate| TURN * coordinate);
+    [x, y, z, p, q, r, 0.0, 0.0].map(|coordinate| coordinate as f32)
+}
+
+/// Four sums side by side, for the vector units.
+fn squared_distance(a: &Feature, b: &Feature) -> f32 {
+    let square = |i: usize| (a[i] - b[i]) * (a[i] - b[i]);
+    let sums: [f32; 4] = std::array::from_fn(|i| square(i) + square(i + 4));
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
 
 /// Unit normals of the vertices, triangles weighted by area.
@@ -260,7 +304,7 @@ mod tests {
     fn strain_of(to: impl Fn(u32) -> u32, mirrored: bool) -> f64 {
         let shell = strip(|column, row| [f64::from(column) / 40.0, f64::from(row) / 20.0, 0.0]);
         let partners = partners(&shell, to);
-        let mapped = Mapped::new(&shell, VertexImages::at_vertices(&shell.triangles, partners));
+        let mapped = Mapped::new(&shell, &VertexImages::at_vertices(&shell.triangles, partners));
         mapped.strain(&[true; 5 * 41], mirrored)
     }
 

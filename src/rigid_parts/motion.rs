@@ -1,21 +1,15 @@
 //! A rigid motion, with reflection or without, fitted to how points are mapped and then to the surface they are mapped to.
 
-use crate::dense::{cholesky_solve, gram_cholesky};
-use crate::error::Result;
+use super::mapped::Mapped;
 use crate::mesh::rotation::{
     Matrix, axis_and_angle, nearest_rotation, product, rotation, scaled, transposed, turned,
 };
 use crate::mesh::vector::{Vector, cross, dot, squared_norm, subtract};
-use faer::Mat;
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Rounds of the robust fit to the map, and the distance, in sqrt(area), at which an image counts half in it.
 const ROBUST_ROUNDS: usize = 3;
 const ROBUST: f64 = 0.02;
-/// Rounds of the fit to the surface.
-const SURFACE_ROUNDS: usize = 5;
-/// How far, in sqrt(area), the map is off where the surface leaves a motion open.
-const MAP_ERROR: f64 = 0.01;
 /// How many of a part's points tell something of their own.
 const INDEPENDENT: f64 = 30.0;
 /// A point counts half at this many times the distance of interest from the surface.
@@ -44,44 +38,50 @@ pub(super) struct Motion {
     pub shift: Vector,
 }
 
-/// A motion fitted to the surface, and what is left.
-pub(super) struct Fit {
-    /// The motion fitted to the map.
-    pub start: Motion,
-    /// The motion fitted to the surface.
-    pub motion: Motion,
-    /// Root mean square distance of the points from the surface, in sqrt(area).
-    pub left: f64,
+/// How a motion is brought to the surface.
+#[derive(Clone, Copy)]
+pub(super) struct Approach {
+    pub rounds: usize,
+    /// How far the surface may be off, in sqrt(area).
+    pub noise: f64,
+    /// How far, in sqrt(area), the motion may go where the surface leaves it open.
+    pub held: f64,
+    /// Whether it may go so far in each round, not in all.
+    pub free: bool,
 }
 
 impl Motion {
     /// The motion nearest to what the map does; images far from it count little.
     pub fn between(places: &[Place], mirrored: bool) -> Motion {
-        let mut weights: Vec<f64> = places.iter().map(|place| place.weight).collect();
-        let mut motion = Motion::nearest(places, &weights, mirrored);
+        let mut motion = Motion::nearest(places, mirrored, |place| place.weight);
         for _ in 1..ROBUST_ROUNDS {
-            for (weight, place) in weights.iter_mut().zip(places) {
-                let off = squared_norm(subtract(motion.of(place.own.position), place.image));
-                *weight = place.weight / (1.0 + off / (ROBUST * ROBUST));
-            }
-            motion = Motion::nearest(places, &weights, mirrored);
+            let last = motion;
+            motion = Motion::nearest(places, mirrored, |place| {
+                let off = squared_norm(subtract(last.of(place.own.position), place.image));
+                place.weight / (1.0 + off / (ROBUST * ROBUST))
+            });
         }
         motion
     }
 
-    fn nearest(places: &[Place], weights: &[f64], mirrored: bool) -> Motion {
-        let middle = mean(places.iter().map(|place| place.own.position), weights);
-        let image_middle = mean(places.iter().map(|place| place.image), weights);
-        let mut covariance = Matrix::default();
-        for (place, weight) in places.iter().zip(weights) {
-            let (from, to) = (subtract(place.own.position, middle), subtract(place.image, image_middle));
+    fn nearest(places: &[Place], mirrored: bool, weight: impl Fn(&Place) -> f64) -> Motion {
+        let (mut from, mut to, mut all) = ([0.0; 3], [0.0; 3], 0.0);
+        let mut products = Matrix::default();
+        for place in places {
+            let (weight, own, image) = (weight(place), place.own.position, place.image);
+            all += weight;
             for row in 0..3 {
-                (0..3).for_each(|column| covariance[row][column] += weight * to[row] * from[column]);
+                from[row] += weight * own[row];
+                to[row] += weight * image[row];
+                (0..3).for_each(|column| products[row][column] += weight * image[row] * own[column]);
             }
         }
         let sign = if mirrored { -1.0 } else { 1.0 };
-        let turn = scaled(nearest_rotation(&scaled(covariance, sign)), sign);
-        Motion { turn, shift: subtract(image_middle, turned(&turn, middle)) }
+        let entry = |row: usize, column: usize| sign * (products[row][column] - to[row] * from[column] / all);
+        let covariance = std::array::from_fn(|row| std::array::from_fn(|column| entry(row, column)));
+        let turn = scaled(nearest_rotation(&covariance), sign);
+        let from = turned(&turn, from);
+        Motion { turn, shift: [0, 1, 2].map(|axis| (to[axis] - from[axis]) / all) }
     }
 
     /// Where a point goes.
@@ -95,45 +95,34 @@ impl Motion {
         Oriented { position: self.of(own.position), normal: turned(&self.turn, own.normal) }
     }
 
-    /// Fits the motion to the surface, of which `alike` gives the vertex most like a point, sought from another vertex.
-    /// `noise` is how far the surface may be off.
-    pub fn onto(
+    /// Brings the motion to the surface, where the vertices most like the places are sought from those `near`.
+    pub fn settled(
         self,
+        mapped: &Mapped,
         places: &[Place],
-        radius: f64,
-        noise: f64,
-        alike: impl Fn(Oriented, u32) -> (u32, Oriented),
-    ) -> Result<Fit> {
-        let mut motion = self;
-        let mut near: Vec<u32> = places.iter().map(|place| place.partner).collect();
-        let step = Approach { lever: radius, noise, held: MAP_ERROR };
-        for _ in 0..SURFACE_ROUNDS {
-            motion = motion.towards(&self, places, &mut near, step, &alike)?;
+        near: &mut [u32],
+        Approach { rounds, noise, held, free }: Approach,
+    ) -> Motion {
+        let (mut motion, mut start) = (self, self);
+        for _ in 0..rounds {
+            motion = motion.towards(&start, mapped, places, near, [noise, held]);
+            if free {
+                start = motion;
+            }
         }
+        motion
+    }
+
+    /// Root mean square distance of the places from the tangent planes of the vertices most like them, in sqrt(area).
+    pub fn left(&self, mapped: &Mapped, places: &[Place], near: &[u32]) -> f64 {
         let (mut squares, mut weights) = (0.0, 0.0);
-        for (place, near) in places.iter().zip(near) {
-            let goal = motion.of_oriented(place.own);
-            let gap = gap(goal.position, alike(goal, near).1);
+        for (place, &near) in places.iter().zip(near) {
+            let goal = self.of_oriented(place.own);
+            let gap = gap(goal.position, mapped.oriented(mapped.alike(goal, near).0));
             squares += place.weight * gap * gap;
             weights += place.weight;
         }
-        Ok(Fit { start: self, motion, left: (squares / weights).sqrt() })
-    }
-
-    /// Brings the motion to the surface wherever that leads, held back only in each step. `near` are vertices to seek from.
-    pub fn settled(
-        mut self,
-        places: &[Place],
-        near: &mut [u32],
-        rounds: usize,
-        step: Approach,
-        alike: impl Fn(Oriented, u32) -> (u32, Oriented),
-    ) -> Result<Motion> {
-        for _ in 0..rounds {
-            let start = self;
-            self = self.towards(&start, places, near, step, &alike)?;
-        }
-        Ok(self)
+        (squares / weights).sqrt()
     }
 
     /// First this motion, then a rotation about a point.
@@ -149,8 +138,7 @@ impl Motion {
     /// this one puts `middle`, and shifted by that share of how far apart they put it. About `along` the angle is -90 to 270
     /// degrees, so that motions side by side turn the same way.
     pub fn part_way(&self, other: &Motion, share: f64, middle: Vector, along: Vector) -> Motion {
-        let between = product(&other.turn, &transposed(&self.turn));
-        let (axis, angle) = axis_and_angle(&between);
+        let (axis, angle) = self.turn_to(other);
         let (axis, angle) = if dot(axis, along) < 0.0 { (axis.map(|x| -x), -angle) } else { (axis, angle) };
         let angle = if angle < -FRAC_PI_2 { angle + TAU } else { angle };
         let (here, there) = (self.of(middle), other.of(middle));
@@ -159,65 +147,48 @@ impl Motion {
         way
     }
 
-    /// The angle of the turn from this motion to `other`, 0 to pi.
-    pub fn angle_to(&self, other: &Motion) -> f64 {
-        axis_and_angle(&product(&other.turn, &transposed(&self.turn))).1
-    }
-
-    /// The axis of the turn from this motion to `other`.
-    pub fn axis_to(&self, other: &Motion) -> Vector {
-        axis_and_angle(&product(&other.turn, &transposed(&self.turn))).0
+    /// Axis and angle, 0 to pi, of the turn from this motion to `other`.
+    pub fn turn_to(&self, other: &Motion) -> (Vector, f64) {
+        axis_and_angle(&product(&other.turn, &transposed(&self.turn)))
     }
 
     /// One Gauss-Newton step to the tangent planes of the vertices most like the points, held back towards `start`.
     fn towards(
         &self,
         start: &Motion,
+        mapped: &Mapped,
         places: &[Place],
         near: &mut [u32],
-        Approach { lever, noise, held }: Approach,
-        alike: impl Fn(Oriented, u32) -> (u32, Oriented),
-    ) -> Result<Motion> {
+        [noise, held]: [f64; 2],
+    ) -> Motion {
         let all: f64 = places.iter().map(|place| place.weight).sum();
-        let weights: Vec<f64> = places.iter().map(|place| place.weight).collect();
-        let middle = mean(places.iter().map(|place| self.of(place.own.position)), &weights);
-        let mut normal_equations = Step::default();
+        let about = self.of(mean(places.iter().map(|place| (place.own.position, place.weight))));
+        let mut step = Step::default();
         for (place, near) in places.iter().zip(near) {
             let goal = self.of_oriented(place.own);
-            let (vertex, there) = alike(goal, *near);
-            *near = vertex;
-            let offset = subtract(goal.position, middle).map(|x| x / lever);
-            let gap = gap(goal.position, there);
+            *near = mapped.alike(goal, *near).0;
+            let there = mapped.oriented(*near);
+            let (offset, gap) = (subtract(goal.position, about), gap(goal.position, there));
             let facing = dot(there.normal, goal.normal).clamp(0.0, 1.0);
             let outlier = gap / (OUTLIER * noise);
             let weight = INDEPENDENT / all * place.weight * facing / (1.0 + outlier * outlier);
-            normal_equations.add(offset, there.normal, gap, weight / (noise * noise));
+            step.add(offset, there.normal, gap, weight / (noise * noise));
             let strayed = subtract(goal.position, start.of(place.own.position));
-            normal_equations.hold(offset, strayed, place.weight / all / (held * held));
+            step.hold(offset, strayed, place.weight / all / (held * held));
         }
-        let [turn, shift] = normal_equations.solve()?;
-        let [x, y, z] = turn.map(|angle| angle / lever);
-        let turn = nearest_rotation(&[[1.0, -z, y], [z, 1.0, -x], [-y, x, 1.0]]);
-        let from_middle = turned(&turn, subtract(self.shift, middle));
-        Ok(Motion {
-            turn: product(&turn, &self.turn),
-            shift: std::array::from_fn(|axis| from_middle[axis] + middle[axis] + shift[axis]),
-        })
+        let [turn, shift] = step.solve();
+        // The rotation nearest to 1 + [turn]x is about the turn.
+        let angle = squared_norm(turn).sqrt();
+        let mut motion = match angle > 0.0 {
+            true => self.then_turned(&rotation(turn, angle.atan()), about),
+            false => *self,
+        };
+        (0..3).for_each(|axis| motion.shift[axis] += shift[axis]);
+        motion
     }
 }
 
-/// How a motion is brought to the surface.
-#[derive(Clone, Copy)]
-pub(super) struct Approach {
-    /// What a turn of one radian counts as, a distance in sqrt(area).
-    pub lever: f64,
-    /// How far the surface may be off, in sqrt(area).
-    pub noise: f64,
-    /// How far, in sqrt(area), the motion may go where the surface leaves it open.
-    pub held: f64,
-}
-
-/// Normal equations of a small turn about the middle, in units of the lever, and a shift.
+/// Normal equations of a small turn about the middle, and a shift: their lower triangle.
 #[derive(Default)]
 struct Step {
     matrix: [[f64; 6]; 6],
@@ -230,8 +201,9 @@ impl Step {
         let ([a, b, c], [d, e, f]) = (cross(offset, direction), direction);
         let row = [a, b, c, d, e, f];
         for i in 0..6 {
-            self.right[i] -= weight * gap * row[i];
-            (0..6).for_each(|j| self.matrix[i][j] += weight * row[i] * row[j]);
+            let weighted = weight * row[i];
+            self.right[i] -= weighted * gap;
+            (0..=i).for_each(|j| self.matrix[i][j] += weighted * row[j]);
         }
     }
 
@@ -239,28 +211,38 @@ impl Step {
     fn hold(&mut self, offset: Vector, gap: Vector, weight: f64) {
         let ([x, y, z], torque) = (offset, cross(offset, gap));
         let square = squared_norm(offset);
+        let across = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]];
         for i in 0..3 {
             self.right[i] -= weight * torque[i];
             self.right[3 + i] -= weight * gap[i];
             self.matrix[i][i] += weight * square;
             self.matrix[3 + i][3 + i] += weight;
-            (0..3).for_each(|j| self.matrix[i][j] -= weight * offset[i] * offset[j]);
-        }
-        let across = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
-        for (i, row) in across.iter().enumerate() {
-            for (j, value) in row.iter().enumerate() {
-                self.matrix[i][3 + j] += weight * value;
-                self.matrix[3 + j][i] += weight * value;
-            }
+            (0..=i).for_each(|j| self.matrix[i][j] -= weight * offset[i] * offset[j]);
+            (0..3).for_each(|j| self.matrix[3 + i][j] += weight * across[i][j]);
         }
     }
 
-    /// The turn and the shift.
-    fn solve(&self) -> Result<[Vector; 2]> {
-        let lower = gram_cholesky(Mat::from_fn(6, 6, |i, j| self.matrix[i][j]).as_ref())?;
-        let mut step = Mat::from_fn(6, 1, |i, _| self.right[i]);
-        cholesky_solve(lower.as_ref(), step.as_mut());
-        Ok([0, 3].map(|first| std::array::from_fn(|axis| step[(first + axis, 0)])))
+    /// The turn and the shift, by Cholesky factorisation. What nothing holds stays 0.
+    fn solve(mut self) -> [Vector; 2] {
+        for i in 0..6 {
+            for j in 0..=i {
+                let known: f64 = (0..j).map(|k| self.matrix[i][k] * self.matrix[j][k]).sum();
+                let rest = self.matrix[i][j] - known;
+                self.matrix[i][j] = match i == j {
+                    true if rest > 1e-14 * self.matrix[i][i] => rest.sqrt(),
+                    true => f64::INFINITY,
+                    false => rest / self.matrix[j][j],
+                };
+            }
+            let known: f64 = (0..i).map(|k| self.matrix[i][k] * self.right[k]).sum();
+            self.right[i] = (self.right[i] - known) / self.matrix[i][i];
+        }
+        for i in (0..6).rev() {
+            let known: f64 = (i + 1..6).map(|k| self.matrix[k][i] * self.right[k]).sum();
+            self.right[i] = (self.right[i] - known) / self.matrix[i][i];
+        }
+        let [a, b, c, d, e, f] = self.right;
+        [[a, b, c], [d, e, f]]
     }
 }
 
@@ -269,12 +251,13 @@ fn gap(position: Vector, there: Oriented) -> f64 {
     dot(there.normal, subtract(position, there.position))
 }
 
-pub(super) fn mean(positions: impl Iterator<Item = Vector>, weights: &[f64]) -> Vector {
-    let mut sum = [0.0; 3];
-    for (position, weight) in positions.zip(weights) {
+/// The mean of some positions with their weights.
+pub(super) fn mean(positions: impl Iterator<Item = (Vector, f64)>) -> Vector {
+    let (mut sum, mut all) = ([0.0; 3], 0.0);
+    for (position, weight) in positions {
         (0..3).for_each(|axis| sum[axis] += weight * position[axis]);
+        all += weight;
     }
-    let all: f64 = weights.iter().sum();
     sum.map(|x| x / all)
 }
 
@@ -310,7 +293,7 @@ mod tests {
         let about = mirror().of([0.4, -0.2, 0.7]);
         let then = mirror().then_turned(&rotation([0.0, 0.0, 1.0], 1.2), about);
         assert!(near(then.of([0.4, -0.2, 0.7]), about));
-        assert!((mirror().angle_to(&then) - 1.2).abs() < 1e-12);
+        assert!((mirror().turn_to(&then).1 - 1.2).abs() < 1e-12);
     }
 
     #[test]
@@ -326,7 +309,22 @@ mod tests {
             assert!((half.of(middle)[2] - mirror().of(middle)[2] - 0.2).abs() < 1e-12);
             // 2.8 radians against the axis are 2 pi - 2.8 along it.
             let expected = if along[2] > 0.0 { 1.4 } else { FRAC_PI_2 * 2.0 - 1.4 };
-            assert!((mirror().angle_to(&half) - expected).abs() < 1e-12, "{}", mirror().angle_to(&half));
+            assert!((mirror().turn_to(&half).1 - expected).abs() < 1e-12, "{}", mirror().turn_to(&half).1);
         }
+    }
+
+    #[test]
+    fn a_step_solves_its_equations_and_stays_where_nothing_holds_it() {
+        let mut step = Step::default();
+        let (turn, shift) = ([0.1, -0.2, 0.05], [0.3, 0.1, -0.7]);
+        for offset in [[1.0, 0.0, 0.2], [0.0, 1.0, -0.4], [0.3, 0.3, 1.0]] {
+            let moved = cross(turn, offset);
+            step.hold(offset, [0, 1, 2].map(|axis| -moved[axis] - shift[axis]), 2.0);
+        }
+        let [a, b] = step.solve();
+        assert!(near(a, turn) && near(b, shift), "{a:?} {b:?}");
+        let mut along_x = Step::default();
+        along_x.add([0.0; 3], [1.0, 0.0, 0.0], -0.5, 1.0);
+        assert_eq!(along_x.solve(), [[0.0; 3], [0.5, 0.0, 0.0]]);
     }
 }

@@ -19,7 +19,7 @@ const MOST: f64 = 0.04;
 pub(super) fn scatter(mapped: &Mapped) -> f64 {
     let count = mapped.areas.len();
     let mut images = vec![0.0; count];
-    mapped.found.partners.iter().for_each(|&partner| images[partner as usize] += 1.0);
+    mapped.partners.iter().for_each(|&partner| images[partner as usize] += 1.0);
     let (mut around, mut vertices) = (images.clone(), vec![1.0; count]);
     for _ in 0..ROUNDS {
         around = shared(mapped, &around);
@@ -39,10 +39,10 @@ pub(super) fn scatter(mapped: &Mapped) -> f64 {
 fn shared(mapped: &Mapped, values: &[f64]) -> Vec<f64> {
     let mut sums = vec![0.0; values.len()];
     for (vertex, value) in values.iter().enumerate() {
-        let near = mapped.graph.of(vertex);
-        let part = value / (near.len() + 1) as f64;
+        let near = || mapped.walk.around(vertex as u32);
+        let part = value / (near().count() + 1) as f64;
         sums[vertex] += part;
-        near.iter().for_each(|&next| sums[next as usize] += part);
+        near().for_each(|next| sums[next as usize] += part);
     }
     sums
 }
@@ -59,7 +59,7 @@ mod tests {
         let local =
             |point: u32| (0..).zip(&shell.points).find(|(_, own)| **own == point).expect("a vertex").0;
         let partners: Vec<u32> = shell.points.iter().map(|&point| local(to(point))).collect();
-        scatter(&Mapped::new(&shell, VertexImages::at_vertices(&shell.triangles, partners)))
+        scatter(&Mapped::new(&shell, &VertexImages::at_vertices(&shell.triangles, partners)))
     }
 
     fn evenly(column: u32) -> f64 {

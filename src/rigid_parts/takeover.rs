@@ -8,53 +8,31 @@
 use super::mapped::{Disc, Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, Place, mean};
 use super::turned_parts::{seeds, settle};
-use crate::embedded_triangles::TrianglePoint;
-use crate::error::Result;
 use crate::mesh::vector::Vector;
-use crate::progress::CancelToken;
 use crate::threads;
 
-/// Radius of the small parts along edges, in sqrt(area), and how many they are all over the surface.
-const SMALL_RADIUS: f64 = 0.1;
-const SMALL_PARTS: usize = 300;
+/// Radius of the small parts, in sqrt(area).
+pub(super) const SMALL_RADIUS: f64 = 0.1;
 /// How far the surroundings reach along edges, in sqrt(area).
 const REACH: f64 = 0.4;
-/// Points that a small part's motion is fitted to, and points around all in which images are sought.
-const POINTS: usize = 60;
+/// Points around all in which images are sought.
 const SOUGHT_POINTS: usize = 300;
-const OWN_ROUNDS: usize = 4;
-const NEW_ROUNDS: usize = 2;
-const OWN: Approach = Approach { lever: SMALL_RADIUS, noise: 0.003, held: 0.02 };
-const NEW: Approach = Approach { lever: SMALL_RADIUS, noise: 0.003, held: 0.01 };
-/// A small part follows the new motion if that leaves this share of what the old one does, and keeps the old one if the new one leaves
-/// this many times as much.
+/// How the map's motion of a small part and the new one are brought to the surface.
+const OWN: Approach = Approach { rounds: 4, noise: 0.003, held: 0.02, free: true };
+const NEW: Approach = Approach { rounds: 2, noise: 0.003, held: 0.01, free: true };
+/// A small part follows the motion that leaves this share of what the other one does.
 const FOLLOWS: f64 = 0.7;
-const KEEPS: f64 = 1.4;
-/// The new motion fits a small part if it leaves at most this many times what is usual, or at most this, in sqrt(area), and
-/// does not from this many times that.
-const FITS: f64 = 2.0;
-const SURELY_FITS: f64 = 0.025;
-const MISFITS: f64 = 1.25;
+/// Share of the strain of its surroundings that the new map may leave.
+const STRAIN_LEFT: f64 = 0.85;
 /// Share of the surface that may be cut off from the rest.
 const CUT_OFF: f64 = 0.03;
-
-/// Where a part is turned.
-#[derive(Clone, Copy)]
-pub(super) struct Surroundings {
-    /// The part's middle.
-    pub middle: u32,
-    pub mirrored: bool,
-    /// What parts that fit leave, in sqrt(area).
-    pub usual: f64,
-    /// Share of their strain that the new map may leave.
-    pub strain_left: f64,
-    pub threads: usize,
-}
 
 /// Small parts all over the surface, and how the map moves each, once asked for.
 pub(super) struct SmallParts {
     discs: Vec<Disc>,
     as_mapped: Vec<Option<SmallPart>>,
+    points: usize,
+    mirrored: bool,
 }
 
 /// How the map moves a small part.
@@ -68,52 +46,31 @@ struct SmallPart {
 }
 
 impl SmallParts {
-    /// # Errors
-    /// [`crate::Error::Cancelled`].
-    pub fn new(mapped: &Mapped, threads: usize, token: &CancelToken) -> Result<SmallParts> {
-        let discs = super::discs(mapped, SMALL_RADIUS, SMALL_PARTS, threads, token)?;
-        Ok(SmallParts { as_mapped: discs.iter().map(|_| None).collect(), discs })
+    /// By motions fitted to so many `points`.
+    pub fn new(discs: Vec<Disc>, points: usize, mirrored: bool) -> SmallParts {
+        SmallParts { as_mapped: discs.iter().map(|_| None).collect(), discs, points, mirrored }
     }
 
     /// The parts whose middle is `near`, each with how the map moves it.
-    fn around(
-        &mut self,
-        mapped: &Mapped,
-        near: &[bool],
-        mirrored: bool,
-        threads: usize,
-    ) -> Result<Vec<(&Disc, &SmallPart)>> {
+    fn around(&mut self, mapped: &Mapped, near: &[bool], threads: usize) -> Vec<(&Disc, &SmallPart)> {
         let is_near = |disc: &Disc| near[disc.middle as usize];
         let missing = |index: &usize| self.as_mapped[*index].is_none() && is_near(&self.discs[*index]);
         let missing = (0..self.discs.len()).filter(missing).collect();
-        let fit =
-            |index: usize| SmallPart::new(mapped, &self.discs[index], mirrored).map(|part| (index, part));
-        for fitted in threads::map(threads, missing, fit) {
-            let (index, part) = fitted?;
+        let fit = |index: usize| (index, self.fitted(mapped, &self.discs[index]));
+        for (index, part) in threads::map(threads, missing, fit) {
             self.as_mapped[index] = Some(part);
         }
-        let parts = self.discs.iter().zip(&self.as_mapped);
-        Ok(parts
-            .filter(|(disc, _)| is_near(disc))
-            .filter_map(|(disc, part)| Some((disc, part.as_ref()?)))
-            .collect())
+        let parts = self.discs.iter().zip(&self.as_mapped).filter(|(disc, _)| is_near(disc));
+        parts.filter_map(|(disc, part)| Some((disc, part.as_ref()?))).collect()
     }
 
-    /// To be called when the map changes.
-    fn forget(&mut self) {
-        self.as_mapped.fill_with(|| None);
-    }
-}
-
-impl SmallPart {
-    fn new(mapped: &Mapped, disc: &Disc, mirrored: bool) -> Result<SmallPart> {
-        let places = mapped.places(&mapped.picked(&disc.members, POINTS));
-        let motion = Motion::between(&places, mirrored);
+    fn fitted(&self, mapped: &Mapped, disc: &Disc) -> SmallPart {
+        let places = mapped.places(&mapped.picked(&disc.members, self.points));
+        let motion = Motion::between(&places, self.mirrored);
         let partners = places.iter().map(|place| place.partner).collect();
-        let left = settle(mapped, motion, &places, partners, OWN_ROUNDS, OWN)?.unlike;
-        let weights: Vec<f64> = places.iter().map(|place| place.weight).collect();
-        let centre = mean(places.iter().map(|place| place.own.position), &weights);
-        Ok(SmallPart { places, centre, motion, left })
+        let left = settle(mapped, motion, &places, partners, OWN).unlike;
+        let centre = mean(places.iter().map(|place| (place.own.position, place.weight)));
+        SmallPart { places, centre, motion, left }
     }
 }
 
@@ -148,84 +105,77 @@ struct Goal {
     strongest: Option<(Motion, f64)>,
 }
 
-/// Maps what a part's new motion fits by it, if that makes a better map of the surroundings; returns whether it does.
-///
-/// # Errors
-/// [`crate::Error::Internal`].
+/// Maps what a part's new motion fits by it, if that makes a better map of the surroundings of its `middle`; returns whether it does.
 pub(super) fn take_over(
     mapped: &mut Mapped,
     small: &mut SmallParts,
-    surroundings: Surroundings,
+    middle: u32,
     found: &Motion,
-) -> Result<bool> {
-    let around = mapped.within(&[surroundings.middle], REACH);
+    threads: usize,
+) -> bool {
+    let around = mapped.within(&[middle], REACH);
     let evenly: Vec<(u32, f64)> = around.iter().map(|&(vertex, _)| (vertex, 1.0)).collect();
     let sought = mapped.sought(&mapped.places(&mapped.picked(&evenly, SOUGHT_POINTS)));
     let mut near = vec![false; mapped.areas.len()];
     around.iter().for_each(|&(vertex, _)| near[vertex as usize] = true);
-    let small_around = small.around(mapped, &near, surroundings.mirrored, surroundings.threads)?;
-    let parts = parts(mapped, surroundings, small_around, &sought, found)?;
+    let mirrored = small.mirrored;
+    let parts = parts(mapped, small.around(mapped, &near, threads), &sought, found, threads);
     let goals = goals(mapped, &parts, &around);
-    let region = grown(mapped, surroundings.middle, &goals);
+    let region =
+        mapped.joined(middle, &mut vec![false; goals.len()], |vertex| goals[vertex as usize].follows());
     if cut_off(mapped, &region) > CUT_OFF {
-        return Ok(false);
+        return false;
     }
-    let images = images(mapped, &mapped.within(&region, SMALL_RADIUS), &goals, &sought, surroundings.threads);
-    let before = mapped.strain(&near, surroundings.mirrored);
-    let replaced: Vec<_> =
-        images.into_iter().map(|(vertex, image)| (vertex, mapped.replace(vertex, image))).collect();
-    if mapped.strain(&near, surroundings.mirrored) > surroundings.strain_left * before {
-        for (vertex, image) in replaced {
-            mapped.replace(vertex, image);
-        }
-        return Ok(false);
+    let changed = mapped.within(&region, SMALL_RADIUS).into_iter().map(|(vertex, _)| vertex);
+    let changed: Vec<u32> = changed.filter(|&vertex| goals[vertex as usize].new > 0.0).collect();
+    let images = images(mapped, &changed, &goals, &sought, threads);
+    let before = mapped.strain(&near, mirrored);
+    let former = mapped.replaced(&changed, images);
+    if mapped.strain(&near, mirrored) > STRAIN_LEFT * before {
+        mapped.replaced(&changed, former);
+        return false;
     }
-    small.forget();
-    Ok(true)
+    small.as_mapped.fill_with(|| None);
+    true
 }
 
-/// Images at their goals, of those of the vertices that the new motion has a say in.
+/// Partners and images of the vertices at their goals.
 fn images(
     mapped: &Mapped,
-    vertices: &[(u32, f64)],
+    changed: &[u32],
     goals: &[Goal],
     sought: &Sought,
     threads: usize,
-) -> Vec<(usize, (u32, TrianglePoint))> {
-    let changed =
-        vertices.iter().map(|&(vertex, _)| vertex).filter(|&vertex| goals[vertex as usize].new > 0.0);
-    let changed: Vec<u32> = changed.collect();
-    let at: Vec<Oriented> =
-        changed.iter().map(|&vertex| goals[vertex as usize].at(mapped.oriented(vertex))).collect();
-    let starts = sought.most_alike(&at);
-    let image = |index: usize| {
-        let start = mapped.alike(at[index], starts[index]).0;
-        (changed[index] as usize, mapped.walk.nearest(at[index].position, start))
+) -> Vec<(u32, Vector)> {
+    let at = changed.iter().map(|&vertex| goals[vertex as usize].at(mapped.oriented(vertex)));
+    let at: Vec<Oriented> = at.collect();
+    let starts = sought.most_alike(at.iter().copied());
+    let image = |(goal, start): (Oriented, u32)| {
+        let (partner, point) = mapped.walk.nearest(goal.position, mapped.alike(goal, start).0);
+        (partner, point.interpolate_vectors(&mapped.shell.triangles, &mapped.shell.positions))
     };
-    threads::map(threads, (0..changed.len()).collect(), image)
+    threads::map(threads, at.into_iter().zip(starts).collect(), image)
 }
 
 /// The small parts around, with what both motions make of them.
 fn parts<'a>(
     mapped: &Mapped,
-    Surroundings { usual, threads, .. }: Surroundings,
     small: Vec<(&'a Disc, &SmallPart)>,
     sought: &Sought,
     found: &Motion,
-) -> Result<Vec<Part<'a>>> {
+    threads: usize,
+) -> Vec<Part<'a>> {
     let judged = |(disc, SmallPart { places, centre, motion, left }): (&'a Disc, &SmallPart)| {
-        let new = settle(mapped, *found, places, seeds(found, places, sought), NEW_ROUNDS, NEW)?;
-        let fits = (FITS * usual).max(SURELY_FITS);
-        let verdict = if new.unlike < FOLLOWS * left && new.unlike < fits {
-            Verdict::Follows
-        } else if new.unlike > KEEPS * left || new.unlike > MISFITS * fits {
-            Verdict::Keeps
-        } else {
-            Verdict::Either
+        let new = settle(mapped, *found, places, seeds(found, places, sought), NEW);
+        let left = new.unlike / left;
+        let verdict = match left {
+            _ if left < FOLLOWS => Verdict::Follows,
+            _ if FOLLOWS * left > 1.0 => Verdict::Keeps,
+            _ => Verdict::Either,
         };
-        Ok(Part { disc, centre: *centre, own: *motion, new: new.motion, left: new.unlike / left, verdict })
+        Part { disc, centre: *centre, own: *motion, new: new.motion, left, verdict }
     };
-    threads::map(threads, small, judged).into_iter().collect()
+    threads::map(threads, small, judged)
 }
 
 /// Where the parts' motions, each as far as it takes over, put each vertex.
@@ -234,7 +184,7 @@ fn goals(mapped: &Mapped, parts: &[Part], around: &[(u32, f64)]) -> Vec<Goal> {
     let following = parts.iter().filter(|part| part.verdict == Verdict::Follows);
     // All turn the same way around.
     let Some(surest) = following.clone().min_by(|a, b| a.left.total_cmp(&b.left)) else { return goals };
-    let axis = surest.own.axis_to(&surest.new);
+    let (axis, _) = surest.own.turn_to(&surest.new);
     let to_new = distances(mapped, following.map(|part| part.disc.middle));
     let keeping = parts.iter().filter(|part| part.verdict == Verdict::Keeps).map(|part| part.disc.middle);
     let rim = around
@@ -293,13 +243,6 @@ fn distances(mapped: &Mapped, sources: impl Iterator<Item = u32>) -> Vec<f64> {
     distances
 }
 
-/// Vertices that follow the new motion and are joined to the middle by others that do.
-fn grown(mapped: &Mapped, middle: u32, goals: &[Goal]) -> Vec<u32> {
-    let mut reached = vec![false; goals.len()];
-    reached[middle as usize] = true;
-    joined(mapped, middle, &mut reached, |vertex| goals[vertex as usize].follows())
-}
-
 /// Share of the area that hangs together no more with most of the surface once `region` is taken out.
 fn cut_off(mapped: &Mapped, region: &[u32]) -> f64 {
     let area =
@@ -308,26 +251,11 @@ fn cut_off(mapped: &Mapped, region: &[u32]) -> f64 {
     region.iter().for_each(|&vertex| reached[vertex as usize] = true);
     let (mut rest, mut largest) = (0.0, 0.0f64);
     for vertex in 0..mapped.areas.len() as u32 {
-        if !std::mem::replace(&mut reached[vertex as usize], true) {
-            let piece = area(&joined(mapped, vertex, &mut reached, |_| true));
+        if !reached[vertex as usize] {
+            let piece = area(&mapped.joined(vertex, &mut reached, |_| true));
             rest += piece;
             largest = largest.max(piece);
         }
     }
     (rest - largest) / (rest + area(region))
-}
-
-/// `first` and what is joined to it along edges through vertices `through` which that goes and that were not `reached`.
-fn joined(mapped: &Mapped, first: u32, reached: &mut [bool], through: impl Fn(u32) -> bool) -> Vec<u32> {
-    let mut joined = vec![first];
-    let mut next = 0;
-    while let Some(&vertex) = joined.get(next) {
-        for &near in mapped.graph.of(vertex as usize) {
-            if through(near) && !std::mem::replace(&mut reached[near as usize], true) {
-                joined.push(near);
-            }
-        }
-        next += 1;
-    }
-    joined
 }

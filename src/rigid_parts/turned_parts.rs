@@ -4,9 +4,10 @@
 //! rigid motion brings the head back onto the surface. From motions that are turned against it all around, as P. Besl and N. McKay
 //! start theirs ("A method for registration of 3-D shapes", 1992, section IV), one may. What it fits is then mapped by it.
 
-use super::mapped::{Mapped, Sought};
+use super::effort::TurnedEffort;
+use super::mapped::{Disc, Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, Place, mean};
-use super::takeover::{SmallParts, Surroundings, take_over};
+use super::takeover::{SMALL_RADIUS, SmallParts, take_over};
 use crate::error::Result;
 use crate::mesh::rotation::{Matrix, principal_axes, rotation};
 use crate::mesh::vector::{Vector, subtract};
@@ -14,202 +15,131 @@ use crate::progress::CancelToken;
 use crate::threads;
 use std::f64::consts::PI;
 
-/// Parts of each size, fewer and larger than those the finished map follows.
-const PARTS: usize = 70;
-/// Their radii along edges, in sqrt(area).
-const RADII: [f64; 2] = [0.2, 0.15];
-/// Points of a part that a motion is fitted to, and rounds of the fit.
-const POINTS: usize = 100;
-const ROUNDS: usize = 8;
-/// A quick fit is to each so manieth of these points, in so many rounds.
-const QUICK_STEP: usize = 3;
-const QUICK_ROUNDS: usize = 3;
-/// Turns about each axis that are tried.
-const TURNS: usize = 12;
-/// Quick fits of turned motions: after so many rounds, this many of the best are left.
-const LEFT: [(usize, usize); 2] = [(2, 20), (3, 12)];
-/// The best must leave no more than this share of what a quick fit of the map's motion does.
-const PROMISING: f64 = 1.1;
-/// Turns nearer than this, in radians, count as one, and this many are fitted with all points.
-const SAME_TURN: f64 = 0.5;
-const FITTED_TURNS: usize = 4;
+/// Radius of the parts, in sqrt(area); they are larger than those the finished map follows.
+const RADIUS: f64 = 0.17;
+/// How a motion is brought to the surface: all the way, and roughly, by each so manieth point.
+const WHOLLY: Approach = Approach { rounds: 6, noise: 0.008, held: 0.05, free: true };
+const ROUGHLY: Approach = Approach { rounds: 3, ..WHOLLY };
+const ROUGH_STEP: usize = 3;
 /// Share of a part's points that may misfit: mouths and eye sockets, and the neck where a head is turned.
 const MISFITTING: f64 = 0.3;
 /// A part fits badly from this many times what is usual, and never below this, in sqrt(area).
 const BAD: f64 = 2.0;
 const LEAST_BAD: f64 = 0.01;
-/// A turned motion fits well up to this many times what is usual, or up to this, in sqrt(area).
-const GOOD: f64 = 4.0;
-const SURELY_GOOD: f64 = 0.02;
-/// It must leave no more than this share of what the map's leaves.
-const BETTER: f64 = 0.85;
-/// One that leaves less than this share is far better.
-const FAR_BETTER: f64 = 0.45;
-/// Share of the strain of its surroundings that the map with a far better motion may leave, and with another.
-const STRAIN_LEFT: [f64; 2] = [0.87, 0.8];
 /// Turned motions that leave up to this many times the least are as good as it: the one that turns least is taken.
 const AS_GOOD: f64 = 1.3;
-const COARSE: Approach = Approach { lever: 0.2, noise: 0.008, held: 0.05 };
-const FINE: Approach = Approach { lever: 0.2, noise: 0.003, held: 0.02 };
-
-/// A motion brought to the surface, and how unlike the surface is there, in sqrt(area): root mean square over the points that fit best.
-pub(super) struct Settled {
-    pub motion: Motion,
-    pub unlike: f64,
-}
+/// A turned motion must leave no more than this share of what the map's leaves.
+const BETTER: f64 = 0.85;
 
 /// A part: some of its vertices, each standing for the same area, with their weights.
 struct Part {
     middle: u32,
     picked: Vec<(u32, f64)>,
-}
-
-/// A part and a motion turned against the map's that fits it.
-struct Turned {
-    part: Part,
     /// What the map's motion leaves.
-    own: f64,
-    found: Settled,
+    own: Settled,
 }
 
-/// Maps parts by turned motions where these fit and the map's do not.
+/// A motion brought to the surface, and how unlike the surface is there, in sqrt(area): root mean square over the points that fit best.
+#[derive(Clone, Copy)]
+pub(super) struct Settled {
+    pub motion: Motion,
+    pub unlike: f64,
+}
+
+/// Maps parts by turned motions where these fit and the map's do not. `middles` are spread over the surface.
 ///
 /// # Errors
-/// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
-pub(super) fn right(mapped: &mut Mapped, mirrored: bool, threads: usize, token: &CancelToken) -> Result<()> {
-    let screened = |(middle, radius): (u32, f64)| {
+/// [`crate::Error::Cancelled`].
+pub(super) fn map_turned(
+    mapped: &mut Mapped,
+    middles: &[u32],
+    effort: &TurnedEffort,
+    mirrored: bool,
+    threads: usize,
+    token: &CancelToken,
+) -> Result<()> {
+    let part = |disc: Disc| {
         token.check()?;
-        let part = Part { middle, picked: mapped.picked(&mapped.disc(middle, radius).members, POINTS) };
-        let quick = as_mapped(mapped, &few(&part.picked), QUICK_ROUNDS, mirrored)?;
-        let own = match quick.unlike > LEAST_BAD {
-            true => as_mapped(mapped, &part.picked, ROUNDS, mirrored)?,
-            false => quick,
-        };
-        Ok((part, own))
+        let picked = mapped.picked(&disc.members, effort.points);
+        Ok(Part { middle: disc.middle, own: as_mapped(mapped, &picked, mirrored), picked })
     };
-    let middles = mapped.spread(PARTS);
-    let all = RADII.iter().flat_map(|&radius| middles.iter().map(move |&middle| (middle, radius))).collect();
-    let own = threads::map(threads, all, screened).into_iter().collect::<Result<Vec<_>>>()?;
-    let usual = usual(&own);
-    let bad = own.into_iter().filter(|(_, own)| own.unlike > (BAD * usual).max(LEAST_BAD));
-    let search = |(part, own): (Part, Settled)| {
+    let discs = mapped.discs(&middles[..effort.parts.min(middles.len())], RADIUS, threads);
+    let parts = threads::map(threads, discs, part).into_iter().collect::<Result<Vec<Part>>>()?;
+    let bad = (BAD * usual(&parts)).max(LEAST_BAD);
+    let search = |part: Part| {
         token.check()?;
-        let found = turned(mapped, &part, &own, mirrored)?;
-        let good = found.filter(|found| found.unlike < (GOOD * usual).max(SURELY_GOOD));
-        Ok(good.map(|found| Turned { part, own: own.unlike, found }))
+        Ok(turned(mapped, &part, effort, mirrored).map(|found| (part, found)))
     };
-    let found = threads::map(threads, bad.collect(), search).into_iter().collect::<Result<Vec<_>>>()?;
-    let mut found: Vec<Turned> = found.into_iter().flatten().collect();
-    let left = |turned: &Turned| turned.found.unlike / turned.own;
+    let bad = parts.into_iter().filter(|part| part.own.unlike > bad).collect();
+    let found = threads::map(threads, bad, search).into_iter().collect::<Result<Vec<_>>>()?;
+    let mut found: Vec<(Part, Settled)> = found.into_iter().flatten().collect();
+    let left = |(part, found): &(Part, Settled)| found.unlike / part.own.unlike;
     found.sort_by(|a, b| left(a).total_cmp(&left(b)));
     if found.is_empty() {
         return Ok(());
     }
-    let mut small = SmallParts::new(mapped, threads, token)?;
+    let discs = mapped.discs(&middles[..effort.small.min(middles.len())], SMALL_RADIUS, threads);
+    let mut small = SmallParts::new(discs, effort.points, mirrored);
     let mut changed = false;
-    for Turned { part, mut own, found } in found {
+    for (part, found) in found.into_iter().take(effort.most) {
         token.check()?;
-        if changed {
-            // Another part may have brought this one along.
-            own = as_mapped(mapped, &part.picked, ROUNDS, mirrored)?.unlike;
-        }
-        if found.unlike < BETTER * own {
-            let strain_left = if found.unlike < FAR_BETTER * own { STRAIN_LEFT[0] } else { STRAIN_LEFT[1] };
-            let surroundings = Surroundings { middle: part.middle, mirrored, usual, strain_left, threads };
-            changed |= take_over(mapped, &mut small, surroundings, &found.motion)?;
+        // Another part may have brought this one along.
+        let own = if changed { as_mapped(mapped, &part.picked, mirrored) } else { part.own };
+        if found.unlike < BETTER * own.unlike {
+            changed |= take_over(mapped, &mut small, part.middle, &found.motion, threads);
         }
     }
     Ok(())
 }
 
-/// Those that a quick fit is to.
-fn few(picked: &[(u32, f64)]) -> Vec<(u32, f64)> {
-    picked.iter().step_by(QUICK_STEP).copied().collect()
-}
-
 /// What parts that fit leave: a tenth leave less.
-fn usual(own: &[(Part, Settled)]) -> f64 {
-    let mut unlike: Vec<f64> = own.iter().map(|(_, own)| own.unlike).collect();
+fn usual(parts: &[Part]) -> f64 {
+    let mut unlike: Vec<f64> = parts.iter().map(|part| part.own.unlike).collect();
     unlike.sort_by(f64::total_cmp);
-    unlike[unlike.len() / 10]
+    unlike.get(unlike.len() / 10).copied().unwrap_or(0.0)
 }
 
 /// The motion of the map itself, brought to the surface.
-fn as_mapped(mapped: &Mapped, picked: &[(u32, f64)], rounds: usize, mirrored: bool) -> Result<Settled> {
+fn as_mapped(mapped: &Mapped, picked: &[(u32, f64)], mirrored: bool) -> Settled {
     let places = mapped.places(picked);
     let near = places.iter().map(|place| place.partner).collect();
-    settle(mapped, Motion::between(&places, mirrored), &places, near, rounds, COARSE)
+    settle(mapped, Motion::between(&places, mirrored), &places, near, WHOLLY)
 }
 
 /// The turned motion that fits best, if it fits much better than the map's.
-fn turned(mapped: &Mapped, part: &Part, own: &Settled, mirrored: bool) -> Result<Option<Settled>> {
+fn turned(mapped: &Mapped, part: &Part, effort: &TurnedEffort, mirrored: bool) -> Option<Settled> {
     let places = mapped.places(&part.picked);
     let sought = mapped.sought(&places);
-    let start = Motion::between(&places, mirrored);
-    let few = mapped.places(&few(&part.picked));
-    let mut apart: Vec<Motion> = Vec::new();
-    for motion in promising(mapped, &few, &sought, turns(&start, &places), &own.motion)? {
-        if apart.iter().all(|other| other.angle_to(&motion) > SAME_TURN) {
-            apart.push(motion);
-        }
-    }
-    let from = |motion: Motion, step: Approach| {
-        settle(mapped, motion, &places, seeds(&motion, &places, &sought), ROUNDS, step)
+    let few: Vec<(u32, f64)> = part.picked.iter().step_by(ROUGH_STEP).copied().collect();
+    let few = mapped.places(&few);
+    let from = |motion: Motion, places: &[Place], approach: Approach| {
+        settle(mapped, motion, places, seeds(&motion, places, &sought), approach)
     };
-    let fitted = apart.into_iter().take(FITTED_TURNS).map(|motion| from(motion, COARSE));
-    let fitted = fitted.collect::<Result<Vec<Settled>>>()?;
+    let start = Motion::between(&places, mirrored);
+    let turns = turns(&start, &places, effort.turns);
+    let mut rough: Vec<Settled> = turns.into_iter().map(|turn| from(turn, &few, ROUGHLY)).collect();
+    rough.sort_by(|a, b| a.unlike.total_cmp(&b.unlike));
+    let fitted = rough.iter().take(effort.fitted).map(|rough| from(rough.motion, &places, WHOLLY));
+    let fitted: Vec<Settled> = fitted.collect();
     let least = fitted.iter().fold(f64::INFINITY, |least, fit| least.min(fit.unlike));
-    let turn = |fit: &Settled| start.angle_to(&fit.motion);
+    let turn = |fit: &Settled| start.turn_to(&fit.motion).1;
     let as_good = fitted.into_iter().filter(|fit| fit.unlike <= AS_GOOD * least);
     let best = as_good.min_by(|a, b| turn(a).total_cmp(&turn(b)));
-    best.filter(|_| least <= BETTER * own.unlike).map(|best| from(best.motion, FINE)).transpose()
-}
-
-/// Those of `motions` that quick fits bring nearest the surface, the best first; none if `own` comes nearer.
-fn promising(
-    mapped: &Mapped,
-    places: &[Place],
-    sought: &Sought,
-    motions: Vec<Motion>,
-    own: &Motion,
-) -> Result<Vec<Motion>> {
-    let unlike = |motion: &Motion, near: &[u32]| {
-        left(motion, places, near, |goal, near| mapped.unlike_vertex(goal, mapped.alike(goal, near).0))
-    };
-    let seeded = |motion: Motion| (motion, seeds(&motion, places, sought));
-    let mut motions: Vec<(Motion, Vec<u32>)> = motions.into_iter().map(seeded).collect();
-    let mut least = f64::INFINITY;
-    for (rounds, kept) in LEFT {
-        let fit = |(motion, mut near): (Motion, Vec<u32>)| -> Result<(f64, Motion, Vec<u32>)> {
-            let alike = |goal, start| mapped.alike(goal, start);
-            let motion = motion.settled(places, &mut near, rounds, COARSE, alike)?;
-            Ok((unlike(&motion, &near), motion, near))
-        };
-        let mut fitted = motions.into_iter().map(fit).collect::<Result<Vec<_>>>()?;
-        fitted.sort_by(|(a, ..), (b, ..)| a.total_cmp(b));
-        least = fitted[0].0;
-        motions = fitted.into_iter().take(kept).map(|(_, motion, near)| (motion, near)).collect();
-    }
-    let near: Vec<u32> = places.iter().map(|place| place.partner).collect();
-    Ok(match least < PROMISING * unlike(own, &near) {
-        true => motions.into_iter().map(|(motion, _)| motion).collect(),
-        false => Vec::new(),
-    })
+    best.filter(|best| best.unlike < BETTER * part.own.unlike)
 }
 
 /// A motion turned about where it puts the part's middle, all around each of the image's principal axes.
-fn turns(start: &Motion, places: &[Place]) -> Vec<Motion> {
-    let weights: Vec<f64> = places.iter().map(|place| place.weight).collect();
-    let images: Vec<Vector> = places.iter().map(|place| start.of(place.own.position)).collect();
-    let about = mean(images.iter().copied(), &weights);
+fn turns(start: &Motion, places: &[Place], count: usize) -> Vec<Motion> {
+    let images = || places.iter().map(|place| (start.of(place.own.position), place.weight));
+    let about = mean(images());
     let mut moments = Matrix::default();
-    for (image, weight) in images.iter().zip(&weights) {
-        let offset = subtract(*image, about);
+    for (image, weight) in images() {
+        let offset: Vector = subtract(image, about);
         for row in 0..3 {
             (0..3).for_each(|column| moments[row][column] += weight * offset[row] * offset[column]);
         }
     }
-    let angles = (1..TURNS).map(|turn| 2.0 * PI * turn as f64 / TURNS as f64);
+    let angles = (1..count).map(|turn| 2.0 * PI * turn as f64 / count as f64);
     let rotations = principal_axes(moments)
         .into_iter()
         .flat_map(|axis| angles.clone().map(move |angle| rotation(axis, angle)));
@@ -218,8 +148,7 @@ fn turns(start: &Motion, places: &[Place]) -> Vec<Motion> {
 
 /// For each place the one of the sought vertices most like where the motion puts it.
 pub(super) fn seeds(motion: &Motion, places: &[Place], sought: &Sought) -> Vec<u32> {
-    let goals: Vec<Oriented> = places.iter().map(|place| motion.of_oriented(place.own)).collect();
-    sought.most_alike(&goals)
+    sought.most_alike(places.iter().map(|place| motion.of_oriented(place.own)))
 }
 
 /// Brings a motion to the surface, sought from the vertices `near` the places' images.
@@ -228,13 +157,11 @@ pub(super) fn settle(
     start: Motion,
     places: &[Place],
     mut near: Vec<u32>,
-    rounds: usize,
-    step: Approach,
-) -> Result<Settled> {
-    let motion = start.settled(places, &mut near, rounds, step, |goal, start| mapped.alike(goal, start))?;
-    let unlike =
-        left(&motion, places, &near, |goal, near| mapped.unlike_near(goal, mapped.alike(goal, near).0));
-    Ok(Settled { motion, unlike })
+    approach: Approach,
+) -> Settled {
+    let motion = start.settled(mapped, places, &mut near, approach);
+    let unlike = |goal: Oriented, near: u32| mapped.unlike_beside(goal, mapped.alike(goal, near).0);
+    Settled { motion, unlike: left(&motion, places, &near, unlike) }
 }
 
 /// Root mean square, over the places that fit best, of how unlike the surface is where the motion puts them; `unlike` gives it squared.
