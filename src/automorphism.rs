@@ -14,6 +14,9 @@
 //! 3. Where no walk ends, one patch is grown around the defects of the main shell ([`almost`]), several near the estimate
 //!    on others, or where that is not nearly all of it ([`partial`]).
 //!
+//! Before all that a test on the polygons alone leaves out the shells that cannot be mirrored ([`lookalikes`]): of independent
+//! triangulations no half-edges are made. Where the only bijection changes no lengths it is the answer ([`LengthChange`]).
+//!
 //! Shells may map to themselves or swap. Polygons are walked, not triangles: quads are often mirrored
 //! where their triangulation is not. Cost O(size) per seed with a bound on all walks together; memory O(size).
 

@@ -19,7 +19,7 @@ const COVERED_IRREGULAR: f64 = 0.7;
 /// Fewest irregular vertices of a shell of which defects may leave some unpaired.
 const IRREGULAR: usize = 32;
 /// Least share of vertices with a lookalike: a defect takes it from all within some rings, and from their partners.
-const REPEATED: f64 = 0.2;
+pub(super) const REPEATED: f64 = 0.2;
 /// Seeds of which every other image is tried.
 const RIVAL_SEEDS: usize = 4;
 

@@ -6,7 +6,7 @@ use crate::mesh::NONE;
 use crate::mesh::half_edges::HalfEdges;
 
 /// Rounds after which colours are kept: vertices alike within as many rings share a colour.
-pub(super) const NEAR: usize = 2;
+const NEAR: usize = 2;
 const FAR: usize = 6;
 
 /// Colours of all vertices at three ranges.

@@ -32,7 +32,7 @@ const IRREGULAR: usize = 4;
 /// Most contradictions of a patch per paired face.
 const CONTRADICTIONS: f64 = 0.25;
 /// Least share of a shell and of its irregular vertices to be covered, and of samples near the estimate.
-pub(super) const COVERED: f64 = 0.5;
+const COVERED: f64 = 0.5;
 const NEAR: f64 = 0.7;
 
 /// What the growth reads.
