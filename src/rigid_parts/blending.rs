@@ -108,8 +108,9 @@ mod tests {
             members: (0..5 * COLUMNS).filter(|&v| columns.contains(&column(v))).map(|v| (v, 10.0)).collect(),
         };
         let discs: Vec<Disc> = lifted.iter().map(|(columns, _)| disc(columns)).collect();
-        let part = |(disc, (_, height))| Part { disc, start: lift(height), motion: lift(height), trust: 1.0 };
-        let parts: Vec<Part> = discs.iter().zip(lifted.iter().copied()).map(part).collect();
+        let part = |disc, height| Part { disc, start: lift(height), motion: lift(height), trust: 1.0 };
+        let parts: Vec<Part> =
+            discs.iter().zip(lifted).map(|(disc, (_, height))| part(disc, *height)).collect();
         let agreed = crate::rigid_parts::agreed(&mapped, &parts);
         let analysis = Analysis::new(&surface.stiffness).expect("an analysis");
         let goals = goals(&mapped, &surface, &analysis, &parts, &agreed).expect("goals");

@@ -18,7 +18,7 @@ pub struct PartsEffort {
 /// The same for turned parts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct TurnedEffort {
-    /// Parts that may be turned.
+    /// Parts of each size that may be turned.
     pub parts: usize,
     /// Points of each that a motion is fitted to.
     pub points: usize,
@@ -35,7 +35,7 @@ pub struct TurnedEffort {
 impl PartsEffort {
     /// Slower and a little more exact than the default.
     pub fn thorough() -> PartsEffort {
-        let turned = TurnedEffort { parts: 140, points: 100, turns: 12, small: 300, fitted: 4, most: 100 };
+        let turned = TurnedEffort { parts: 70, points: 100, turns: 12, small: 300, fitted: 4, most: 100 };
         PartsEffort { passes: [200, 400], points: 80, rounds: 5, turned: Some(turned) }
     }
 
@@ -47,7 +47,7 @@ impl PartsEffort {
 
 impl Default for PartsEffort {
     fn default() -> PartsEffort {
-        let turned = TurnedEffort { parts: 70, points: 50, turns: 12, small: 150, fitted: 2, most: 8 };
+        let turned = TurnedEffort { parts: 70, points: 100, turns: 12, small: 150, fitted: 4, most: 8 };
         PartsEffort { passes: [100, 200], points: 40, rounds: 5, turned: Some(turned) }
     }
 }

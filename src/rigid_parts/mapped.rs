@@ -101,15 +101,37 @@ impl<'a> Mapped<'a> {
         Disc { middle, members: joined.into_iter().map(member).collect() }
     }
 
+    /// Discs around vertices along edges: where limbs bend sharply, smaller than those in space.
+    pub fn discs_along_edges(&self, middles: &[u32], radius: f64, threads: usize) -> Vec<Disc> {
+        let weight = |distance: f64| (1.0 - distance * distance / (radius * radius)).powi(2);
+        let some = |range: Range<usize>| -> Vec<Disc> {
+            let mut search = Search::new(self.areas.len());
+            let disc = |&middle: &u32| {
+                let within = self.reached(&mut search, &[middle], radius).into_iter();
+                Disc {
+                    middle,
+                    members: within.map(|(vertex, distance)| (vertex, weight(distance))).collect(),
+                }
+            };
+            middles[range].iter().map(disc).collect()
+        };
+        let ranges = threads::ranges(middles.len(), 2 * threads);
+        threads::map(threads, ranges, some).into_iter().flatten().collect()
+    }
+
     /// Vertices nearer than `radius` to one of `sources` along edges, the nearest first, with their distances.
     pub fn within(&self, sources: &[u32], radius: f64) -> Vec<(u32, f64)> {
+        self.reached(&mut Search::new(self.areas.len()), sources, radius)
+    }
+
+    fn reached(&self, search: &mut Search, sources: &[u32], radius: f64) -> Vec<(u32, f64)> {
         let edges = |vertex: u32| {
             let at = |vertex: u32| self.shell.positions[vertex as usize];
             let length = move |near: u32| squared_norm(subtract(at(near), at(vertex))).sqrt();
             self.walk.around(vertex).map(move |near| (near, length(near)))
         };
         let mut reached = Vec::new();
-        Search::new(self.areas.len()).run(sources, radius, edges, |vertex, distance| {
+        search.run(sources, radius, edges, |vertex, distance| {
             reached.push((vertex, distance));
             ControlFlow::Continue(())
         });

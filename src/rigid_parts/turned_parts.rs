@@ -15,12 +15,16 @@ use crate::progress::CancelToken;
 use crate::threads;
 use std::f64::consts::PI;
 
-/// Radius of the parts, in sqrt(area); they are larger than those the finished map follows.
-const RADIUS: f64 = 0.17;
+/// Radii of the parts along edges, in sqrt(area); they are larger than those the finished map follows.
+const RADII: [f64; 2] = [0.2, 0.15];
 /// How a motion is brought to the surface: all the way, and roughly, by each so manieth point.
-const WHOLLY: Approach = Approach { rounds: 6, noise: 0.008, held: 0.05, free: true };
+const WHOLLY: Approach = Approach { rounds: 8, noise: 0.008, held: 0.05, free: true };
 const ROUGHLY: Approach = Approach { rounds: 3, ..WHOLLY };
+/// The best is fitted once more, finely.
+const FINELY: Approach = Approach { noise: 0.003, held: 0.02, ..WHOLLY };
 const ROUGH_STEP: usize = 3;
+/// Turns nearer than this, in radians, count as one.
+const SAME_TURN: f64 = 0.5;
 /// Share of a part's points that may misfit: mouths and eye sockets, and the neck where a head is turned.
 const MISFITTING: f64 = 0.3;
 /// A part fits badly from this many times what is usual, and never below this, in sqrt(area).
@@ -63,7 +67,11 @@ pub(super) fn map_turned(
         let picked = mapped.picked(&disc.members, effort.points);
         Ok(Part { middle: disc.middle, own: as_mapped(mapped, &picked, mirrored), picked })
     };
-    let discs = mapped.discs(&middles[..effort.parts.min(middles.len())], RADIUS, threads);
+    let some = |count: usize| &middles[..count.min(middles.len())];
+    let discs = RADII
+        .iter()
+        .flat_map(|&radius| mapped.discs_along_edges(some(effort.parts), radius, threads))
+        .collect();
     let parts = threads::map(threads, discs, part).into_iter().collect::<Result<Vec<Part>>>()?;
     let bad = (BAD * usual(&parts)).max(LEAST_BAD);
     let search = |part: Part| {
@@ -78,7 +86,7 @@ pub(super) fn map_turned(
     if found.is_empty() {
         return Ok(());
     }
-    let discs = mapped.discs(&middles[..effort.small.min(middles.len())], SMALL_RADIUS, threads);
+    let discs = mapped.discs_along_edges(some(effort.small), SMALL_RADIUS, threads);
     let mut small = SmallParts::new(discs, effort.points, mirrored);
     let mut changed = false;
     for (part, found) in found.into_iter().take(effort.most) {
@@ -119,13 +127,19 @@ fn turned(mapped: &Mapped, part: &Part, effort: &TurnedEffort, mirrored: bool) -
     let turns = turns(&start, &places, effort.turns);
     let mut rough: Vec<Settled> = turns.into_iter().map(|turn| from(turn, &few, ROUGHLY)).collect();
     rough.sort_by(|a, b| a.unlike.total_cmp(&b.unlike));
-    let fitted = rough.iter().take(effort.fitted).map(|rough| from(rough.motion, &places, WHOLLY));
-    let fitted: Vec<Settled> = fitted.collect();
+    let mut apart: Vec<Motion> = Vec::new();
+    for Settled { motion, .. } in rough {
+        if apart.len() < effort.fitted && apart.iter().all(|other| other.turn_to(&motion).1 > SAME_TURN) {
+            apart.push(motion);
+        }
+    }
+    let fitted: Vec<Settled> = apart.into_iter().map(|motion| from(motion, &places, WHOLLY)).collect();
     let least = fitted.iter().fold(f64::INFINITY, |least, fit| least.min(fit.unlike));
     let turn = |fit: &Settled| start.turn_to(&fit.motion).1;
     let as_good = fitted.into_iter().filter(|fit| fit.unlike <= AS_GOOD * least);
-    let best = as_good.min_by(|a, b| turn(a).total_cmp(&turn(b)));
-    best.filter(|best| best.unlike < BETTER * part.own.unlike)
+    let best = as_good.min_by(|a, b| turn(a).total_cmp(&turn(b)))?;
+    let best = from(best.motion, &places, FINELY);
+    (best.unlike < BETTER * part.own.unlike).then_some(best)
 }
 
 /// A motion turned about where it puts the part's middle, all around each of the image's principal axes.
