@@ -101,12 +101,8 @@ impl SignNetwork {
     /// such model, there is no ONNX Runtime, or this library was built without the feature `onnx`.
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let bytes = read_model(path)?;
-        let failed = |message| Error::Model(format!("{}: {message}", path.display()));
-        #[cfg(feature = "onnx")]
-        return Ok(Self(Model::Own(OwnModel::load(&bytes).map_err(failed)?)));
-        #[cfg(not(feature = "onnx"))]
-        Err(failed("this library was built without models of one's own (feature `onnx`)".into()))
+        let model = own_model(&read_model(path)?);
+        model.map(Self).map_err(|message| Error::Model(format!("{}: {message}", path.display())))
     }
 
     /// Parity of each of the first `k` eigenfunctions.
@@ -129,6 +125,16 @@ impl SignNetwork {
         };
         Ok(logits.into_iter().map(SignPrediction::from_logits).collect())
     }
+}
+
+#[cfg(feature = "onnx")]
+fn own_model(bytes: &[u8]) -> Result<Model, String> {
+    OwnModel::load(bytes).map(Model::Own)
+}
+
+#[cfg(not(feature = "onnx"))]
+fn own_model(_: &[u8]) -> Result<Model, String> {
+    Err("this library was built without models of one's own (feature `onnx`)".into())
 }
 
 /// Reads a model file of at most [`MOST_BYTES`].

@@ -50,23 +50,23 @@ impl Layer {
 
 /// The layers of the embedded network.
 #[derive(Debug)]
-pub(super) struct ForwardPass([Layer; 5]);
+pub(super) struct ForwardPass(Box<[Layer; 5]>);
 
 impl ForwardPass {
     pub(super) fn new() -> Self {
         let mut numbers = WEIGHTS.as_chunks::<4>().0.iter().map(|&bytes| f32::from_le_bytes(bytes));
         let mut take = |count| numbers.by_ref().take(count).collect::<Vec<f32>>();
-        Self(std::array::from_fn(|layer| {
+        Self(Box::new(std::array::from_fn(|layer| {
             let (inputs, outputs) = (WIDTHS[layer], WIDTHS[layer + 1]);
             let weights = take(inputs * outputs);
             let weights = MatRef::from_column_major_slice(&weights, outputs, inputs).to_owned();
             Layer { weights, biases: take(outputs) }
-        }))
+        })))
     }
 
     /// Logits (even, odd, neither) of `k` eigenfunctions; `values` has [`POINTS`] rows of `k` numbers.
     pub(super) fn logits(&self, values: &[f64], k: usize) -> Vec<[f32; 3]> {
-        let Self([first, second, third, fourth, fifth]) = self;
+        let [first, second, third, fourth, fifth] = self.0.as_ref();
         let functions = canonical(MatRef::from_row_major_slice(values, POINTS, k));
         let mut input = functions.subcols(0, REFERENCES).to_owned();
         input.resize_with(POINTS, REFERENCES + 1, |_, _| 0.0);

@@ -116,7 +116,8 @@ class Mesh:
         """Finds the intrinsic symmetries, the best first; none found is an empty Detection and no error.
 
         ``options``: those of :func:`intrinsym.option_specs`, such as ``effort="thorough"`` or ``symmetries=4``.
-        ``model``: file of a sign network of your own (ONNX); it is trusted input. ``known_signs``: what a person
+        ``model``: file of a sign network of your own (ONNX); it is trusted input, and needs the ONNX Runtime library
+        (1.24 or newer) that the environment variable ``ORT_DYLIB_PATH`` names. ``known_signs``: what a person
         knows of the first functions of :meth:`eigen`, 1 even, -1 odd, 0 unknown; they overrule the network.
         ``previous``: what was found on a mesh with the same connectivity and other positions, or a restored Symmetry.
         While its best map is a symmetry of the new shape, too, it is kept, with all others that are, some twenty to
