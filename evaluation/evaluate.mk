@@ -1,5 +1,5 @@
 # Measuring: the published benchmark, generated shapes, damage, and the fits made from generated shapes. Included by Makefile.
-.PHONY: evaluate evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed evaluate-watertight evaluate-family evaluate-symmetries
+.PHONY: evaluate evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed evaluate-watertight evaluate-family evaluate-symmetries ablate
 
 EVALUATE_PYTHON = $(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m
 EVALUATE_DATE ?= $(shell date +%Y-%m-%d)
@@ -62,3 +62,8 @@ evaluate-family: train-setup ## Measure the test for a continuous family (EVALUA
 evaluate-symmetries: train-setup ## Measure how many symmetries of solids are listed, and how many listed ones are none
 	cargo build --release --locked --bin intrinsym
 	$(EVALUATE_PYTHON) evaluation.several_symmetries --work $(EVALUATE_DATA)/symmetries
+
+ablate: train-setup ## Measure the program with one thing changed at a time: docs/ablation.md (ABLATE_FLAGS=--test: the test sets, too)
+	cargo build --release --locked --bin intrinsym --example ablate
+	$(EVALUATE_PYTHON) evaluation.ablate $(ABLATE_FLAGS) --out docs/results/$(EVALUATE_DATE)-ablation.json --work $(EVALUATE_DATA)/ablation
+	$(EVALUATE_PYTHON) evaluation.pages

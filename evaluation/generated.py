@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +35,11 @@ class Shape:
         """Whether there is a truth to find."""
         return self.description["symmetric"]
 
+    @cached_property
+    def surface(self) -> Surface:
+        """What distances are measured on."""
+        return Surface(*read_ply(self.path))
+
     def measured(self) -> np.ndarray:
         """A fixed random sample of the vertices that have a true partner."""
         paired = np.flatnonzero(self.mirror >= 0)
@@ -48,8 +54,7 @@ class Shape:
         answered = partners[vertices]
         errors = np.full(len(vertices), LARGEST_ERROR)
         some = answered >= 0
-        surface = Surface(*read_ply(self.path))
-        errors[some] = surface.distances(answered[some], self.mirror[vertices[some]])
+        errors[some] = self.surface.distances(answered[some], self.mirror[vertices[some]])
         return np.minimum(errors, LARGEST_ERROR)
 
 

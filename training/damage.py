@@ -1,4 +1,4 @@
-"""What happens to real meshes: noise, holes, cut limbs, one-sided scans, glued contacts, further shells.
+"""What happens to real meshes: noise, holes, cut limbs, flipped edges, one-sided scans, glued contacts, further shells.
 
 Every function takes and returns a `Sample`, whose rest positions carry the truth along.
 """
@@ -59,6 +59,31 @@ def cut_limb(rng, sample: Sample) -> Sample:
     reach = (sample.rest[sample.faces].mean(1) - centre) @ direction
     near = np.linalg.norm(sample.rest[sample.faces].mean(1) - sample.rest[tip], axis=1) < 0.35 * far[tip]
     return restrict(sample, ~((reach > far[tip] * rng.uniform(0.75, 0.92)) & near))
+
+
+def flip_edges(rng, sample: Sample, share: float) -> Sample:
+    """Flip `share` of the edges: two triangles a b c, b a d become c d b, d c a. Edges are left whose triangles would turn over
+    in the rest pose, whose new edge is there already, or whose triangles another flip has changed."""
+    faces, edges = sample.faces.copy(), {}
+    for face, (a, b, c) in enumerate(faces):
+        edges |= {(a, b): (face, c), (b, c): (face, a), (c, a): (face, b)}
+    normal = lambda p, q, r: np.cross(sample.rest[q] - sample.rest[p], sample.rest[r] - sample.rest[p])
+    inner = sorted(edge for edge in edges if edge[0] < edge[1] and edge[::-1] in edges)
+    changed, wanted = set(), int(share * len(inner))
+    for index in rng.permutation(len(inner)):
+        if wanted == 0:
+            break
+        a, b = inner[index]
+        (first, c), (second, d) = edges[a, b], edges[b, a]
+        if {first, second} & changed or (c, d) in edges or (d, c) in edges:
+            continue
+        before, new = normal(a, b, c) + normal(b, a, d), (normal(c, d, b), normal(d, c, a))
+        if min(new[0] @ before, new[1] @ before) > 0.1 * (before @ before) / 2:
+            faces[first], faces[second] = (c, d, b), (d, c, a)
+            changed |= {first, second}
+            edges |= {(c, d): (first, b), (d, c): (second, a)}
+            wanted -= 1
+    return replace(sample, faces=faces)
 
 
 def scan_from_front(rng, sample: Sample) -> Sample:

@@ -3,8 +3,8 @@
     python -m training.generate --count 20 --seed 1 --kind biped --out DIR
 
 writes NAME.ply, NAME.mirror (line v: the exact partner of vertex v, -1 if it has none) and NAME.json
-(kind, parameters). `--kind` may be repeated: the kinds of creatures.py, `person`, or the groups
-`symmetric` (procedural), `asymmetric`, `all` (symmetric and people). Shape number i depends on the
+(kind, parameters). `--kind` may be repeated: the kinds of creatures.py and solids.py, `person`, or the groups
+`symmetric` (procedural), `asymmetric`, `all` (symmetric and people), `solid`. Shape number i depends on the
 seed and i only, so any part of a set can be made again alone.
 """
 
@@ -22,11 +22,13 @@ from .meshfile import write_shape
 from .mirror_truth import NO_PARTNER, mirror_map
 from .people import People
 from .posing import random_pose
+from .solids import SOLID_KINDS, solid_shape
 
 GROUPS = {
     "symmetric": list(SYMMETRIC_KINDS),
     "asymmetric": list(ASYMMETRIC_KINDS),
     "all": [*SYMMETRIC_KINDS, "person"],
+    "solid": list(SOLID_KINDS),
 }
 DAMAGES = ("none", "noise", "holes", "cut-limb", "glued", "scan", "shells")
 DAMAGE_SHARES = (0.48, 0.12, 0.12, 0.08, 0.08, 0.08, 0.04)
@@ -54,10 +56,12 @@ class Generator:
         wanted = int(np.exp(rng.uniform(*np.log(self.vertices))))
         trouble = str(rng.choice(DAMAGES, p=DAMAGE_SHARES)) if self.damaged else "none"
         lopsided = kind in ASYMMETRIC_KINDS or trouble == "glued"  # a mirrored grid would mirror the shape
-        shared = bool(rng.random() >= self.remeshed_share) and not lopsided
+        shared = bool(rng.random() >= self.remeshed_share) and not lopsided and kind not in SOLID_KINDS
         amount = float(rng.uniform(0.1, 0.6))
         if kind == "person":
             sample = self._person(rng, shared, amount, wanted)
+        elif kind in SOLID_KINDS:
+            sample = solid_shape(rng, kind, amount, wanted)
         else:
             sample = _procedural(rng, kind, shared, amount, wanted, trouble == "glued")
         if sample is None:
@@ -133,7 +137,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, required=True)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--kind", action="append", choices=[*SYMMETRIC_KINDS, *ASYMMETRIC_KINDS, "person", *GROUPS])
+    parser.add_argument("--kind", action="append", choices=[*SYMMETRIC_KINDS, *ASYMMETRIC_KINDS, *SOLID_KINDS, "person", *GROUPS])
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--min-vertices", type=int, default=500)
     parser.add_argument("--max-vertices", type=int, default=50_000)
