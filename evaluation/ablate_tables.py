@@ -10,6 +10,8 @@ from .markdown import table
 # Plausibility from which on the program accepts a map by default.
 ACCEPTED = 0.5
 DRAWS, INTERVAL = 2000, (5, 95)
+# Mean errors below this, in sqrt(area), count as this where changes are divided by them: half an edge of 30,000 vertices.
+FLOOR = 0.003
 
 
 def change(before: np.ndarray, after: np.ndarray) -> tuple[float, float, float]:
@@ -19,9 +21,9 @@ def change(before: np.ndarray, after: np.ndarray) -> tuple[float, float, float]:
     if not len(before):
         return np.nan, np.nan, np.nan
     drawn = np.random.default_rng(0).integers(len(before), size=(DRAWS, len(before)))
-    ratios = after[drawn].mean(1) / np.maximum(before[drawn].mean(1), 1e-12)
-    low, high = 100 * (np.percentile(ratios, INTERVAL) - 1)
-    return 100 * (after.mean() / max(before.mean(), 1e-12) - 1), low, high
+    changes = 100 * (after - before)[drawn].mean(1) / np.maximum(before[drawn].mean(1), FLOOR)
+    low, high = np.percentile(changes, INTERVAL)
+    return 100 * (after - before).mean() / max(before.mean(), FLOOR), low, high
 
 
 def columns(rows: list[dict], variant: str, names: list[str]) -> dict[str, np.ndarray]:
