@@ -14,6 +14,7 @@
 mod support;
 
 use intrinsym::detect_again::{Previous, detect_again};
+use intrinsym::effort::Plan;
 use intrinsym::limits::{Limits, estimated_memory};
 use intrinsym::mesh::{Mesh, PolygonMesh, io};
 use intrinsym::options::Options;
@@ -68,7 +69,7 @@ fn main() {
         "eigenfunctions": arguments.eigenfunctions,
         "threads": arguments.threads,
         "peak_memory_bytes": peak,
-        "estimated_memory_bytes": estimated_memory(mesh.positions.len(), solved, arguments.eigenfunctions),
+        "estimated_memory_bytes": estimated_memory(mesh.positions.len(), solved, Plan::of(&options)[0].eigenfunctions),
         "runs": runs,
         "again_stored": again_stored,
         "again": again,

@@ -1,7 +1,7 @@
 //! Detects each mesh with one thing changed at a time: `ablate OUT LIST VARIANTS.json` (evaluation/ablate.py).
 //!
-//! LIST has a line "NAME PATH" for each mesh. VARIANTS maps a variant's name to the fields of the default plans, `small` and
-//! `large`, that it changes; `null` in place of a plan leaves it out. Every map is accepted. Writes OUT/VARIANT/NAME.map and a line for each detection in OUT/log.jsonl.
+//! LIST has a line "NAME PATH" for each mesh. VARIANTS maps a variant's name to the fields of the default plans, `small`, `wide`
+//! and `large`, that it changes; `null` in place of a plan leaves it out. Every map is accepted. Writes OUT/VARIANT/NAME.map and a line for each detection in OUT/log.jsonl.
 
 use intrinsym::effort::Plan;
 use intrinsym::limits::Limits;
@@ -49,10 +49,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// The default plans with the fields of `changes` replaced, in structures too.
 fn changed(changes: &Value) -> Result<Vec<Plan>, Box<dyn Error>> {
-    let mut plans = json!({ "small": Plan::small(), "large": Plan::large() });
+    let mut plans = json!({ "small": Plan::small(), "wide": Plan::wide(), "large": Plan::large() });
     merge(&mut plans, changes)?;
-    let [small, large] = ["small", "large"].map(|name| serde_json::from_value::<Option<Plan>>(plans[name].clone()));
-    Ok([small?, large?].into_iter().flatten().collect())
+    let plan = |name| serde_json::from_value::<Option<Plan>>(plans[name].clone());
+    Ok([plan("small")?, plan("wide")?, plan("large")?].into_iter().flatten().collect())
 }
 
 fn merge(into: &mut Value, changes: &Value) -> Result<(), Box<dyn Error>> {

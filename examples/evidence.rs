@@ -1,18 +1,19 @@
 //! What confidence is made of, for fitting it: `evaluation/confidence.py` runs this.
 //!
-//! `cargo run --release --example evidence FOLDER MESH...` writes FOLDER/NAME.evidence for each mesh: for every
-//! vertex of the largest shell `vertex partner` and the columns of `Evidence::features`. The best map of the spectral
-//! search is used, fitted to the rigid parts and grown again from there, as answers are, accepted or not, and whatever the connectivity says.
+//! `cargo run --release --example evidence FOLDER MESH...` writes FOLDER/NAME.evidence for each mesh: for every vertex on which
+//! the small plan seeks the map `vertex partner` and the columns of `Evidence::features`. The best map is used, fitted to the rigid
+//! parts as answers are, accepted or not, and whatever the connectivity says.
 
 use intrinsym::confidence::Evidence;
+use intrinsym::effort::Plan;
 use intrinsym::full_refinement::MatchTarget;
 use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::limits::Limits;
 use intrinsym::mesh::{Mesh, io};
 use intrinsym::options::Options;
 use intrinsym::progress::Progress;
-use intrinsym::regrowth::regrow;
-use intrinsym::rigid_parts::{self, PartsEffort};
+use intrinsym::proxy::Proxy;
+use intrinsym::rigid_parts;
 use intrinsym::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, signs};
 use intrinsym::symmetry_kind::SymmetryKind;
 use std::fmt::Write;
@@ -33,24 +34,24 @@ fn main() -> intrinsym::Result<()> {
 
 /// Empty if no candidate reverses orientation.
 fn evidence(path: &Path) -> intrinsym::Result<String> {
-    let (limits, options, progress) = (Limits::default(), Options::default(), Progress::default());
+    let (limits, options, plan) = (Limits::default(), Options::default(), Plan::small());
+    let progress = Progress::default();
     let mesh = Mesh::new(&io::read(path, &limits)?.polygons, &limits)?;
-    let solved = &mesh.shells()[0];
-    let shell = PreparedShell::new(IntrinsicSurface::with_mean_curvature(solved), &options, &progress)?;
-    let found =
-        candidates(&shell, &signs(&shell.surface, &shell.basis, &options, &[])?, 1, &options, &progress)?;
+    let shells = mesh.shells();
+    let proxy = Proxy::new(&shells[0], plan.proxy_vertices, 1);
+    let solved = proxy.as_ref().map_or(&shells[0], |proxy| &proxy.shell);
+    let shell = PreparedShell::new(IntrinsicSurface::with_mean_curvature(solved), &plan, 1, &progress)?;
+    let signs = signs(&shell.surface, &shell.basis, &options, &[])?;
+    let found = candidates(&shell, &signs, &plan.search, &options, &progress)?;
     let Some(candidate) = found.first() else { return Ok(String::new()) };
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
-    let map = finish(&shell, &target, candidate, 0, &progress)?;
+    let map = finish(&shell, &target, candidate, &plan, 0, &progress)?;
     let (kind, token) = (SymmetryKind::Reflection, progress.token());
-    let fitted =
-        rigid_parts::fit(solved, &shell.surface, &map.images, kind, &PartsEffort::thorough(), 1, token)?;
-    let (grown, images) = regrow(solved, &target, &fitted.images, kind, token)?;
-    let map = ShellSymmetry { map: grown, images, ..map };
-    let evidence = Evidence::new(&target, &map, 2);
+    let fitted = rigid_parts::fit(solved, &shell.surface, &map.images, kind, &plan.parts, 1, token)?;
+    let evidence = Evidence::new(&target, &ShellSymmetry { images: fitted.images.clone(), ..map }, 2);
     let vertex = |local: u32| mesh.vertex_of_point[solved.points[local as usize] as usize];
     let mut text = String::new();
-    for (local, partner) in map.images.partners.iter().enumerate() {
+    for (local, partner) in fitted.images.partners.iter().enumerate() {
         write!(text, "{} {}", vertex(local as u32), vertex(*partner)).expect("memory");
         for feature in evidence.features(local) {
             write!(text, " {feature}").expect("memory");

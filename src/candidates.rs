@@ -22,7 +22,7 @@ use std::sync::{Mutex, PoisonError};
 /// Size of the candidates' functional maps.
 pub const CANDIDATE_SIZE: usize = 30;
 /// Lengths of the starts that the beam search proposes.
-const LENGTHS: [usize; 4] = [4, 6, 8, 11];
+const LENGTHS: [usize; 3] = [6, 8, 11];
 /// Width of the beam where there is no network and the plan has no search.
 const LEAST_BEAM: usize = 16;
 /// Lengths of the network's starts, and how many of the most likely of each are tried.

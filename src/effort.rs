@@ -1,7 +1,7 @@
 //! How much work a detection does, as data.
 //!
-//! One pipeline runs with any [`Effort`]. The default is the small one; if its answer leaves doubts, the same code runs again with the
-//! large one. Counts are those of `docs/ablation.md`, which says what each is worth.
+//! One pipeline follows any [`Plan`]. The default effort starts with the small one; if its answer leaves doubts, the same code follows the
+//! next. Counts are those of `docs/ablation.md`, which says what each is worth.
 
 use crate::options::Options;
 use crate::rigid_parts::PartsEffort;
@@ -12,7 +12,7 @@ use crate::rigid_parts::PartsEffort;
 pub enum Effort {
     /// The small plan alone.
     Fast,
-    /// The small plan, and where its answer leaves doubts the large one.
+    /// The small plan, and where its answer leaves doubts a wider search and then the large one.
     #[default]
     Default,
     /// The large plan at once.
@@ -51,8 +51,6 @@ pub struct Search {
     pub limbs: bool,
     /// Whether half turns that fit better than all reflections are turned over.
     pub turned_over: bool,
-    /// Distinct reflections that are finished at most, as long as none is beyond doubt.
-    pub rivals: usize,
 }
 
 impl Plan {
@@ -65,32 +63,31 @@ impl Plan {
             points: 2000,
             schedule: vec![20, 25, 30, 35, 40, 45, 50, 55, 60],
             search: Search {
-                network_starts: 8,
+                network_starts: 20,
                 beam_width: 0,
                 beam_starts: 8,
                 limbs: false,
                 turned_over: false,
-                rivals: 1,
             },
             parts: PartsEffort::default(),
         }
     }
 
-    /// The plan for shapes whose answer by the small one leaves doubts.
+    /// The small plan with a wider search, on what is solved already.
+    pub fn wide() -> Plan {
+        let small = Plan::small();
+        Plan { search: Search { beam_width: 16, turned_over: true, ..small.search }, ..small }
+    }
+
+    /// The plan for shapes whose answers by the others leave doubts.
     pub fn large() -> Plan {
+        let wide = Plan::wide();
         Plan {
             proxy_vertices: 6000,
             points: 4000,
+            search: Search { beam_width: 64, beam_starts: 16, limbs: true, ..wide.search },
             parts: PartsEffort::thorough(),
-            search: Search {
-                network_starts: 20,
-                beam_width: 64,
-                beam_starts: 24,
-                limbs: true,
-                turned_over: true,
-                rivals: 4,
-            },
-            ..Plan::small()
+            ..wide
         }
     }
 
@@ -102,7 +99,7 @@ impl Plan {
         let mut plans = match options.effort {
             _ if several => vec![Plan::large()],
             Effort::Fast => vec![Plan::small()],
-            Effort::Default => vec![Plan::small(), Plan::large()],
+            Effort::Default => vec![Plan::small(), Plan::wide(), Plan::large()],
             Effort::Thorough => vec![Plan::large()],
         };
         plans.iter_mut().for_each(|plan| plan.overrule(options));

@@ -18,8 +18,8 @@ use crate::shell_symmetry::PreparedShell;
 use crate::surface_walk::SurfaceWalk;
 use std::sync::OnceLock;
 
-/// Vertices of the simplified mesh.
-const VERTICES: usize = 3000;
+/// Vertices of the simplified mesh: as many as the small plan's proxy has, which then need not be simplified again.
+const VERTICES: usize = 4000;
 /// A shell that cannot be simplified to this many times as many keeps nothing to start from.
 const TOO_FINE: usize = 4;
 /// Eigenfunctions by which maps are judged: as many as a search's maps have when their signatures are compared.
@@ -71,13 +71,14 @@ struct Kept {
 }
 
 impl JudgingMesh {
-    /// Simplifies `shell`, the largest of `mesh`, or rather its `proxy` if there is one. O(vertices log vertices).
+    /// Simplifies `shell`, the largest of `mesh`, or rather its `proxy` if there is one; with the vertices of that which are left, unless all
+    /// are. O(vertices log vertices).
     fn simplified(
         mesh: &Mesh,
         shell: &Shell,
         proxy: Option<&Proxy>,
         options: &Options,
-    ) -> (JudgingMesh, Vec<u32>) {
+    ) -> (JudgingMesh, Option<Vec<u32>>) {
         let size = Size::of(options);
         let solved = proxy.map_or(shell, |proxy| &proxy.shell);
         let coarse = Proxy::new(solved, size.vertices, options.threads);
@@ -91,7 +92,7 @@ impl JudgingMesh {
         let Shell { points, triangles, orientable, .. } =
             coarse.as_ref().map_or(solved, |coarse| &coarse.shell);
         let (points, triangles, orientable) = (points.clone(), triangles.clone(), *orientable);
-        let vertices = coarse.as_ref().map_or_else(all, |coarse| coarse.vertices().to_vec());
+        let vertices = coarse.as_ref().map(|coarse| coarse.vertices().to_vec());
         let connectivity = mesh.connectivity_hash();
         (
             JudgingMesh { size, connectivity, points, triangles, orientable, nearest, kept: OnceLock::new() },
@@ -118,7 +119,10 @@ impl JudgingMesh {
             return None;
         }
         let (own, vertices) = JudgingMesh::simplified(mesh, shell, proxy, options);
-        own.keep(&solved.basis.at(&vertices, Start::functions(eigenfunctions)));
+        match vertices {
+            Some(vertices) => drop(own.keep(&solved.basis.at(&vertices, Start::functions(eigenfunctions)))),
+            None => own.keep_from(&solved.basis, solved.samples.prefix(own.size.samples).vertices),
+        }
         Some(own)
     }
 
@@ -162,11 +166,16 @@ impl JudgingMesh {
     /// Chooses samples by the `basis` of one shape. They are kept with it, if other shapes can start from it.
     fn keep(&self, basis: &Eigenbasis) -> Vec<u32> {
         let samples = Samples::farthest(basis, self.size.samples).vertices;
+        self.keep_from(basis, samples.clone());
+        samples
+    }
+
+    /// The same with samples that are chosen already.
+    fn keep_from(&self, basis: &Eigenbasis, samples: Vec<u32>) {
         let small = self.points.len() <= TOO_FINE * VERTICES;
         if let Some(start) = Start::new(basis, self.size.eigenfunctions).filter(|_| small) {
-            self.kept.get_or_init(|| Kept { start, samples: samples.clone() });
+            self.kept.get_or_init(|| Kept { start, samples });
         }
-        samples
     }
 
     /// Images of the vertices under a map that is known for the vertices of `mesh`; `None` if it leads off the shell.

@@ -33,8 +33,10 @@ use std::sync::Arc;
 /// A reflection that the connectivity alone admits and that is as plausible as this, in percent, needs no search.
 const CERTAIN: usize = 90;
 /// An answer of at least this plausibility, and this mean confidence, leaves no doubts.
-const PLAUSIBLE: f64 = 0.9;
-const CONFIDENT: f64 = 0.85;
+const PLAUSIBLE: f64 = 0.95;
+const CONFIDENT: f64 = 0.9;
+/// A wide search whose best map is less plausible than this ends with "none".
+const HOPELESS: f64 = 0.01;
 
 /// Finds the intrinsic symmetries of `mesh`.
 ///
@@ -75,7 +77,7 @@ pub fn detect_by(mesh: &Mesh, options: &Options, plans: &[Plan], progress: &Prog
         };
         let found = case.attempt(plan, &current, &mut clock)?;
         solved = Some(current);
-        let settled = found.is_settled();
+        let settled = found.is_settled() || plan.search.beam_width > 0 && found.is_hopeless();
         if best.as_ref().is_none_or(|best| found.is_better(best)) {
             best = Some(found);
         }
@@ -95,6 +97,11 @@ impl Detection {
         self.symmetries
             .first()
             .is_some_and(|best| best.plausibility >= PLAUSIBLE && best.mean_confidence >= CONFIDENT)
+    }
+
+    /// Whether a larger plan would find nothing either.
+    fn is_hopeless(&self) -> bool {
+        self.report.judged.is_none_or(|judged| judged.plausibility < HOPELESS)
     }
 
     /// Whether this answer, by a larger plan, takes the place of an earlier one.

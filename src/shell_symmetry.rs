@@ -128,8 +128,8 @@ fn predict(
     network.predict(&rows, picked.len(), k)
 }
 
-/// Distinct candidate maps of a shell, best first: the best reflections, rivals of each other, if `most` is 1; else up to `most`
-/// reflections and as many half turns, and those that [follow](compositions) from them, in all up to three times `most`.
+/// Distinct candidate maps of a shell, best first: the best reflection if one symmetry is asked for; else up to as many
+/// reflections and half turns, and those that [follow](compositions) from them, in all up to three times as many.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -148,8 +148,7 @@ pub fn candidates(
     let of_kind = |kind| {
         let found: Vec<Candidate> =
             found.iter().filter(|candidate| candidate.score.kind() == Some(kind)).cloned().collect();
-        let (most, of_all) = if most == 1 { (search.rivals, true) } else { (most, false) };
-        candidates::distinct(&found, samples, &basis.eigenvalues, most, of_all)
+        candidates::distinct(&found, samples, &basis.eigenvalues, most, most == 1)
     };
     let mut kept = of_kind(SymmetryKind::Reflection);
     if most > 1 {

@@ -6,6 +6,7 @@ use faer::Mat;
 use intrinsym::acceptance::{Judgement, Rigidity};
 use intrinsym::candidate_score::{Score, Scorer};
 use intrinsym::dense::product;
+use intrinsym::effort::Plan;
 use intrinsym::eigenbasis::{Accuracy, Eigenbasis};
 use intrinsym::embedded_triangles::Fans;
 use intrinsym::extrema_starts;
@@ -15,7 +16,6 @@ use intrinsym::functional_map::{
     Projection, commutator, estimate, from_parity, mean_trace, nearest_involution, nearest_orthogonal,
     project,
 };
-use intrinsym::guided_growth::{curvature_mismatch, grow};
 use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::mesh::{NONE, PolygonMesh, Shell};
 use intrinsym::mesh_descent::{MeshDescent, Seeds};
@@ -26,7 +26,6 @@ use intrinsym::shortest_ways::EdgeWays;
 use intrinsym::signature;
 use intrinsym::spread_points::SpreadPoints;
 use intrinsym::symmetry_kind::SymmetryKind;
-use intrinsym::torn_pieces::{Mender, PointMap};
 use intrinsym::vertex_rows::Guide;
 use support::{
     creature, creature_truth, distance, example, example_truth, icosphere, rectangle, rotated, validated,
@@ -343,102 +342,29 @@ fn a_map_refined_on_few_points_is_that_of_all_vertices() {
 }
 
 #[test]
-fn a_map_grows_to_all_eigenfunctions_with_curvature_and_without() {
+fn a_map_grows_by_the_schedule_with_curvature_and_without() {
     let mut shape = Shape::quadruped();
+    let schedule = Plan::small().schedule;
     let grown = |shape: &Shape| {
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let points = SpreadPoints::new(&target, 1500, shape.basis.count()).unwrap();
         let truth = images_of(shape, &points, |vertex| shape.truth[vertex as usize]);
-        let (map, grown) = grow(&target, &points, &shape.true_map(50), &truth, &Progress::default()).unwrap();
-        assert_eq!((map.nrows(), map.ncols()), (shape.basis.count(), shape.basis.count()));
+        let (start, guide) = (shape.true_map(schedule[0]), Guide::MeanCurvature);
+        let (seeds, token) = (truth.seeds(), CancelToken::default());
+        let (map, grown) =
+            full_refinement::refine(&target, &points.sources(), start, &seeds, &schedule, guide, &token)
+                .unwrap();
+        let last = schedule[schedule.len() - 1].min(shape.basis.count());
+        assert_eq!((map.nrows(), map.ncols()), (last, last));
         // From the truth on there is nothing to be set right: either way has to stay near it.
         let error = shape.mean_error(&points.vertices, &grown.partners);
         println!("mean error {error}");
         assert!(error < 0.012, "{error} sqrt(area)");
-        grown
     };
-    let without = grown(&shape);
+    grown(&shape);
     shape.surface = IntrinsicSurface::with_mean_curvature(&shape.shell);
     assert!(!shape.surface.mean_curvature.is_empty());
-    let with = grown(&shape);
-    let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
-    let points = SpreadPoints::new(&target, 1500, shape.basis.count()).unwrap();
-    let mismatch = |images: &VertexImages| curvature_mismatch(&target, &points, images);
-    let elsewhere = images_of(&shape, &points, |vertex| (vertex + 700) % shape.truth.len() as u32);
-    assert_eq!(mismatch(&images_of(&shape, &points, |vertex| vertex)), 0.0, "the identity");
-    let [guided, blind, most] = [mismatch(&with), mismatch(&without), mismatch(&elsewhere)];
-    println!("difference of curvature: guided {guided}, not guided {blind}, elsewhere {most}");
-    assert!(guided < 0.8 * blind && blind < 0.5 * most, "{guided} {blind} {most}");
-}
-
-#[test]
-fn a_leg_that_is_its_own_image_is_mended() {
-    let shape = Shape::creature(4, 0.4);
-    let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
-    let points = SpreadPoints::new(&target, 1500, shape.basis.count()).unwrap();
-    let (ways, token, vertices) = (EdgeWays::new(&shape.surface), CancelToken::default(), shape.all());
-    // The farthest two partners are the ends of two limbs.
-    let place = |vertex: u32| shape.shell.positions[vertex as usize];
-    let apart = |vertex: &u32| distance(place(*vertex), place(shape.truth[*vertex as usize]));
-    let tip = vertices.into_iter().max_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap();
-    let from_tips = ways.distances(&[tip, shape.truth[tip as usize]]);
-    let point_map = |partner: &dyn Fn(u32) -> u32| {
-        let images = images_of(&shape, &points, partner);
-        let map = full_refinement::estimate(&points.sources(), &target, &images.points, 50, 50);
-        PointMap { map: project(map, target.projection()).unwrap(), images }
-    };
-    let error = |found: &PointMap| shape.mean_error(&points.vertices, &found.images.partners);
-    let mender = Mender::new(&target, &points);
-    let true_image = |vertex: u32| shape.truth[vertex as usize];
-    let right = mender.mend(point_map(&true_image), |_, _| true, &token).unwrap();
-    assert_eq!(right.images.partners, images_of(&shape, &points, true_image).partners, "nothing is torn");
-    let own_image = |vertex: u32| if from_tips[vertex as usize] < 0.3 { vertex } else { true_image(vertex) };
-    let torn = images_of(&shape, &points, own_image).partners;
-    let kept = mender.mend(point_map(&own_image), |_, _| false, &token).unwrap();
-    assert_eq!(kept.images.partners, torn, "the caller says that it is not better");
-    let wrong = error(&kept);
-    let mended = error(&mender.mend(kept, |_, _| true, &token).unwrap());
-    println!("mean error: torn {wrong}, mended {mended}");
-    assert!(wrong > 0.05 && mended < 0.005, "{wrong} {mended}");
-}
-
-#[test]
-fn a_torn_piece_is_mended_unless_it_is_so_large_that_it_may_be_what_is_right() {
-    let shape = Shape::creature(4, 0.4);
-    let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
-    let points = SpreadPoints::new(&target, 1500, shape.basis.count()).unwrap();
-    let (ways, token) = (EdgeWays::new(&shape.surface), CancelToken::default());
-    let around = ways.distances(&[0]);
-    let far = (0..around.len()).max_by(|&a, &b| around[a].total_cmp(&around[b])).unwrap() as u32;
-    let mut radii: Vec<(f64, f64)> = points
-        .vertices
-        .iter()
-        .map(|&vertex| around[vertex as usize])
-        .zip(points.mass.iter().copied())
-        .collect();
-    radii.sort_by(|a, b| a.0.total_cmp(&b.0));
-    // All that is nearest to the first vertex, of that share of the area, goes to where the vertex farthest from it does.
-    let torn = |share: f64| {
-        let mut area = 0.0;
-        let radius = radii.iter().find(|(_, mass)| {
-            area += mass;
-            area > share
-        });
-        let radius = radius.unwrap().0;
-        let true_image = |vertex: u32| shape.truth[vertex as usize];
-        let image =
-            |vertex: u32| if around[vertex as usize] < radius { true_image(far) } else { true_image(vertex) };
-        let images = images_of(&shape, &points, image);
-        let map = full_refinement::estimate(&points.sources(), &target, &images.points, 50, 50);
-        PointMap { map: project(map, target.projection()).unwrap(), images }
-    };
-    let mender = Mender::new(&target, &points);
-    let error = |found: &PointMap| shape.mean_error(&points.vertices, &found.images.partners);
-    let mend = |share| mender.mend(torn(share), |_, _| true, &token).unwrap();
-    let (before, after) = (error(&torn(0.2)), error(&mend(0.2)));
-    println!("mean error: torn {before}, mended {after}");
-    assert!(before > 0.1 && after < 0.02, "{before} {after}");
-    assert_eq!(mend(0.3).images.partners, torn(0.3).images.partners);
+    grown(&shape);
 }
 
 /// Four pairs of legs, their lengths within 3 %, around a ball that is nearly the same front to back (in z); mirrored in x, its mesh is not.

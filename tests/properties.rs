@@ -6,6 +6,7 @@
 
 mod support;
 
+use intrinsym::effort::Plan;
 use intrinsym::candidates::Candidate;
 use intrinsym::full_refinement::MatchTarget;
 use intrinsym::laplacian::IntrinsicSurface;
@@ -230,17 +231,17 @@ fn with_signs(shell: &mut PreparedShell, signs: &[bool]) -> (Candidate, Vec<u32>
         functions.col_as_slice_mut(column).iter_mut().for_each(|value| *value = -*value);
     }
     shell.samples = Samples::at(&shell.basis, shell.samples.vertices.clone());
-    let (options, progress) = (Options::default(), Progress::default());
+    let (options, plan, progress) = (Options::default(), Plan::small(), Progress::default());
     let predicted = shell_symmetry::signs(&shell.surface, &shell.basis, &options, &[]).unwrap();
-    let best = shell_symmetry::candidates(shell, &predicted, 1, &options, &progress).unwrap().swap_remove(0);
+    let best = shell_symmetry::candidates(shell, &predicted, &plan.search, &options, &progress).unwrap().swap_remove(0);
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
-    let partners = shell_symmetry::finish(shell, &target, &best, 0, &progress).unwrap().images.partners;
+    let partners = shell_symmetry::finish(shell, &target, &best, &plan, 0, &progress).unwrap().images.partners;
     (best, partners)
 }
 
 fn prepared(mesh: &PolygonMesh) -> PreparedShell {
     let surface = IntrinsicSurface::with_mean_curvature(&validated(mesh).shells()[0]);
-    PreparedShell::new(surface, &Options::default(), &Progress::default()).unwrap()
+    PreparedShell::new(surface, &Plan::small(), 1, &Progress::default()).unwrap()
 }
 
 proptest! {

@@ -20,6 +20,7 @@ use intrinsym::automorphism::Connectivity;
 use intrinsym::confidence::Evidence;
 use intrinsym::continuous_family::orbits;
 use intrinsym::displacement::mean_displacement;
+use intrinsym::effort::Plan;
 use intrinsym::eigenbasis::Eigenbasis;
 use intrinsym::fixed_curve::{odd_function, zero_set};
 use intrinsym::full_refinement::{MatchTarget, VertexImages};
@@ -32,7 +33,7 @@ use intrinsym::options::Options;
 use intrinsym::pipeline::detect;
 use intrinsym::progress::Progress;
 use intrinsym::proxy::Proxy;
-use intrinsym::rigid_parts::{self, PartsEffort};
+use intrinsym::rigid_parts;
 use intrinsym::sampling::Samples;
 use intrinsym::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, signs};
 use intrinsym::signature;
@@ -81,7 +82,7 @@ impl Timer<'_> {
 }
 
 fn measure(criterion: &mut Criterion, frequency: u32) {
-    let options = Options { threads: 1, ..Options::default() };
+    let (options, plan) = (Options { threads: 1, ..Options::default() }, Plan::small());
     let (limits, quiet) = (Limits::default(), Progress::default());
     let polygons = support::creature_from(support::geodesic_sphere(frequency), TURN);
     let mut timer = Timer { criterion, vertices: polygons.positions.len() };
@@ -89,20 +90,19 @@ fn measure(criterion: &mut Criterion, frequency: u32) {
     let mesh = Mesh::new(&polygons, &limits).expect("a usable mesh");
     let connectivity = time_connectivity(&mut timer, &mesh);
     let shells = mesh.shells();
-    let new_proxy = || Proxy::new(&shells[0], options.proxy_vertices, options.threads);
+    let new_proxy = || Proxy::new(&shells[0], plan.proxy_vertices, options.threads);
     let proxy = new_proxy();
     if proxy.is_some() {
         timer.time("proxy", new_proxy);
     }
     let solved = proxy.as_ref().map_or(&shells[0], |proxy| &proxy.shell);
-    let shell = time_eigenfunctions(&mut timer, solved, &options);
+    let shell = time_eigenfunctions(&mut timer, solved, &plan);
     timer.time("match target", || MatchTarget::new(&shell.surface, &shell.basis, options.threads));
     let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
-    let found = time_search(&mut timer, &shell, &target, &options);
+    let found = time_search(&mut timer, &shell, &target, &plan, &options);
     let (surface, kind) = (&shell.surface, SymmetryKind::Reflection);
-    let effort = PartsEffort::default();
     let fit =
-        || rigid_parts::fit(solved, surface, &found.images, kind, &effort, options.threads, quiet.token());
+        || rigid_parts::fit(solved, surface, &found.images, kind, &plan.parts, options.threads, quiet.token());
     timer.time("rigid parts", fit);
     let found = ShellSymmetry { images: fit().expect("images").images, ..found.clone() };
     timer.time("confidence", || Evidence::new(&target, &found, 2).confidence());
@@ -154,15 +154,15 @@ fn time_connectivity(timer: &mut Timer, mesh: &Mesh) -> Connectivity {
 }
 
 /// From the shell that is solved to its samples.
-fn time_eigenfunctions(timer: &mut Timer, solved: &Shell, options: &Options) -> PreparedShell {
+fn time_eigenfunctions(timer: &mut Timer, solved: &Shell, plan: &Plan) -> PreparedShell {
     timer.time("Laplacian", || IntrinsicSurface::with_mean_curvature(solved));
     let surface = IntrinsicSurface::with_mean_curvature(solved);
     let quiet = Progress::default();
-    let solve = || Eigenbasis::new(&surface, options.eigenfunctions, options.threads, &quiet);
+    let solve = || Eigenbasis::new(&surface, plan.eigenfunctions, 1, &quiet);
     timer.time("eigenfunctions", solve);
     let basis = solve().expect("eigenfunctions");
-    timer.time("samples", || Samples::farthest(&basis, options.samples));
-    let samples = Samples::farthest(&basis, options.samples);
+    timer.time("samples", || Samples::farthest(&basis, plan.samples));
+    let samples = Samples::farthest(&basis, plan.samples);
     timer.time("continuous family", || orbits(&surface, &basis));
     PreparedShell { surface, basis, samples }
 }
@@ -172,16 +172,17 @@ fn time_search(
     timer: &mut Timer,
     shell: &PreparedShell,
     target: &MatchTarget,
+    plan: &Plan,
     options: &Options,
 ) -> ShellSymmetry {
     let quiet = Progress::default();
     timer.time("sign network", || signs(&shell.surface, &shell.basis, options, &[]));
     let signs = signs(&shell.surface, &shell.basis, options, &[]).expect("signs");
-    let search = || candidates(shell, &signs, options.symmetries, options, &quiet);
+    let search = || candidates(shell, &signs, &plan.search, options, &quiet);
     timer.time("candidates", search);
     let best = &search().expect("candidates")[0];
-    timer.time("refinement", || finish(shell, target, best, 0, &quiet));
-    let found = finish(shell, target, best, 0, &quiet).expect("a map");
+    timer.time("refinement", || finish(shell, target, best, plan, 0, &quiet));
+    let found = finish(shell, target, best, plan, 0, &quiet).expect("a map");
     let vertices: Vec<u32> = (0..shell.surface.vertex_count() as u32).collect();
     let (basis, mass) = (&shell.basis, &shell.surface.lumped_mass);
     timer.time("verdict", || {
