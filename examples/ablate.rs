@@ -17,7 +17,9 @@ use std::path::Path;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
-    let [out, list, variants] = &arguments[..] else { return Err("usage: ablate OUT LIST VARIANTS.json".into()) };
+    let [out, list, variants] = &arguments[..] else {
+        return Err("usage: ablate OUT LIST VARIANTS.json".into());
+    };
     let out = Path::new(out);
     let variants: Map<String, Value> = serde_json::from_str(&fs::read_to_string(variants)?)?;
     let mut log = File::create(out.join("log.jsonl"))?;
@@ -28,7 +30,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let file = io::read(Path::new(path), &Limits::default())?;
         let mesh = Mesh::new(&file.polygons, &Limits::default())?;
         for (variant, changes) in &variants {
-            let (options, plans) = (Options { threads: 1, plausibility: 0, ..Options::default() }, changed(changes)?);
+            let (options, plans) =
+                (Options { threads: 1, plausibility: 0, ..Options::default() }, changed(changes)?);
             let start = cpu_seconds()?;
             let found = detect_by(&mesh, &options, &plans, &Progress::default());
             let cpu = cpu_seconds()? - start;

@@ -63,7 +63,13 @@ impl<'a> Gatherer<'a> {
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
-    pub fn exact(&self, found: &Automorphism, partners: Vec<u32>, threads: usize, progress: &Progress) -> Result<Symmetry> {
+    pub fn exact(
+        &self,
+        found: &Automorphism,
+        partners: Vec<u32>,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<Symmetry> {
         let shell = &self.shells[0];
         let mut map = PointMap::empty(self.mesh);
         let images = VertexImages::at_vertices(&shell.triangles, partners);

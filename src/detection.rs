@@ -150,8 +150,12 @@ fn sentence(map: &ShellSymmetry, least: usize) -> String {
 pub(crate) fn about_family(listed: usize) -> &'static str {
     match listed {
         0 => "; the shape has a continuous family of symmetries, as a sphere or a vase has",
-        1 => "; the shape has a continuous family of symmetries, as a sphere or a vase has: the one given is an arbitrary one of them",
-        _ => "; the shape has a continuous family of symmetries, as a sphere or a vase has: those given are arbitrary ones of them",
+        1 => {
+            "; the shape has a continuous family of symmetries, as a sphere or a vase has: the one given is an arbitrary one of them"
+        }
+        _ => {
+            "; the shape has a continuous family of symmetries, as a sphere or a vase has: those given are arbitrary ones of them"
+        }
     }
 }
 
@@ -172,4 +176,3 @@ impl Clock {
         self.last = now;
     }
 }
-

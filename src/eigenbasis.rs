@@ -47,7 +47,11 @@ impl RitzPairs {
         let width = self.vectors.ncols();
         let mut rows = vec![0.0; self.vectors.nrows() * width];
         for (j, column) in self.vectors.col_iter().enumerate() {
-            rows[j..].iter_mut().step_by(width).zip(column.iter()).for_each(|(row, value)| *row = *value as f32);
+            rows[j..]
+                .iter_mut()
+                .step_by(width)
+                .zip(column.iter())
+                .for_each(|(row, value)| *row = *value as f32);
         }
         rows
     }

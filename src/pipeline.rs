@@ -61,7 +61,8 @@ pub fn detect_by(mesh: &Mesh, options: &Options, plans: &[Plan], progress: &Prog
     let filled = if options.states_signs() { None } else { FilledShell::new(&shells[0]) };
     let (connectivity, unrivalled) = connectivity(mesh, progress)?;
     clock.lap("connectivity");
-    let case = Case { mesh, shells: &shells, filled: filled.as_ref(), connectivity, unrivalled, options, progress };
+    let case =
+        Case { mesh, shells: &shells, filled: filled.as_ref(), connectivity, unrivalled, options, progress };
     if let Some(mut exact) = case.exact()? {
         clock.lap("correspondence");
         progress.report("done", 1.0)?;
@@ -159,7 +160,8 @@ impl<'a> Case<'a> {
             return Ok(None);
         };
         let found = found.within(&shells[0].points);
-        let (Some(partners), Some(change)) = (shells[0].numbered(&found.partner), LengthChange::of(mesh, &found))
+        let (Some(partners), Some(change)) =
+            (shells[0].numbered(&found.partner), LengthChange::of(mesh, &found))
         else {
             return Ok(None);
         };

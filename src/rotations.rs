@@ -9,9 +9,7 @@
 //! finished map, which curvature has drawn to the edges.
 
 use crate::candidate_score::Scorer;
-use crate::candidates::{
-    CANDIDATE_SIZE, Candidate, DISTINCT, GAP, mean_distance, try_start,
-};
+use crate::candidates::{CANDIDATE_SIZE, Candidate, DISTINCT, GAP, mean_distance, try_start};
 use crate::compositions::{ROUNDS, composed};
 use crate::dense::product;
 use crate::effort::Plan;

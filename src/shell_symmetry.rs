@@ -80,7 +80,12 @@ impl PreparedShell {
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
-    pub fn new(surface: IntrinsicSurface, plan: &Plan, threads: usize, progress: &Progress) -> Result<PreparedShell> {
+    pub fn new(
+        surface: IntrinsicSurface,
+        plan: &Plan,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<PreparedShell> {
         let basis = Eigenbasis::new(&surface, plan.eigenfunctions, threads, progress)?;
         let samples = Samples::farthest(&basis, plan.samples);
         Ok(PreparedShell { surface, basis, samples })
@@ -196,8 +201,9 @@ pub fn finish(
     let mismatch = signature_mismatch(shell, &points.vertices, &points.mass, &images);
     let displacement = mean_displacement_of(&shell.basis, &points.vertices, &points.mass, &images.partners);
     let hopeless = Judgement::new(&candidate.score, mismatch, displacement).is_hopeless(least);
-    let seeds_of =
-        |images: &VertexImages| points.vertices.iter().copied().zip(images.partners.iter().copied()).collect::<Vec<_>>();
+    let seeds_of = |images: &VertexImages| {
+        points.vertices.iter().copied().zip(images.partners.iter().copied()).collect::<Vec<_>>()
+    };
     let (map, images) = if hopeless {
         refine(&all, map, &seeds_of(&images), &[coarse], Guide::Eigenfunctions)?
     } else {

@@ -6,8 +6,8 @@
 
 mod support;
 
-use intrinsym::effort::Plan;
 use intrinsym::candidates::Candidate;
+use intrinsym::effort::Plan;
 use intrinsym::full_refinement::MatchTarget;
 use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::mesh::PolygonMesh;
@@ -233,9 +233,12 @@ fn with_signs(shell: &mut PreparedShell, signs: &[bool]) -> (Candidate, Vec<u32>
     shell.samples = Samples::at(&shell.basis, shell.samples.vertices.clone());
     let (options, plan, progress) = (Options::default(), Plan::small(), Progress::default());
     let predicted = shell_symmetry::signs(&shell.surface, &shell.basis, &options, &[]).unwrap();
-    let best = shell_symmetry::candidates(shell, &predicted, &plan.search, &options, &progress).unwrap().swap_remove(0);
+    let best = shell_symmetry::candidates(shell, &predicted, &plan.search, &options, &progress)
+        .unwrap()
+        .swap_remove(0);
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
-    let partners = shell_symmetry::finish(shell, &target, &best, &plan, 0, &progress).unwrap().images.partners;
+    let partners =
+        shell_symmetry::finish(shell, &target, &best, &plan, 0, &progress).unwrap().images.partners;
     (best, partners)
 }
 

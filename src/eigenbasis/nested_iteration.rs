@@ -185,11 +185,7 @@ struct Block<'a> {
 
 impl Block<'_> {
     /// `fill` is given a vertex and its row of zeros.
-    fn new<'a>(
-        operator: &'a ShiftInvert<f32>,
-        width: usize,
-        fill: impl Fn(usize, &mut [f32]),
-    ) -> Block<'a> {
+    fn new<'a>(operator: &'a ShiftInvert<f32>, width: usize, fill: impl Fn(usize, &mut [f32])) -> Block<'a> {
         let mut panels = vec![0.0; operator.size() * width];
         let mut row = vec![0.0; width];
         for (place, (&vertex, scale)) in operator.order().iter().zip(operator.scale()).enumerate() {

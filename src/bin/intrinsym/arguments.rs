@@ -208,7 +208,8 @@ impl Args for NumericOptions {
                     .value_parser(|text: &str| number(text, spec))
                     .help(format!("{} Range {}..={}", spec.help, spec.minimum, spec.maximum)),
                 choices => {
-                    let index = |name: String| choices.iter().position(|&own| own == name).unwrap_or_default() as u64;
+                    let index =
+                        |name: String| choices.iter().position(|&own| own == name).unwrap_or_default() as u64;
                     flag.value_name("HOW")
                         .default_value(choices[spec.default])
                         .value_parser(PossibleValuesParser::new(choices).map(index))
@@ -298,7 +299,8 @@ mod tests {
     fn options_come_from_the_shared_table() {
         for spec in &OPTIONS {
             let flag = format!("--{}", spec.name.replace('_', "-"));
-            let named = |value: usize| spec.choices.get(value).map_or_else(|| value.to_string(), |&name| name.into());
+            let named =
+                |value: usize| spec.choices.get(value).map_or_else(|| value.to_string(), |&name| name.into());
             let parse = |value: usize| {
                 Arguments::try_parse_from(["intrinsym", "detect", "in.ply", &flag, &named(value)])
             };
