@@ -77,11 +77,6 @@ impl VertexImages {
         };
         VertexImages { points: partners.iter().map(point).collect(), partners }
     }
-
-    /// Each point with its partner, to start from.
-    pub fn seeds(&self) -> Vec<(u32, u32)> {
-        (0..).zip(self.partners.iter().copied()).collect()
-    }
 }
 
 impl<'a> MatchTarget<'a> {
@@ -122,19 +117,7 @@ impl<'a> MatchTarget<'a> {
     }
 
     /// The images of `source` under `map` (source size x target size).
-    ///
-    /// `seeds` are pairs (point of the source, target vertex) near the truth, at least one per connected part.
-    pub fn images(
-        &self,
-        source: &Sources,
-        map: &Mat<f64>,
-        seeds: &[(u32, u32)],
-        guide: Guide,
-    ) -> VertexImages {
-        self.images_from(source, map, Seeds::Vertices(seeds), guide)
-    }
-
-    fn images_from(&self, source: &Sources, map: &Mat<f64>, seeds: Seeds, guide: Guide) -> VertexImages {
+    pub fn images(&self, source: &Sources, map: &Mat<f64>, seeds: Seeds, guide: Guide) -> VertexImages {
         let descent = MeshDescent {
             graph: &self.graph,
             triangles: &self.surface.triangles,
@@ -173,7 +156,7 @@ pub fn refine(
     shell: &MatchTarget,
     points: &Sources,
     mut map: Mat<f64>,
-    seeds: &[(u32, u32)],
+    seeds: Seeds,
     sizes: &[usize],
     guide: Guide,
     token: &CancelToken,
@@ -183,7 +166,7 @@ pub fn refine(
         token.check()?;
         let size = size.min(shell.basis.count());
         map = project(estimate(points, shell, &images.points, size, size), shell.projection)?;
-        images = shell.images_from(points, &map, Seeds::Points(&images.points), guide);
+        images = shell.images(points, &map, Seeds::Points(&images.points), guide);
     }
     Ok((map, images))
 }

@@ -8,7 +8,13 @@
 use crate::dense::{cholesky_solve, gram_cholesky, product, symmetric_eigen};
 use crate::error::{Error, Result};
 use crate::symmetry_kind::SymmetryKind;
-use faer::{Mat, MatRef};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatRef, Par};
+
+/// Newton-Schulz iterations at most: singular values below 0.002 are left to a decomposition.
+const NEWTON_SCHULZ_STEPS: usize = 16;
+/// Half the error of the Gram matrix, the largest row sum, from which a last iteration leaves rounding errors.
+const NEARLY_ORTHOGONAL: f32 = 1e-3;
 
 /// What C is projected to after it was estimated from points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,6 +79,9 @@ pub fn project(map: Mat<f64>, projection: Projection) -> Result<Mat<f64>> {
 
 /// The orthogonal matrix nearest to `map` in the Frobenius norm (the polar factor).
 pub fn nearest_orthogonal(map: &Mat<f64>) -> Result<Mat<f64>> {
+    if let Some(factor) = polar_factor(map) {
+        return Ok(factor);
+    }
     let svd = map.thin_svd().map_err(|error| Error::Internal(format!("singular values: {error:?}")))?;
     Ok(product(svd.U(), svd.V().transpose()))
 }
@@ -81,10 +90,52 @@ pub fn nearest_orthogonal(map: &Mat<f64>) -> Result<Mat<f64>> {
 pub fn nearest_involution(map: &Mat<f64>) -> Result<Mat<f64>> {
     let size = map.nrows();
     let symmetric = Mat::from_fn(size, size, |i, j| 0.5 * (map[(i, j)] + map[(j, i)]));
+    if let Some(factor) = polar_factor(&symmetric) {
+        return Ok(factor);
+    }
     let (values, vectors) = symmetric_eigen(symmetric.as_ref())?;
     let signed =
         Mat::from_fn(size, size, |i, j| if values[j] < 0.0 { -vectors[(i, j)] } else { vectors[(i, j)] });
     Ok(product(signed.as_ref(), vectors.transpose()))
+}
+
+/// The polar factor by Newton-Schulz iterations `X <- X (3 - X^T X) / 2`, for a symmetric matrix its matrix sign: N. J. Higham,
+/// "Functions of Matrices", 2008, sections 5.3 and 8.3. `None` where a singular value is too near to 0.
+///
+/// In single precision until it is nearly orthogonal, then once in double.
+fn polar_factor(map: &Mat<f64>) -> Option<Mat<f64>> {
+    let size = map.nrows();
+    let mut factor = Mat::from_fn(size, size, |i, j| map[(i, j)] as f32);
+    let (mut gram, mut next) = (Mat::<f32>::zeros(size, size), Mat::<f32>::zeros(size, size));
+    for step in 0..NEWTON_SCHULZ_STEPS {
+        matmul(gram.as_mut(), Accum::Replace, factor.transpose(), factor.as_ref(), 1.0, Par::Seq);
+        // Row sums bound the largest squared singular value; the iteration converges below 3.
+        let bound = match step {
+            0 => (0..size).map(|j| sum_of_sizes(gram.col_as_slice(j))).fold(2.0, f32::max) / 2.0,
+            _ => 1.0,
+        };
+        let mut error = 0.0f32;
+        for j in 0..size {
+            let column = gram.col_as_slice_mut(j);
+            column.iter_mut().for_each(|value| *value *= -0.5 / bound);
+            column[j] += 0.5;
+            error = error.max(sum_of_sizes(column));
+            column[j] += 1.0;
+        }
+        matmul(next.as_mut(), Accum::Replace, factor.as_ref(), gram.as_ref(), bound.sqrt().recip(), Par::Seq);
+        std::mem::swap(&mut factor, &mut next);
+        if error < NEARLY_ORTHOGONAL {
+            let factor = Mat::from_fn(size, size, |i, j| f64::from(factor[(i, j)]));
+            let gram = product(factor.transpose(), factor.as_ref());
+            let change = Mat::from_fn(size, size, |i, j| if i == j { 1.5 } else { 0.0 } - 0.5 * gram[(i, j)]);
+            return Some(product(factor.as_ref(), change.as_ref()));
+        }
+    }
+    None
+}
+
+fn sum_of_sizes(values: &[f32]) -> f32 {
+    values.iter().map(|value| value.abs()).sum()
 }
 
 /// How far the map is from commuting with the Laplacian: `|C L - L C|^2 / (size mean(eigenvalue^2))`.

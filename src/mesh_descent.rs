@@ -3,8 +3,8 @@
 //! Images of neighbouring vertices are near each other, so a vertex starts from its neighbour's
 //! answer and walks downhill along edges: linear in the vertices, where a search among all of them
 //! is quadratic. From there it walks on from triangle to triangle as long as their points get nearer; where a point
-//! is known from a similar map, the walk starts in its triangle. Either can stop in a local minimum; sweeps over the
-//! neighbours' answers repair nearly all of those.
+//! is known from a similar map, the walk starts in its triangle. Either can stop in a local minimum; one sweep over the
+//! neighbours' answers repairs nearly all of those.
 
 use crate::adjacency::Adjacency;
 use crate::embedded_triangles::{Fans, TrianglePoint, TriangleProducts, nearest_in_triangle};
@@ -16,9 +16,6 @@ use std::ops::Range;
 
 /// Work for which a thread is started.
 const LEAST_PER_THREAD: usize = 500;
-/// Rounds in which each vertex also tries its neighbours' answers, where the search starts from vertices and from points.
-const SWEEPS: usize = 2;
-const SWEEPS_FROM_POINTS: usize = 1;
 
 /// What is nearest to a source.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,27 +65,16 @@ pub enum Seeds<'a> {
 }
 
 impl MeshDescent<'_> {
-    /// Searches from the seeds, then in one or two rounds each source also tries its neighbours' answers of the round
-    /// before. Some 15 distances a source from points, 25 from vertices.
+    /// Searches from the seeds, then each source also tries its neighbours' answers.
     ///
     /// Sources not reached from a seed keep [`NONE`].
     pub fn run(&self, sources: &Adjacency, seeds: Seeds) -> Vec<Answer> {
-        let (mut answers, sweeps) = match seeds {
-            Seeds::Vertices(pairs) => (self.spread(sources, pairs), SWEEPS),
-            Seeds::Points(points) => {
-                (self.in_parallel(points.len(), |range| Task::Walk(range, points)), SWEEPS_FROM_POINTS)
-            }
+        let answers = match seeds {
+            Seeds::Vertices(pairs) => self.spread(sources, pairs),
+            Seeds::Points(points) => self.in_parallel(points.len(), |range| Task::Walk(range, points)),
         };
-        let mut changed = vec![true; answers.len()];
-        for _ in 0..sweeps {
-            let sweep = Sweep { sources, answers: &answers, changed: &changed };
-            let better = self.in_parallel(answers.len(), |range| Task::Sweep(range, &sweep));
-            for ((changed, before), after) in changed.iter_mut().zip(&answers).zip(&better) {
-                *changed = before.vertex != after.vertex;
-            }
-            answers = better;
-        }
-        answers
+        let sweep = Sweep { sources, answers: &answers };
+        self.in_parallel(answers.len(), |range| Task::Sweep(range, &sweep))
     }
 
     /// From pairs (source, guess) breadth first over the sources.
@@ -130,10 +116,8 @@ impl MeshDescent<'_> {
 /// What a sweep looks at.
 struct Sweep<'a> {
     sources: &'a Adjacency,
-    /// Answers of the round before.
+    /// Answers before it.
     answers: &'a [Answer],
-    /// Whether they are other ones than in the round before that.
-    changed: &'a [bool],
 }
 
 enum Task<'a> {
@@ -167,7 +151,7 @@ impl WithSimd for Work<'_> {
             }
             Task::Walk(range, points) => {
                 for source in range {
-                    answers.push(search.near_triangle(source, points[source].triangle));
+                    answers.push(search.walk(source, search.nearest_in(source, points[source].triangle)));
                 }
             }
             Task::Sweep(range, sweep) => {
@@ -189,14 +173,13 @@ struct Search<'a, S> {
 impl<S: Simd> Search<'_, S> {
     /// The source's answer, or where its neighbours' answers lead if that is nearer.
     ///
-    /// An answer that did not change in the sweep before was tried in it, and one next to the source's own in its
-    /// descent.
+    /// An answer next to the source's own is not tried.
     #[inline(always)]
     fn best_of_neighbours(&self, source: usize, sweep: &Sweep) -> Answer {
         let mut best = sweep.answers[source];
         for &neighbour in sweep.sources.of(source) {
             let guess = sweep.answers[neighbour as usize].vertex;
-            if !sweep.changed[neighbour as usize] || guess == NONE || guess == best.vertex {
+            if guess == NONE || guess == best.vertex {
                 continue;
             }
             let next = best.vertex != NONE && self.of.graph.of(best.vertex as usize).contains(&guess);
@@ -207,29 +190,10 @@ impl<S: Simd> Search<'_, S> {
         best
     }
 
-    /// Where the walk from a triangle ends, or the one from the vertex where the descent from there ends.
-    #[inline(always)]
-    fn near_triangle(&self, source: usize, triangle: u32) -> Answer {
-        let answer = self.walk(source, self.nearest_in(source, triangle));
-        let (vertex, distance) = self.descend(source, answer.vertex, answer.vertex_distance);
-        if vertex == answer.vertex {
-            return answer;
-        }
-        let other = self.around_vertex(source, vertex, distance);
-        let nearer = if other.distance < answer.distance { other } else { answer };
-        Answer { vertex: other.vertex, vertex_distance: other.vertex_distance, ..nearer }
-    }
-
-    /// Where the walk from the vertex ends to which the descent from `guess` leads.
+    /// Where the walk from the triangles around the vertex ends to which the descent from `guess` leads.
     #[inline(always)]
     fn near_vertex(&self, source: usize, guess: u32) -> Answer {
         let (vertex, distance) = self.descend(source, guess, self.distance(source, guess));
-        self.around_vertex(source, vertex, distance)
-    }
-
-    /// Where the walk from the triangles around `vertex` ends.
-    #[inline(always)]
-    fn around_vertex(&self, source: usize, vertex: u32, distance: f32) -> Answer {
         let answer = self.walk(source, self.nearest_around(source, vertex, UNREACHED));
         if distance < answer.vertex_distance {
             return Answer { vertex, vertex_distance: distance, ..answer };

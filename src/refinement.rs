@@ -54,13 +54,14 @@ impl<'a> SampleRefiner<'a> {
     /// Alternates partners and estimation through `sizes`: equal sizes are ICP, growing ones ZoomOut.
     pub fn refine(&self, mut map: Mat<f64>, sizes: &[usize], projection: Projection) -> Result<Mat<f64>> {
         let largest = self.samples.rows.ncols();
-        let mut last = (0, Vec::new());
-        for &size in sizes {
-            let next = (size.min(largest), self.partners(&map));
-            if next != last {
-                map = self.estimate(&next.1, next.0, projection)?;
+        let (mut partners, mut last, mut settled) = (self.partners(&map), 0, false);
+        for size in sizes.iter().map(|&size| size.min(largest)) {
+            if settled && size == last {
+                continue;
             }
-            last = next;
+            map = self.estimate(&partners, size, projection)?;
+            let next = self.partners(&map);
+            (settled, last, partners) = (next == partners, size, next);
         }
         Ok(map)
     }

@@ -11,6 +11,7 @@ use crate::error::Result;
 use crate::full_refinement::{self, MatchTarget, Sources, VertexImages};
 use crate::functional_map::project;
 use crate::laplacian::IntrinsicSurface;
+use crate::mesh_descent::Seeds;
 use crate::options::Options;
 use crate::progress::Progress;
 use crate::refinement::SampleRefiner;
@@ -192,12 +193,12 @@ pub fn finish(
     let images = refiner.partners(&map).into_iter().map(|sample| samples[sample as usize]);
     let seeds = points.seeds(samples, images);
     let (few, all) = (points.sources(), target.vertices());
-    let refine = |points: &Sources, map, seeds: &[(u32, u32)], sizes: &[usize], guide| {
+    let refine = |points: &Sources, map, seeds: Seeds, sizes: &[usize], guide| {
         full_refinement::refine(target, points, map, seeds, sizes, guide, progress.token())
     };
     progress.report("refining", 0.75)?;
     let coarse = COARSE_SIZE.min(count);
-    let (map, images) = refine(&few, map, &seeds, &[coarse], Guide::Eigenfunctions)?;
+    let (map, images) = refine(&few, map, Seeds::Vertices(&seeds), &[coarse], Guide::Eigenfunctions)?;
     let mismatch = signature_mismatch(shell, &points.vertices, &points.mass, &images);
     let displacement = mean_displacement_of(&shell.basis, &points.vertices, &points.mass, &images.partners);
     let hopeless = Judgement::new(&candidate.score, mismatch, displacement).is_hopeless(least);
@@ -205,16 +206,16 @@ pub fn finish(
         points.vertices.iter().copied().zip(images.partners.iter().copied()).collect::<Vec<_>>()
     };
     let (map, images) = if hopeless {
-        refine(&all, map, &seeds_of(&images), &[coarse], Guide::Eigenfunctions)?
+        refine(&all, map, Seeds::Vertices(&seeds_of(&images)), &[coarse], Guide::Eigenfunctions)?
     } else {
         let guide = Guide::MeanCurvature;
         let sizes: Vec<usize> = plan.schedule.iter().map(|&size| size.min(count)).collect();
         let (first, last) = (sizes[0].min(coarse), sizes[sizes.len() - 1]);
         let start = map.submatrix(0, 0, first, first).to_owned();
         progress.report("refining", 0.8)?;
-        let (map, images) = refine(&few, start, &images.seeds(), &sizes, guide)?;
+        let (map, images) = refine(&few, start, Seeds::Points(&images.points), &sizes, guide)?;
         progress.report("refining", 0.9)?;
-        refine(&all, map, &seeds_of(&images), &[last], guide)?
+        refine(&all, map, Seeds::Vertices(&seeds_of(&images)), &[last], guide)?
     };
     let judged = judge(shell, &candidate.score, mismatch, &images);
     let doubts = shell.samples.vertices.iter().copied().zip(candidate.doubts.iter().copied()).collect();
