@@ -7,7 +7,7 @@
 use super::effort::TurnedEffort;
 use super::mapped::{Disc, Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, Place, mean};
-use super::takeover::{SMALL_RADIUS, SmallParts, take_over};
+use super::takeover::{SmallParts, take_over};
 use crate::error::Result;
 use crate::mesh::rotation::{Matrix, principal_axes, rotation};
 use crate::mesh::vector::{Vector, subtract};
@@ -62,39 +62,39 @@ pub(super) fn map_turned(
     threads: usize,
     token: &CancelToken,
 ) -> Result<()> {
-    let part = |disc: Disc| {
-        token.check()?;
-        let picked = mapped.picked(&disc.members, effort.points);
-        Ok(Part { middle: disc.middle, own: as_mapped(mapped, &picked, mirrored), picked })
-    };
     let some = |count: usize| &middles[..count.min(middles.len())];
     let discs = RADII
         .iter()
         .flat_map(|&radius| mapped.discs_along_edges(some(effort.parts), radius, threads))
         .collect();
-    let parts = threads::map(threads, discs, part).into_iter().collect::<Result<Vec<Part>>>()?;
+    let screen = |disc: Disc| {
+        token.check()?;
+        let picked = mapped.picked(&disc.members, effort.points);
+        let own = as_mapped(mapped, &few(&picked), mirrored, ROUGHLY);
+        Ok(Part { middle: disc.middle, picked, own })
+    };
+    let mut parts = threads::map(threads, discs, screen).into_iter().collect::<Result<Vec<Part>>>()?;
     let bad = (BAD * usual(&parts)).max(LEAST_BAD);
+    parts.retain(|part| part.own.unlike > bad);
     let search = |part: Part| {
         token.check()?;
-        Ok(turned(mapped, &part, effort, mirrored).map(|found| (part, found)))
+        let part = Part { own: as_mapped(mapped, &part.picked, mirrored, WHOLLY), ..part };
+        let fits = part.own.unlike <= bad;
+        let found = if fits { None } else { turned(mapped, &part, effort, mirrored) };
+        Ok(found.map(|found| (part, found)))
     };
-    let bad = parts.into_iter().filter(|part| part.own.unlike > bad).collect();
-    let found = threads::map(threads, bad, search).into_iter().collect::<Result<Vec<_>>>()?;
+    let found = threads::map(threads, parts, search).into_iter().collect::<Result<Vec<_>>>()?;
     let mut found: Vec<(Part, Settled)> = found.into_iter().flatten().collect();
     let left = |(part, found): &(Part, Settled)| found.unlike / part.own.unlike;
     found.sort_by(|a, b| left(a).total_cmp(&left(b)));
-    if found.is_empty() {
-        return Ok(());
-    }
-    let discs = mapped.discs_along_edges(some(effort.small), SMALL_RADIUS, threads);
-    let mut small = SmallParts::new(discs, effort.points, mirrored);
+    let small = SmallParts { middles: some(effort.small), points: effort.points / ROUGH_STEP, mirrored };
     let mut changed = false;
     for (part, found) in found.into_iter().take(effort.most) {
         token.check()?;
         // Another part may have brought this one along.
-        let own = if changed { as_mapped(mapped, &part.picked, mirrored) } else { part.own };
+        let own = if changed { as_mapped(mapped, &part.picked, mirrored, WHOLLY) } else { part.own };
         if found.unlike < BETTER * own.unlike {
-            changed |= take_over(mapped, &mut small, part.middle, &found.motion, threads);
+            changed |= take_over(mapped, &small, part.middle, &found.motion, threads);
         }
     }
     Ok(())
@@ -108,18 +108,22 @@ fn usual(parts: &[Part]) -> f64 {
 }
 
 /// The motion of the map itself, brought to the surface.
-fn as_mapped(mapped: &Mapped, picked: &[(u32, f64)], mirrored: bool) -> Settled {
+fn as_mapped(mapped: &Mapped, picked: &[(u32, f64)], mirrored: bool, approach: Approach) -> Settled {
     let places = mapped.places(picked);
     let near = places.iter().map(|place| place.partner).collect();
-    settle(mapped, Motion::between(&places, mirrored), &places, near, WHOLLY)
+    settle(mapped, Motion::between(&places, mirrored), &places, near, approach)
+}
+
+/// Some of the points.
+fn few(picked: &[(u32, f64)]) -> Vec<(u32, f64)> {
+    picked.iter().step_by(ROUGH_STEP).copied().collect()
 }
 
 /// The turned motion that fits best, if it fits much better than the map's.
 fn turned(mapped: &Mapped, part: &Part, effort: &TurnedEffort, mirrored: bool) -> Option<Settled> {
     let places = mapped.places(&part.picked);
     let sought = mapped.sought(&places);
-    let few: Vec<(u32, f64)> = part.picked.iter().step_by(ROUGH_STEP).copied().collect();
-    let few = mapped.places(&few);
+    let few = mapped.places(&few(&part.picked));
     let from = |motion: Motion, places: &[Place], approach: Approach| {
         settle(mapped, motion, places, seeds(&motion, places, &sought), approach)
     };
