@@ -78,7 +78,7 @@ impl SmallParts<'_> {
         threads: usize,
     ) -> Vec<Part> {
         let middles = self.middles.iter().copied().filter(|&middle| near[middle as usize]);
-        let discs = mapped.discs_along_edges(&middles.collect::<Vec<u32>>(), SMALL_RADIUS, threads);
+        let discs = mapped.discs_along_edges(&middles.collect::<Vec<u32>>(), &[SMALL_RADIUS], threads);
         let judged = |disc: Disc| {
             let places = mapped.places(&mapped.picked(&disc.members, self.points));
             let own = Motion::between(&places, self.mirrored);
