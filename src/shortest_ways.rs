@@ -1,22 +1,24 @@
 //! Shortest ways along edges (E. Dijkstra, "A note on two problems in connexion with graphs", 1959).
 
 use crate::laplacian::IntrinsicSurface;
+use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::surface_walk::SurfaceWalk;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
 /// A search that can be run many times; it cleans up only where it was.
 pub struct Search {
-    distance: Vec<f64>,
+    distance: Vec<f32>,
     touched: Vec<u32>,
-    /// Distances are positive, so their bits are in their order.
-    queue: BinaryHeap<Reverse<(u64, u32)>>,
+    /// The bits of a distance, which is positive, and the vertex: in the order of the distances.
+    queue: BinaryHeap<Reverse<u64>>,
 }
 
 impl Search {
     /// On `count` vertices.
     pub fn new(count: usize) -> Search {
-        Search { distance: vec![f64::INFINITY; count], touched: Vec::new(), queue: BinaryHeap::new() }
+        Search { distance: vec![f32::INFINITY; count], touched: Vec::new(), queue: BinaryHeap::new() }
     }
 
     /// Visits the vertices nearer than `radius` to one of `sources` with their distances, the nearest first, until `visit` breaks.
@@ -32,34 +34,35 @@ impl Search {
         for &source in sources {
             self.improve(source, 0.0);
         }
-        while let Some(Reverse((bits, vertex))) = self.queue.pop() {
-            let distance = f64::from_bits(bits);
+        while let Some(Reverse(entry)) = self.queue.pop() {
+            let (distance, vertex) = (f32::from_bits((entry >> 32) as u32), entry as u32);
             if distance > self.distance[vertex as usize] {
                 continue;
             }
+            let distance = f64::from(distance);
             if visit(vertex, distance).is_break() {
                 break;
             }
             for (near, length) in edges(vertex) {
                 if distance + length < radius {
-                    self.improve(near, distance + length);
+                    self.improve(near, (distance + length) as f32);
                 }
             }
         }
         self.queue.clear();
         for vertex in self.touched.drain(..) {
-            self.distance[vertex as usize] = f64::INFINITY;
+            self.distance[vertex as usize] = f32::INFINITY;
         }
     }
 
-    fn improve(&mut self, vertex: u32, distance: f64) {
+    fn improve(&mut self, vertex: u32, distance: f32) {
         let known = &mut self.distance[vertex as usize];
         if distance < *known {
             if known.is_infinite() {
                 self.touched.push(vertex);
             }
             *known = distance;
-            self.queue.push(Reverse((distance.to_bits(), vertex)));
+            self.queue.push(Reverse(u64::from(distance.to_bits()) << 32 | u64::from(vertex)));
         }
     }
 }
@@ -90,6 +93,17 @@ impl EdgeWays {
             offsets[vertex + 1] += offsets[vertex];
         }
         EdgeWays { offsets, ends: directed.into_iter().map(|(_, to, length)| (to, length)).collect() }
+    }
+
+    /// Those of a surface in space. O(vertices).
+    pub fn of_walk(walk: &SurfaceWalk, positions: &[Vector]) -> EdgeWays {
+        let (mut offsets, mut ends) = (vec![0], Vec::new());
+        for (vertex, &from) in (0..).zip(positions) {
+            let length = |to: u32| squared_norm(subtract(positions[to as usize], from)).sqrt();
+            ends.extend(walk.around(vertex).map(|to| (to, length(to))));
+            offsets.push(ends.len() as u32);
+        }
+        EdgeWays { offsets, ends }
     }
 
     /// The neighbours of a vertex, with the lengths of the edges to them.

@@ -28,7 +28,7 @@ pub struct TurnedEffort {
     pub small: usize,
     /// How many of the turns are fitted to all points.
     pub fitted: usize,
-    /// Turned parts that may take over, the best first.
+    /// Parts for which turns are sought: those that fit worst.
     pub most: usize,
 }
 
@@ -47,7 +47,7 @@ impl PartsEffort {
 
 impl Default for PartsEffort {
     fn default() -> PartsEffort {
-        let turned = TurnedEffort { parts: 70, points: 100, turns: 12, small: 150, fitted: 4, most: 8 };
-        PartsEffort { passes: [100, 200], points: 40, rounds: 5, turned: Some(turned) }
+        let turned = TurnedEffort { parts: 70, points: 100, turns: 12, small: 150, fitted: 2, most: 12 };
+        PartsEffort { passes: [100, 200], points: 40, rounds: 3, turned: Some(turned) }
     }
 }

@@ -6,7 +6,7 @@ use crate::mesh::Shell;
 use crate::mesh::vector::{Vector, cross, dot, point_areas, squared_norm, subtract};
 use crate::refinement::nearest;
 use crate::sampling::{area_weighted_vertices, farthest_points};
-use crate::shortest_ways::Search;
+use crate::shortest_ways::{EdgeWays, Search};
 use crate::surface_walk::SurfaceWalk;
 use crate::threads;
 use faer::Mat;
@@ -23,6 +23,8 @@ pub(super) struct Mapped<'a> {
     pub walk: SurfaceWalk<'a>,
     /// Area of each vertex.
     pub areas: Vec<f64>,
+    /// Edges with their lengths.
+    ways: EdgeWays,
     /// Unit normals of the vertices.
     normals: Vec<Vector>,
     /// Features of the vertices.
@@ -52,9 +54,11 @@ impl<'a> Mapped<'a> {
     pub fn new(shell: &'a Shell, found: &VertexImages) -> Mapped<'a> {
         let normals = normals(shell);
         let oriented = shell.positions.iter().zip(&normals);
+        let walk = SurfaceWalk::new(&shell.positions, &shell.triangles);
         Mapped {
             shell,
-            walk: SurfaceWalk::new(&shell.positions, &shell.triangles),
+            ways: EdgeWays::of_walk(&walk, &shell.positions),
+            walk,
             areas: point_areas(&shell.positions, &shell.triangles),
             features: oriented
                 .map(|(&position, &normal)| Oriented { position, normal })
@@ -101,19 +105,22 @@ impl<'a> Mapped<'a> {
         Disc { middle, members: joined.into_iter().map(member).collect() }
     }
 
-    /// Discs around vertices along edges: where limbs bend sharply, smaller than those in space.
-    pub fn discs_along_edges(&self, middles: &[u32], radius: f64, threads: usize) -> Vec<Disc> {
-        let weight = |distance: f64| (1.0 - distance * distance / (radius * radius)).powi(2);
+    /// Discs around vertices along edges, of each radius in turn: where limbs bend sharply, smaller than those in space.
+    pub fn discs_along_edges(&self, middles: &[u32], radii: &[f64], threads: usize) -> Vec<Disc> {
+        let largest = radii.iter().fold(0.0f64, |largest, &radius| largest.max(radius));
         let some = |range: Range<usize>| -> Vec<Disc> {
             let mut search = Search::new(self.areas.len());
-            let disc = |&middle: &u32| {
-                let within = self.reached(&mut search, &[middle], radius).into_iter();
-                Disc {
-                    middle,
-                    members: within.map(|(vertex, distance)| (vertex, weight(distance))).collect(),
-                }
+            let discs = |&middle: &u32| {
+                let within = self.reached(&mut search, &[middle], largest);
+                let disc = |&radius: &f64| {
+                    let inside = within.iter().take_while(|(_, distance)| *distance < radius);
+                    let weight = |distance: f64| (1.0 - distance * distance / (radius * radius)).powi(2);
+                    let members = inside.map(|&(vertex, distance)| (vertex, weight(distance))).collect();
+                    Disc { middle, members }
+                };
+                radii.iter().map(disc).collect::<Vec<Disc>>()
             };
-            middles[range].iter().map(disc).collect()
+            middles[range].iter().flat_map(discs).collect()
         };
         let ranges = threads::ranges(middles.len(), 2 * threads);
         threads::map(threads, ranges, some).into_iter().flatten().collect()
@@ -125,16 +132,16 @@ impl<'a> Mapped<'a> {
     }
 
     fn reached(&self, search: &mut Search, sources: &[u32], radius: f64) -> Vec<(u32, f64)> {
-        let edges = |vertex: u32| {
-            let at = |vertex: u32| self.shell.positions[vertex as usize];
-            let length = move |near: u32| squared_norm(subtract(at(near), at(vertex))).sqrt();
-            self.walk.around(vertex).map(move |near| (near, length(near)))
-        };
         let mut reached = Vec::new();
-        search.run(sources, radius, edges, |vertex, distance| {
-            reached.push((vertex, distance));
-            ControlFlow::Continue(())
-        });
+        search.run(
+            sources,
+            radius,
+            |vertex| self.ways.of(vertex),
+            |vertex, distance| {
+                reached.push((vertex, distance));
+                ControlFlow::Continue(())
+            },
+        );
         reached
     }
 

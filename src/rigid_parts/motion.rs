@@ -103,9 +103,9 @@ impl Motion {
         near: &mut [u32],
         Approach { rounds, noise, held, free }: Approach,
     ) -> Motion {
-        let (mut motion, mut start) = (self, self);
+        let (spread, mut motion, mut start) = (Spread::of(places), self, self);
         for _ in 0..rounds {
-            motion = motion.towards(&start, mapped, places, near, [noise, held]);
+            motion = motion.towards(&start, mapped, places, &spread, near, [noise, held]);
             if free {
                 start = motion;
             }
@@ -158,11 +158,11 @@ impl Motion {
         start: &Motion,
         mapped: &Mapped,
         places: &[Place],
+        spread: &Spread,
         near: &mut [u32],
         [noise, held]: [f64; 2],
     ) -> Motion {
-        let all: f64 = places.iter().map(|place| place.weight).sum();
-        let about = self.of(mean(places.iter().map(|place| (place.own.position, place.weight))));
+        let about = self.of(spread.middle);
         let mut step = Step::default();
         for (place, near) in places.iter().zip(near) {
             let goal = self.of_oriented(place.own);
@@ -171,11 +171,10 @@ impl Motion {
             let (offset, gap) = (subtract(goal.position, about), gap(goal.position, there));
             let facing = dot(there.normal, goal.normal).clamp(0.0, 1.0);
             let outlier = gap / (OUTLIER * noise);
-            let weight = INDEPENDENT / all * place.weight * facing / (1.0 + outlier * outlier);
+            let weight = INDEPENDENT / spread.weight * place.weight * facing / (1.0 + outlier * outlier);
             step.add(offset, there.normal, gap, weight / (noise * noise));
-            let strayed = subtract(goal.position, start.of(place.own.position));
-            step.hold(offset, strayed, place.weight / all / (held * held));
         }
+        step.hold(self, start, spread, 1.0 / (held * held));
         let [turn, shift] = step.solve();
         // The rotation nearest to 1 + [turn]x is about the turn.
         let angle = squared_norm(turn).sqrt();
@@ -185,6 +184,29 @@ impl Motion {
         };
         (0..3).for_each(|axis| motion.shift[axis] += shift[axis]);
         motion
+    }
+}
+
+/// How some places lie: their weight in all, weighted mean, and second moments about it.
+struct Spread {
+    weight: f64,
+    middle: Vector,
+    moments: Matrix,
+}
+
+impl Spread {
+    fn of(places: &[Place]) -> Spread {
+        let own = || places.iter().map(|place| (place.own.position, place.weight));
+        let (weight, middle) = (own().map(|(_, weight)| weight).sum(), mean(own()));
+        let mut moments = Matrix::default();
+        for (position, share) in own() {
+            let offset = subtract(position, middle);
+            for row in 0..3 {
+                (0..3)
+                    .for_each(|column| moments[row][column] += share / weight * offset[row] * offset[column]);
+            }
+        }
+        Spread { weight, middle, moments }
     }
 }
 
@@ -203,22 +225,24 @@ impl Step {
         for i in 0..6 {
             let weighted = weight * row[i];
             self.right[i] -= weighted * gap;
-            (0..=i).for_each(|j| self.matrix[i][j] += weighted * row[j]);
+            (0..6).for_each(|j| self.matrix[i][j] += weighted * row[j]);
         }
     }
 
-    /// A point at `offset` from the middle should move by `-gap`: [`Step::add`] along all three axes.
-    fn hold(&mut self, offset: Vector, gap: Vector, weight: f64) {
-        let ([x, y, z], torque) = (offset, cross(offset, gap));
-        let square = squared_norm(offset);
-        let across = [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]];
+    /// All places should move from where `motion` puts them to where `start` does.
+    fn hold(&mut self, motion: &Motion, start: &Motion, spread: &Spread, weight: f64) {
+        let moments =
+            |other: &Motion| product(&product(&motion.turn, &spread.moments), &transposed(&other.turn));
+        let (own, apart) = (moments(motion), moments(start));
+        let strayed = subtract(motion.of(spread.middle), start.of(spread.middle));
+        let square = own[0][0] + own[1][1] + own[2][2];
         for i in 0..3 {
-            self.right[i] -= weight * torque[i];
-            self.right[3 + i] -= weight * gap[i];
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            self.right[i] += weight * (apart[j][k] - apart[k][j]);
+            self.right[3 + i] -= weight * strayed[i];
+            (0..3).for_each(|j| self.matrix[i][j] -= weight * own[i][j]);
             self.matrix[i][i] += weight * square;
             self.matrix[3 + i][3 + i] += weight;
-            (0..=i).for_each(|j| self.matrix[i][j] -= weight * offset[i] * offset[j]);
-            (0..3).for_each(|j| self.matrix[3 + i][j] += weight * across[i][j]);
         }
     }
 
@@ -274,14 +298,32 @@ mod tests {
         Motion { turn: [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], shift: [0.1, 0.0, 0.3] }
     }
 
+    fn places(own: &[Vector]) -> Vec<Place> {
+        let place = |&position: &Vector| Place {
+            own: Oriented { position, normal: [0.0, 0.0, 1.0] },
+            image: position,
+            partner: 0,
+            weight: 2.0,
+        };
+        own.iter().map(place).collect()
+    }
+
     #[test]
-    fn a_point_is_held_as_along_its_three_axes() {
-        let (offset, gap) = ([0.3, -0.7, 1.1], [0.2, 0.5, -0.4]);
+    fn places_are_held_as_each_along_its_three_axes() {
+        let own = [[1.0, 0.0, 0.2], [0.0, 1.0, -0.4], [0.3, 0.3, 1.0], [-0.6, 0.2, 0.1]];
+        let (start, places) = (mirror(), places(&own));
+        let motion = start.then_turned(&rotation([0.3, -0.2, 0.7], 0.4), [0.1, 0.5, 0.2]);
         let (mut at_once, mut by_axis) = (Step::default(), Step::default());
-        at_once.hold(offset, gap, 1.7);
-        for axis in 0..3 {
-            let along = std::array::from_fn(|k| f64::from(u8::from(k == axis)));
-            by_axis.add(offset, along, gap[axis], 1.7);
+        let spread = Spread::of(&places);
+        at_once.hold(&motion, &start, &spread, 1.7);
+        let middle = motion.of(spread.middle);
+        for place in own {
+            let (offset, gap) =
+                (subtract(motion.of(place), middle), subtract(motion.of(place), start.of(place)));
+            for axis in 0..3 {
+                let along = std::array::from_fn(|k| f64::from(u8::from(k == axis)));
+                by_axis.add(offset, along, gap[axis], 1.7 / 4.0);
+            }
         }
         let same = |a: &[f64; 6], b: &[f64; 6]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
         assert!(same(&at_once.right, &by_axis.right));
@@ -315,11 +357,13 @@ mod tests {
 
     #[test]
     fn a_step_solves_its_equations_and_stays_where_nothing_holds_it() {
-        let mut step = Step::default();
-        let (turn, shift) = ([0.1, -0.2, 0.05], [0.3, 0.1, -0.7]);
+        let (mut step, turn, shift) = (Step::default(), [0.1, -0.2, 0.05], [0.3, 0.1, -0.7]);
         for offset in [[1.0, 0.0, 0.2], [0.0, 1.0, -0.4], [0.3, 0.3, 1.0]] {
             let moved = cross(turn, offset);
-            step.hold(offset, [0, 1, 2].map(|axis| -moved[axis] - shift[axis]), 2.0);
+            for axis in 0..3 {
+                let along = std::array::from_fn(|k| f64::from(u8::from(k == axis)));
+                step.add(offset, along, -moved[axis] - shift[axis], 2.0);
+            }
         }
         let [a, b] = step.solve();
         assert!(near(a, turn) && near(b, shift), "{a:?} {b:?}");

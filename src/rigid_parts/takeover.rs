@@ -6,7 +6,7 @@
 //! stretches, tears and turns inside out much less of them.
 
 use super::mapped::{Disc, Mapped, Sought};
-use super::motion::{Approach, Motion, Oriented, Place, mean};
+use super::motion::{Approach, Motion, Oriented, mean};
 use super::turned_parts::{seeds, settle};
 use crate::mesh::vector::Vector;
 use crate::threads;
@@ -27,51 +27,13 @@ const STRAIN_LEFT: f64 = 0.85;
 /// Share of the surface that may be cut off from the rest.
 const CUT_OFF: f64 = 0.03;
 
-/// Small parts all over the surface, and how the map moves each, once asked for.
-pub(super) struct SmallParts {
-    discs: Vec<Disc>,
-    as_mapped: Vec<Option<SmallPart>>,
-    points: usize,
-    mirrored: bool,
-}
-
-/// How the map moves a small part.
-struct SmallPart {
-    places: Vec<Place>,
-    /// Mean position.
-    centre: Vector,
-    motion: Motion,
-    /// What it leaves once it is brought to the surface, in sqrt(area).
-    left: f64,
-}
-
-impl SmallParts {
-    /// By motions fitted to so many `points`.
-    pub fn new(discs: Vec<Disc>, points: usize, mirrored: bool) -> SmallParts {
-        SmallParts { as_mapped: discs.iter().map(|_| None).collect(), discs, points, mirrored }
-    }
-
-    /// The parts whose middle is `near`, each with how the map moves it.
-    fn around(&mut self, mapped: &Mapped, near: &[bool], threads: usize) -> Vec<(&Disc, &SmallPart)> {
-        let is_near = |disc: &Disc| near[disc.middle as usize];
-        let missing = |index: &usize| self.as_mapped[*index].is_none() && is_near(&self.discs[*index]);
-        let missing = (0..self.discs.len()).filter(missing).collect();
-        let fit = |index: usize| (index, self.fitted(mapped, &self.discs[index]));
-        for (index, part) in threads::map(threads, missing, fit) {
-            self.as_mapped[index] = Some(part);
-        }
-        let parts = self.discs.iter().zip(&self.as_mapped).filter(|(disc, _)| is_near(disc));
-        parts.filter_map(|(disc, part)| Some((disc, part.as_ref()?))).collect()
-    }
-
-    fn fitted(&self, mapped: &Mapped, disc: &Disc) -> SmallPart {
-        let places = mapped.places(&mapped.picked(&disc.members, self.points));
-        let motion = Motion::between(&places, self.mirrored);
-        let partners = places.iter().map(|place| place.partner).collect();
-        let left = settle(mapped, motion, &places, partners, OWN).unlike;
-        let centre = mean(places.iter().map(|place| (place.own.position, place.weight)));
-        SmallPart { places, centre, motion, left }
-    }
+/// Small parts all over the surface.
+pub(super) struct SmallParts<'a> {
+    /// Their middles.
+    pub middles: &'a [u32],
+    /// Points of each that motions are fitted to.
+    pub points: usize,
+    pub mirrored: bool,
 }
 
 /// What the fits say about a small part.
@@ -83,8 +45,8 @@ enum Verdict {
 }
 
 /// A small part and its two motions.
-struct Part<'a> {
-    disc: &'a Disc,
+struct Part {
+    disc: Disc,
     /// Mean position.
     centre: Vector,
     own: Motion,
@@ -105,10 +67,40 @@ struct Goal {
     strongest: Option<(Motion, f64)>,
 }
 
+impl SmallParts<'_> {
+    /// The parts whose middle is `near`, with what the map's motion and the one that was `found` make of them.
+    fn around(
+        &self,
+        mapped: &Mapped,
+        near: &[bool],
+        sought: &Sought,
+        found: &Motion,
+        threads: usize,
+    ) -> Vec<Part> {
+        let middles = self.middles.iter().copied().filter(|&middle| near[middle as usize]);
+        let discs = mapped.discs_along_edges(&middles.collect::<Vec<u32>>(), &[SMALL_RADIUS], threads);
+        let judged = |disc: Disc| {
+            let places = mapped.places(&mapped.picked(&disc.members, self.points));
+            let own = Motion::between(&places, self.mirrored);
+            let partners = places.iter().map(|place| place.partner).collect();
+            let new = settle(mapped, *found, &places, seeds(found, &places, sought), NEW);
+            let left = new.unlike / settle(mapped, own, &places, partners, OWN).unlike;
+            let verdict = match left {
+                _ if left < FOLLOWS => Verdict::Follows,
+                _ if FOLLOWS * left > 1.0 => Verdict::Keeps,
+                _ => Verdict::Either,
+            };
+            let centre = mean(places.iter().map(|place| (place.own.position, place.weight)));
+            Part { disc, centre, own, new: new.motion, left, verdict }
+        };
+        threads::map(threads, discs, judged)
+    }
+}
+
 /// Maps what a part's new motion fits by it, if that makes a better map of the surroundings of its `middle`; returns whether it does.
 pub(super) fn take_over(
     mapped: &mut Mapped,
-    small: &mut SmallParts,
+    small: &SmallParts,
     middle: u32,
     found: &Motion,
     threads: usize,
@@ -118,8 +110,7 @@ pub(super) fn take_over(
     let sought = mapped.sought(&mapped.places(&mapped.picked(&evenly, SOUGHT_POINTS)));
     let mut near = vec![false; mapped.areas.len()];
     around.iter().for_each(|&(vertex, _)| near[vertex as usize] = true);
-    let mirrored = small.mirrored;
-    let parts = parts(mapped, small.around(mapped, &near, threads), &sought, found, threads);
+    let parts = small.around(mapped, &near, &sought, found, threads);
     let goals = goals(mapped, &parts, &around);
     let region =
         mapped.joined(middle, &mut vec![false; goals.len()], |vertex| goals[vertex as usize].follows());
@@ -129,13 +120,12 @@ pub(super) fn take_over(
     let changed = mapped.within(&region, SMALL_RADIUS).into_iter().map(|(vertex, _)| vertex);
     let changed: Vec<u32> = changed.filter(|&vertex| goals[vertex as usize].new > 0.0).collect();
     let images = images(mapped, &changed, &goals, &sought, threads);
-    let before = mapped.strain(&near, mirrored);
+    let before = mapped.strain(&near, small.mirrored);
     let former = mapped.replaced(&changed, images);
-    if mapped.strain(&near, mirrored) > STRAIN_LEFT * before {
+    if mapped.strain(&near, small.mirrored) > STRAIN_LEFT * before {
         mapped.replaced(&changed, former);
         return false;
     }
-    small.as_mapped.fill_with(|| None);
     true
 }
 
@@ -155,27 +145,6 @@ fn images(
         (partner, point.interpolate_vectors(&mapped.shell.triangles, &mapped.shell.positions))
     };
     threads::map(threads, at.into_iter().zip(starts).collect(), image)
-}
-
-/// The small parts around, with what both motions make of them.
-fn parts<'a>(
-    mapped: &Mapped,
-    small: Vec<(&'a Disc, &SmallPart)>,
-    sought: &Sought,
-    found: &Motion,
-    threads: usize,
-) -> Vec<Part<'a>> {
-    let judged = |(disc, SmallPart { places, centre, motion, left }): (&'a Disc, &SmallPart)| {
-        let new = settle(mapped, *found, places, seeds(found, places, sought), NEW);
-        let left = new.unlike / left;
-        let verdict = match left {
-            _ if left < FOLLOWS => Verdict::Follows,
-            _ if FOLLOWS * left > 1.0 => Verdict::Keeps,
-            _ => Verdict::Either,
-        };
-        Part { disc, centre: *centre, own: *motion, new: new.motion, left, verdict }
-    };
-    threads::map(threads, small, judged)
 }
 
 /// Where the parts' motions, each as far as it takes over, put each vertex.

@@ -7,10 +7,10 @@
 use super::effort::TurnedEffort;
 use super::mapped::{Disc, Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, Place, mean};
-use super::takeover::{SMALL_RADIUS, SmallParts, take_over};
+use super::takeover::{SmallParts, take_over};
 use crate::error::Result;
 use crate::mesh::rotation::{Matrix, principal_axes, rotation};
-use crate::mesh::vector::{Vector, subtract};
+use crate::mesh::vector::{Vector, squared_norm, subtract};
 use crate::progress::CancelToken;
 use crate::threads;
 use std::f64::consts::PI;
@@ -18,8 +18,11 @@ use std::f64::consts::PI;
 /// Radii of the parts along edges, in sqrt(area); they are larger than those the finished map follows.
 const RADII: [f64; 2] = [0.2, 0.15];
 /// How a motion is brought to the surface: all the way, and roughly, by each so manieth point.
-const WHOLLY: Approach = Approach { rounds: 8, noise: 0.008, held: 0.05, free: true };
+const WHOLLY: Approach = Approach { rounds: 5, noise: 0.008, held: 0.05, free: true };
 const ROUGHLY: Approach = Approach { rounds: 3, ..WHOLLY };
+/// Not at all: all turns are judged as they are, by the vertices alone, and this many times those to be fitted are followed.
+const GLANCE: Approach = Approach { rounds: 0, ..WHOLLY };
+const FOLLOWED: usize = 4;
 /// The best is fitted once more, finely.
 const FINELY: Approach = Approach { noise: 0.003, held: 0.02, ..WHOLLY };
 const ROUGH_STEP: usize = 3;
@@ -39,7 +42,7 @@ const BETTER: f64 = 0.85;
 struct Part {
     middle: u32,
     picked: Vec<(u32, f64)>,
-    /// What the map's motion leaves.
+    /// The map's motion, roughly brought to the surface.
     own: Settled,
 }
 
@@ -62,39 +65,42 @@ pub(super) fn map_turned(
     threads: usize,
     token: &CancelToken,
 ) -> Result<()> {
-    let part = |disc: Disc| {
+    let some = |count: usize| &middles[..count.min(middles.len())];
+    let discs = mapped.discs_along_edges(some(effort.parts), &RADII, threads);
+    let screen = |disc: Disc| {
         token.check()?;
         let picked = mapped.picked(&disc.members, effort.points);
-        Ok(Part { middle: disc.middle, own: as_mapped(mapped, &picked, mirrored), picked })
+        let own = as_mapped(mapped, &few(&picked), mirrored, ROUGHLY);
+        Ok(Part { middle: disc.middle, picked, own })
     };
-    let some = |count: usize| &middles[..count.min(middles.len())];
-    let discs = RADII
-        .iter()
-        .flat_map(|&radius| mapped.discs_along_edges(some(effort.parts), radius, threads))
-        .collect();
-    let parts = threads::map(threads, discs, part).into_iter().collect::<Result<Vec<Part>>>()?;
+    let mut parts = threads::map(threads, discs, screen).into_iter().collect::<Result<Vec<Part>>>()?;
     let bad = (BAD * usual(&parts)).max(LEAST_BAD);
+    parts.retain(|part| part.own.unlike > bad);
+    parts.sort_by(|a, b| b.own.unlike.total_cmp(&a.own.unlike));
+    parts.truncate(effort.most);
     let search = |part: Part| {
         token.check()?;
         Ok(turned(mapped, &part, effort, mirrored).map(|found| (part, found)))
     };
-    let bad = parts.into_iter().filter(|part| part.own.unlike > bad).collect();
-    let found = threads::map(threads, bad, search).into_iter().collect::<Result<Vec<_>>>()?;
+    let found = threads::map(threads, parts, search).into_iter().collect::<Result<Vec<_>>>()?;
     let mut found: Vec<(Part, Settled)> = found.into_iter().flatten().collect();
     let left = |(part, found): &(Part, Settled)| found.unlike / part.own.unlike;
     found.sort_by(|a, b| left(a).total_cmp(&left(b)));
-    if found.is_empty() {
-        return Ok(());
-    }
-    let discs = mapped.discs_along_edges(some(effort.small), SMALL_RADIUS, threads);
-    let mut small = SmallParts::new(discs, effort.points, mirrored);
-    let mut changed = false;
-    for (part, found) in found.into_iter().take(effort.most) {
+    let small = SmallParts { middles: some(effort.small), points: effort.points / ROUGH_STEP, mirrored };
+    // Where the middles of parts are that were tried.
+    let mut tried: Vec<Vector> = Vec::new();
+    for (part, found) in found {
         token.check()?;
+        let middle = mapped.shell.positions[part.middle as usize];
+        let covers = |other: &Vector| squared_norm(subtract(*other, middle)).sqrt() < RADII[0];
+        if tried.iter().any(covers) {
+            continue;
+        }
+        tried.push(middle);
         // Another part may have brought this one along.
-        let own = if changed { as_mapped(mapped, &part.picked, mirrored) } else { part.own };
+        let own = as_mapped(mapped, &part.picked, mirrored, WHOLLY);
         if found.unlike < BETTER * own.unlike {
-            changed |= take_over(mapped, &mut small, part.middle, &found.motion, threads);
+            take_over(mapped, &small, part.middle, &found.motion, threads);
         }
     }
     Ok(())
@@ -108,38 +114,49 @@ fn usual(parts: &[Part]) -> f64 {
 }
 
 /// The motion of the map itself, brought to the surface.
-fn as_mapped(mapped: &Mapped, picked: &[(u32, f64)], mirrored: bool) -> Settled {
+fn as_mapped(mapped: &Mapped, picked: &[(u32, f64)], mirrored: bool, approach: Approach) -> Settled {
     let places = mapped.places(picked);
     let near = places.iter().map(|place| place.partner).collect();
-    settle(mapped, Motion::between(&places, mirrored), &places, near, WHOLLY)
+    settle(mapped, Motion::between(&places, mirrored), &places, near, approach)
+}
+
+/// Some of the points.
+fn few(picked: &[(u32, f64)]) -> Vec<(u32, f64)> {
+    picked.iter().step_by(ROUGH_STEP).copied().collect()
 }
 
 /// The turned motion that fits best, if it fits much better than the map's.
 fn turned(mapped: &Mapped, part: &Part, effort: &TurnedEffort, mirrored: bool) -> Option<Settled> {
     let places = mapped.places(&part.picked);
     let sought = mapped.sought(&places);
-    let few: Vec<(u32, f64)> = part.picked.iter().step_by(ROUGH_STEP).copied().collect();
-    let few = mapped.places(&few);
+    let few = mapped.places(&few(&part.picked));
     let from = |motion: Motion, places: &[Place], approach: Approach| {
         settle(mapped, motion, places, seeds(&motion, places, &sought), approach)
     };
     let start = Motion::between(&places, mirrored);
-    let turns = turns(&start, &places, effort.turns);
-    let mut rough: Vec<Settled> = turns.into_iter().map(|turn| from(turn, &few, ROUGHLY)).collect();
+    let mut rough: Vec<Settled> =
+        turns(&start, &places, effort.turns).into_iter().map(|turn| from(turn, &few, GLANCE)).collect();
     rough.sort_by(|a, b| a.unlike.total_cmp(&b.unlike));
+    let glanced = rough.into_iter().take(FOLLOWED * effort.fitted);
+    let mut rough: Vec<Settled> = glanced.map(|turn| from(turn.motion, &few, ROUGHLY)).collect();
+    rough.sort_by(|a, b| a.unlike.total_cmp(&b.unlike));
+    if rough.first().is_none_or(|best| best.unlike > part.own.unlike) {
+        return None;
+    }
     let mut apart: Vec<Motion> = Vec::new();
     for Settled { motion, .. } in rough {
         if apart.len() < effort.fitted && apart.iter().all(|other| other.turn_to(&motion).1 > SAME_TURN) {
             apart.push(motion);
         }
     }
+    let own = as_mapped(mapped, &part.picked, mirrored, WHOLLY);
     let fitted: Vec<Settled> = apart.into_iter().map(|motion| from(motion, &places, WHOLLY)).collect();
     let least = fitted.iter().fold(f64::INFINITY, |least, fit| least.min(fit.unlike));
     let turn = |fit: &Settled| start.turn_to(&fit.motion).1;
     let as_good = fitted.into_iter().filter(|fit| fit.unlike <= AS_GOOD * least);
     let best = as_good.min_by(|a, b| turn(a).total_cmp(&turn(b)))?;
     let best = from(best.motion, &places, FINELY);
-    (best.unlike < BETTER * part.own.unlike).then_some(best)
+    (best.unlike < BETTER * own.unlike).then_some(best)
 }
 
 /// A motion turned about where it puts the part's middle, all around each of the image's principal axes.
@@ -174,7 +191,10 @@ pub(super) fn settle(
     approach: Approach,
 ) -> Settled {
     let motion = start.settled(mapped, places, &mut near, approach);
-    let unlike = |goal: Oriented, near: u32| mapped.unlike_beside(goal, mapped.alike(goal, near).0);
+    let unlike = |goal: Oriented, near: u32| {
+        let (near, unlike) = mapped.alike(goal, near);
+        if approach.rounds == 0 { f64::from(unlike) } else { mapped.unlike_beside(goal, near) }
+    };
     Settled { motion, unlike: left(&motion, places, &near, unlike) }
 }
 
