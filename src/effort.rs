@@ -61,7 +61,7 @@ impl Plan {
             eigenfunctions: 64,
             samples: 500,
             points: 2000,
-            schedule: vec![20, 25, 30, 35, 40, 45, 50, 55, 60],
+            schedule: vec![20, 28, 36, 44, 52, 60],
             search: Search {
                 network_starts: 20,
                 beam_width: 0,

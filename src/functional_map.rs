@@ -12,9 +12,9 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
 /// Newton-Schulz iterations at most: singular values below 0.002 are left to a decomposition.
-const NEWTON_SCHULZ_STEPS: usize = 16;
+const NEWTON_SCHULZ_STEPS: usize = 18;
 /// Half the error of the Gram matrix, the largest row sum, from which a last iteration leaves rounding errors.
-const NEARLY_ORTHOGONAL: f32 = 1e-3;
+const NEARLY_ORTHOGONAL: f64 = 1e-7;
 
 /// What C is projected to after it was estimated from points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,7 +91,8 @@ pub fn nearest_involution(map: &Mat<f64>) -> Result<Mat<f64>> {
     let size = map.nrows();
     let symmetric = Mat::from_fn(size, size, |i, j| 0.5 * (map[(i, j)] + map[(j, i)]));
     if let Some(factor) = polar_factor(&symmetric) {
-        return Ok(factor);
+        // Rounding leaves it not quite symmetric.
+        return Ok(Mat::from_fn(size, size, |i, j| 0.5 * (factor[(i, j)] + factor[(j, i)])));
     }
     let (values, vectors) = symmetric_eigen(symmetric.as_ref())?;
     let signed =
@@ -101,20 +102,18 @@ pub fn nearest_involution(map: &Mat<f64>) -> Result<Mat<f64>> {
 
 /// The polar factor by Newton-Schulz iterations `X <- X (3 - X^T X) / 2`, for a symmetric matrix its matrix sign: N. J. Higham,
 /// "Functions of Matrices", 2008, sections 5.3 and 8.3. `None` where a singular value is too near to 0.
-///
-/// In single precision until it is nearly orthogonal, then once in double.
 fn polar_factor(map: &Mat<f64>) -> Option<Mat<f64>> {
     let size = map.nrows();
-    let mut factor = Mat::from_fn(size, size, |i, j| map[(i, j)] as f32);
-    let (mut gram, mut next) = (Mat::<f32>::zeros(size, size), Mat::<f32>::zeros(size, size));
+    let mut factor = map.clone();
+    let (mut gram, mut next) = (Mat::<f64>::zeros(size, size), Mat::<f64>::zeros(size, size));
     for step in 0..NEWTON_SCHULZ_STEPS {
         matmul(gram.as_mut(), Accum::Replace, factor.transpose(), factor.as_ref(), 1.0, Par::Seq);
         // Row sums bound the largest squared singular value; the iteration converges below 3.
         let bound = match step {
-            0 => (0..size).map(|j| sum_of_sizes(gram.col_as_slice(j))).fold(2.0, f32::max) / 2.0,
+            0 => (0..size).map(|j| sum_of_sizes(gram.col_as_slice(j))).fold(2.0, f64::max) / 2.0,
             _ => 1.0,
         };
-        let mut error = 0.0f32;
+        let mut error = 0.0f64;
         for j in 0..size {
             let column = gram.col_as_slice_mut(j);
             column.iter_mut().for_each(|value| *value *= -0.5 / bound);
@@ -125,16 +124,13 @@ fn polar_factor(map: &Mat<f64>) -> Option<Mat<f64>> {
         matmul(next.as_mut(), Accum::Replace, factor.as_ref(), gram.as_ref(), bound.sqrt().recip(), Par::Seq);
         std::mem::swap(&mut factor, &mut next);
         if error < NEARLY_ORTHOGONAL {
-            let factor = Mat::from_fn(size, size, |i, j| f64::from(factor[(i, j)]));
-            let gram = product(factor.transpose(), factor.as_ref());
-            let change = Mat::from_fn(size, size, |i, j| if i == j { 1.5 } else { 0.0 } - 0.5 * gram[(i, j)]);
-            return Some(product(factor.as_ref(), change.as_ref()));
+            return Some(factor);
         }
     }
     None
 }
 
-fn sum_of_sizes(values: &[f32]) -> f32 {
+fn sum_of_sizes(values: &[f64]) -> f64 {
     values.iter().map(|value| value.abs()).sum()
 }
 

@@ -299,8 +299,16 @@ fn refinement_leaves_the_true_map_in_place() {
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let seeds = shape.seeds(&samples.vertices);
         let (points, guide, token) = (target.vertices(), Guide::Eigenfunctions, CancelToken::default());
-        let (_, images) =
-            full_refinement::refine(&target, &points, refined, &seeds, &[50, 60], guide, &token).unwrap();
+        let (_, images) = full_refinement::refine(
+            &target,
+            &points,
+            refined,
+            Seeds::Vertices(&seeds),
+            &[50, 60],
+            guide,
+            &token,
+        )
+        .unwrap();
         let error = shape.mean_error(&shape.all(), &images.partners);
         println!("vertices: {error}");
         assert!(error < largest, "{error} sqrt(area) on vertices");
@@ -526,7 +534,8 @@ fn the_fixed_curve_is_one_closed_loop_in_the_mirror_plane_and_sides_exchange() {
         let (points, guide, token) = (target.vertices(), Guide::Eigenfunctions, CancelToken::default());
         let map = shape.true_map(50);
         let (_, images) =
-            full_refinement::refine(&target, &points, map, &seeds, &[50, 60], guide, &token).unwrap();
+            full_refinement::refine(&target, &points, map, Seeds::Vertices(&seeds), &[50, 60], guide, &token)
+                .unwrap();
         let odd = odd_function(&shape.surface, &shape.basis, &images);
         let edge = shape.surface.mean_edge_length();
         let x = |vertex: u32| shape.shell.positions[vertex as usize][0];
