@@ -151,7 +151,7 @@ impl WithSimd for Work<'_> {
             }
             Task::Walk(range, points) => {
                 for source in range {
-                    answers.push(search.walk(source, search.nearest_in(source, points[source].triangle)));
+                    answers.push(search.near_triangle(source, points[source].triangle));
                 }
             }
             Task::Sweep(range, sweep) => {
@@ -190,10 +190,29 @@ impl<S: Simd> Search<'_, S> {
         best
     }
 
-    /// Where the walk from the triangles around the vertex ends to which the descent from `guess` leads.
+    /// Where the walk from a triangle ends, or the one from the vertex where the descent from there ends.
+    #[inline(always)]
+    fn near_triangle(&self, source: usize, triangle: u32) -> Answer {
+        let answer = self.walk(source, self.nearest_in(source, triangle));
+        let (vertex, distance) = self.descend(source, answer.vertex, answer.vertex_distance);
+        if vertex == answer.vertex {
+            return answer;
+        }
+        let other = self.around_vertex(source, vertex, distance);
+        let nearer = if other.distance < answer.distance { other } else { answer };
+        Answer { vertex: other.vertex, vertex_distance: other.vertex_distance, ..nearer }
+    }
+
+    /// Where the walk from the vertex ends to which the descent from `guess` leads.
     #[inline(always)]
     fn near_vertex(&self, source: usize, guess: u32) -> Answer {
         let (vertex, distance) = self.descend(source, guess, self.distance(source, guess));
+        self.around_vertex(source, vertex, distance)
+    }
+
+    /// Where the walk from the triangles around `vertex` ends.
+    #[inline(always)]
+    fn around_vertex(&self, source: usize, vertex: u32, distance: f32) -> Answer {
         let answer = self.walk(source, self.nearest_around(source, vertex, UNREACHED));
         if distance < answer.vertex_distance {
             return Answer { vertex, vertex_distance: distance, ..answer };
