@@ -6,9 +6,9 @@
 use crate::candidate_score::Score;
 
 /// Weights of the logistic model: constant, then those of [`Judgement::features`].
-const WEIGHTS: [f64; 4] = [-13.5421, -2.4085, -6.4959, 4.5748];
+const WEIGHTS: [f64; 4] = [-14.2018, -2.3760, -5.8793, 3.9466];
 /// The same for reflections once rigid parts are fitted.
-const WEIGHTS_WITH_PARTS: [f64; 6] = [-32.1735, -2.1431, -4.4499, 5.2699, -4.8774, -49.7797];
+const WEIGHTS_WITH_PARTS: [f64; 6] = [-32.0808, -2.0594, -4.6257, 5.1475, -4.8258, -49.3234];
 
 /// Of maps as plausible as this, the score tells which is best.
 const SURE: f64 = 0.95;

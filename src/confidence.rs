@@ -13,7 +13,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 /// Weights of the logistic model: constant, then those of [`Evidence::features`].
-const WEIGHTS: [f64; 5] = [-2.1236, -1.5178, 1.3160, -0.3460, -3.9250];
+const WEIGHTS: [f64; 5] = [-3.9996, -1.4399, 0.8458, -0.4073, -2.9828];
 /// Rounds of averaging over neighbours: a vertex is judged by its surroundings.
 const SMOOTHING_ROUNDS: usize = 3;
 

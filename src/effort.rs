@@ -3,21 +3,7 @@
 //! One pipeline follows any [`Plan`]. The default effort starts with the small one; if its answer leaves doubts, the same code follows the
 //! next. Counts are those of `docs/ablation.md`, which says what each is worth.
 
-use crate::options::Options;
-use crate::rigid_parts::PartsEffort;
-
-/// How hard a detection tries.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Effort {
-    /// The small plan alone.
-    Fast,
-    /// The small plan, and where its answer leaves doubts a wider search and then the large one.
-    #[default]
-    Default,
-    /// The large plan at once.
-    Thorough,
-}
+use crate::options::{Effort, Options};
 
 /// Counts that trade time for accuracy.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -58,10 +44,10 @@ impl Plan {
     pub fn small() -> Plan {
         Plan {
             proxy_vertices: 4000,
-            eigenfunctions: 64,
+            eigenfunctions: 80,
             samples: 500,
             points: 2000,
-            schedule: vec![20, 28, 36, 44, 52, 60],
+            schedule: vec![25, 35, 45, 55, 65, 80],
             search: Search {
                 network_starts: 20,
                 beam_width: 0,
@@ -84,7 +70,9 @@ impl Plan {
         let wide = Plan::wide();
         Plan {
             proxy_vertices: 6000,
+            eigenfunctions: 100,
             points: 4000,
+            schedule: vec![25, 35, 45, 55, 65, 80, 100],
             search: Search { beam_width: 64, beam_starts: 16, limbs: true, ..wide.search },
             parts: PartsEffort::thorough(),
             ..wide
@@ -122,5 +110,55 @@ impl Plan {
             self.schedule.extend((last + 10..self.eigenfunctions).step_by(10));
             self.schedule.push(self.eigenfunctions);
         }
+    }
+}
+
+/// How much work the fit of the rigid parts may take.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct PartsEffort {
+    /// Parts of the first pass, which are large, and of the second.
+    pub passes: [usize; 2],
+    /// Points of a part that its motion is fitted to.
+    pub points: usize,
+    /// Rounds of that fit.
+    pub rounds: usize,
+    /// How turned parts are sought; `None` if they are not.
+    pub turned: Option<TurnedEffort>,
+}
+
+/// The same for turned parts.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct TurnedEffort {
+    /// Parts of each size that may be turned.
+    pub parts: usize,
+    /// Points of each that a motion is fitted to.
+    pub points: usize,
+    /// Turns about each axis that are tried.
+    pub turns: usize,
+    /// Small parts all over the surface that say where a turned one takes over.
+    pub small: usize,
+    /// How many of the turns are fitted to all points.
+    pub fitted: usize,
+    /// Parts for which turns are sought: those that fit worst.
+    pub most: usize,
+}
+
+impl PartsEffort {
+    /// Slower and a little more exact than the default.
+    pub fn thorough() -> PartsEffort {
+        let turned = TurnedEffort { parts: 70, points: 100, turns: 12, small: 300, fitted: 4, most: 100 };
+        PartsEffort { passes: [200, 400], points: 80, rounds: 5, turned: Some(turned) }
+    }
+
+    /// The same without turned parts.
+    pub fn without_turned(self) -> PartsEffort {
+        PartsEffort { turned: None, ..self }
+    }
+}
+
+impl Default for PartsEffort {
+    fn default() -> PartsEffort {
+        let turned = TurnedEffort { parts: 70, points: 100, turns: 12, small: 150, fitted: 2, most: 12 };
+        PartsEffort { passes: [150, 300], points: 60, rounds: 3, turned: Some(turned) }
     }
 }

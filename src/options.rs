@@ -2,9 +2,21 @@
 //!
 //! The command line, the C header, MeshLab's dialog and Blender's panel take them from here.
 
-use crate::effort::Effort;
 use crate::error::{Error, Result};
 use std::path::PathBuf;
+
+/// How hard a detection tries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Effort {
+    /// The small plan alone.
+    Fast,
+    /// The small plan, and where its answer leaves doubts a wider search and then the large one.
+    #[default]
+    Default,
+    /// The large plan at once.
+    Thorough,
+}
 
 /// Options of a detection. All are scale-free.
 #[derive(Debug, Clone, PartialEq, serde::Serialize)]

@@ -12,7 +12,6 @@
 
 mod blending;
 mod carrier;
-mod effort;
 mod mapped;
 mod motion;
 mod scatter;
@@ -20,9 +19,9 @@ mod takeover;
 mod turned_parts;
 
 pub use carrier::Carrier;
-pub use effort::{PartsEffort, TurnedEffort};
 
 use crate::acceptance::Rigidity;
+use crate::effort::PartsEffort;
 use crate::error::Result;
 use crate::full_refinement::VertexImages;
 use crate::laplacian::IntrinsicSurface;

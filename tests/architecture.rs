@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 61] = [
+const ORDER: [&str; 60] = [
     "error",
     "options",
     "limits",
@@ -14,6 +14,7 @@ const ORDER: [&str; 61] = [
     "threads",
     "atomic_file",
     "symmetry_kind",
+    "effort",
     "mesh",
     "laplacian",
     "shortest_ways",
@@ -56,6 +57,7 @@ const ORDER: [&str; 61] = [
     "assembly",
     "assembler",
     "finishing",
+    "detection",
     "pipeline",
     "detect_again",
     "report",

@@ -2,12 +2,13 @@
 
 mod support;
 
+use intrinsym::effort::PartsEffort;
 use intrinsym::error::Error;
 use intrinsym::full_refinement::VertexImages;
 use intrinsym::laplacian::IntrinsicSurface;
 use intrinsym::mesh::{PolygonMesh, Shell};
 use intrinsym::progress::CancelToken;
-use intrinsym::rigid_parts::{Fitted, PartsEffort, fit};
+use intrinsym::rigid_parts::{Fitted, fit};
 use intrinsym::surface_walk::SurfaceWalk;
 use intrinsym::symmetry_kind::SymmetryKind::{self, HalfTurn, Reflection};
 use support::*;

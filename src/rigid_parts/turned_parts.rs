@@ -4,10 +4,10 @@
 //! rigid motion brings the head back onto the surface. From motions that are turned against it all around, as P. Besl and N. McKay
 //! start theirs ("A method for registration of 3-D shapes", 1992, section IV), one may. What it fits is then mapped by it.
 
-use super::effort::TurnedEffort;
 use super::mapped::{Disc, Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, Place, mean};
 use super::takeover::{SmallParts, take_over};
+use crate::effort::TurnedEffort;
 use crate::error::Result;
 use crate::mesh::rotation::{Matrix, principal_axes, rotation};
 use crate::mesh::vector::{Vector, squared_norm, subtract};
