@@ -27,6 +27,9 @@ const LENGTHS: [usize; 3] = [6, 8, 11];
 const LEAST_BEAM: usize = 16;
 /// Lengths of the network's starts, and how many of the most likely of each are tried.
 const NETWORK_PROPOSALS: [(usize, usize); 3] = [(12, 8), (8, 8), (6, 4)];
+/// The network's starts are tried so many at a time, until a reflection scores below this.
+const FEW: usize = 8;
+const CONVINCING: f64 = -3.2;
 /// Least certain signs that are flipped.
 const FLIPPED: usize = 5;
 /// Half turns that are turned over at most.
@@ -75,6 +78,7 @@ pub fn find(
     starts.truncate(search.network_starts);
     // Without a network the beam search stands alone.
     let beam_width = if starts.is_empty() { search.beam_width.max(LEAST_BEAM) } else { search.beam_width };
+    let few = if beam_width > 0 { usize::MAX } else { FEW };
     if beam_width > 0 {
         starts.extend(propose(samples, &basis.eigenvalues, search.beam_starts, beam_width));
     }
@@ -86,12 +90,18 @@ pub fn find(
     }
     progress.report("candidates", 0.45)?;
     let seen = Mutex::default();
-    let tried = threads::map(options.threads, starts, |start| {
-        token.check()?;
-        try_start(refiner, scorer, &start, Projection::Involution, &seen)
-    });
-    let tried = tried.into_iter().collect::<Result<Vec<_>>>()?;
-    let mut candidates: Vec<Candidate> = tried.into_iter().flatten().collect();
+    let mut candidates: Vec<Candidate> = Vec::new();
+    for starts in starts.chunks(few) {
+        let tried = threads::map(options.threads, starts.iter().collect(), |start| {
+            token.check()?;
+            try_start(refiner, scorer, start, Projection::Involution, &seen)
+        });
+        let tried = tried.into_iter().collect::<Result<Vec<_>>>()?;
+        candidates.extend(tried.into_iter().flatten());
+        if candidates.iter().any(convinces) {
+            break;
+        }
+    }
     if search.turned_over {
         let turned = turned_over(samples, scorer, &basis.eigenvalues, &candidates)?;
         candidates.extend(turned);
@@ -101,6 +111,11 @@ pub fn find(
         a.score.total().total_cmp(&b.score.total()).then_with(|| a.partners.cmp(&b.partners))
     });
     Ok(candidates)
+}
+
+/// Whether no more of the network's starts need be tried.
+fn convinces(candidate: &Candidate) -> bool {
+    candidate.score.kind() == Some(SymmetryKind::Reflection) && candidate.score.total() < CONVINCING
 }
 
 /// Reflections made of half turns that fit better than every reflection.

@@ -34,7 +34,7 @@ use std::sync::Arc;
 const CERTAIN: usize = 90;
 /// An answer of at least this plausibility, and this mean confidence, leaves no doubts.
 const PLAUSIBLE: f64 = 0.95;
-const CONFIDENT: f64 = 0.9;
+const CONFIDENT: f64 = 0.85;
 /// A wide search whose best map is less plausible than this ends with "none".
 const HOPELESS: f64 = 0.01;
 
