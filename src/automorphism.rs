@@ -136,7 +136,7 @@ impl Connectivity {
             }
         }
         let left_out = mesh.shell_of_point.iter().filter(|&&shell| !wanted[shell as usize]).count();
-        let half_edges = HalfEdges::new(mesh.positions.len(), &offsets, &points)?;
+        let half_edges = HalfEdges::new(mesh.point_count(), &offsets, &points)?;
         Ok(Some(Connectivity::of_shells(half_edges, left_out)))
     }
 

@@ -158,7 +158,7 @@ impl PartsEffort {
 
 impl Default for PartsEffort {
     fn default() -> PartsEffort {
-        let turned = TurnedEffort { parts: 70, points: 100, turns: 12, small: 150, fitted: 2, most: 12 };
-        PartsEffort { passes: [150, 300], points: 60, rounds: 3, turned: Some(turned) }
+        let turned = TurnedEffort { parts: 70, points: 100, turns: 12, small: 150, fitted: 4, most: 24 };
+        PartsEffort { passes: [150, 300], points: 60, rounds: 5, turned: Some(turned) }
     }
 }

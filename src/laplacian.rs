@@ -11,39 +11,11 @@ mod mean_curvature;
 use crate::error::Result;
 use crate::mesh::Shell;
 use crate::sparse_cholesky::Analysis;
+pub use crate::symmetric_sparse::SymmetricSparse;
 use std::sync::{Arc, OnceLock};
 
 /// Relative slack of the mollified triangle inequalities, in mean edge lengths.
 const MOLLIFICATION: f64 = 1e-5;
-
-/// A symmetric sparse matrix, both triangles stored by rows, columns ascending.
-#[derive(Debug, Clone, Default)]
-pub struct SymmetricSparse {
-    /// Row `i` occupies `row_offsets[i]..row_offsets[i + 1]`.
-    pub row_offsets: Vec<u32>,
-    /// Column of each entry.
-    pub columns: Vec<u32>,
-    /// Value of each entry.
-    pub values: Vec<f64>,
-}
-
-impl SymmetricSparse {
-    /// Number of rows.
-    pub fn size(&self) -> usize {
-        self.row_offsets.len().saturating_sub(1)
-    }
-
-    /// The entries `(column, value)` of row `i`.
-    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-        let range = self.row_offsets[i] as usize..self.row_offsets[i + 1] as usize;
-        range.map(|entry| (self.columns[entry] as usize, self.values[entry]))
-    }
-
-    /// The columns of row `i`: the vertex itself and its neighbours.
-    pub fn neighbours(&self, i: usize) -> &[u32] {
-        &self.columns[self.row_offsets[i] as usize..self.row_offsets[i + 1] as usize]
-    }
-}
 
 /// One shell without its positions: what the later stages know of the surface.
 ///

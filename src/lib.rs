@@ -86,6 +86,7 @@ pub mod sparse_cholesky;
 pub mod spread_points;
 pub mod stated_signs;
 pub mod surface_walk;
+pub mod symmetric_sparse;
 pub mod symmetry_kind;
 pub mod threads;
 pub mod vertex_rows;

@@ -112,6 +112,16 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Number of points: vertices that lie in one place are one.
+    pub fn point_count(&self) -> usize {
+        self.positions.len()
+    }
+
+    /// Squared distance of two points in space, in the unit of the positions.
+    pub fn squared_distance(&self, a: u32, b: u32) -> f64 {
+        vector::squared_norm(vector::subtract(self.positions[a as usize], self.positions[b as usize]))
+    }
+
     /// Validates and repairs. O(n) time and memory in vertices and face corners.
     ///
     /// # Errors

@@ -310,7 +310,7 @@ mod tests {
         let mut options = Options::default();
         let message = options.set("samples", 7).unwrap_err().to_string();
         assert_eq!(message, "option samples: 7 is outside 100..=5000");
-        assert!(options.set("sample", 500).unwrap_err().to_string().contains("known: eigenfunctions, "));
+        assert!(options.set("sample", 500).unwrap_err().to_string().contains("known: effort, "));
         assert_eq!(options, Options::default());
         options.known_signs = vec![1, 2];
         assert!(options.validate().unwrap_err().to_string().starts_with("option known_signs: 2 is neither"));

@@ -10,7 +10,7 @@ use crate::detection::{Clock, about_family, about_rotations, verdict};
 pub use crate::detection::{Detection, Outcome, Report};
 use crate::effort::Plan;
 use crate::eigenbasis::{Accuracy, Eigenbasis};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::filled_holes::FilledShell;
 use crate::finishing::finish_best;
 use crate::judging_mesh::JudgingMesh;
@@ -45,6 +45,7 @@ const HOPELESS: f64 = 0.01;
 /// # Errors
 /// [`crate::Error::Option`], [`crate::Error::Limit`], [`crate::Error::Cancelled`], [`crate::Error::Internal`].
 pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Detection> {
+    options.validate()?;
     detect_by(mesh, options, &Plan::of(options), progress)
 }
 
@@ -53,7 +54,6 @@ pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Det
 /// # Errors
 /// Those of [`detect`].
 pub fn detect_by(mesh: &Mesh, options: &Options, plans: &[Plan], progress: &Progress) -> Result<Detection> {
-    options.validate()?;
     let mut clock = Clock::start();
     progress.report("shells", 0.0)?;
     let shells = mesh.shells();
@@ -74,7 +74,11 @@ pub fn detect_by(mesh: &Mesh, options: &Options, plans: &[Plan], progress: &Prog
         let kept = solved.take().filter(|kept: &Solved| kept.serves(plan));
         let current = match kept {
             Some(kept) => kept,
-            None => case.solve(plan, &mut clock)?,
+            None => match case.solve(plan, &mut clock) {
+                // What a smaller plan has answered stands.
+                Err(Error::Limit { .. }) if best.is_some() => break,
+                solved => solved?,
+            },
         };
         let found = case.attempt(plan, &current, &mut clock)?;
         solved = Some(current);
@@ -314,24 +318,16 @@ impl<'a> Case<'a> {
         solved: &Solved,
     ) -> Result<(Vec<Symmetry>, Option<Arc<JudgingMesh>>)> {
         let Case { mesh, shells, filled, options, progress, .. } = *self;
+        let assembled =
+            maps.iter().map(|(map, kind)| assembler.assemble(map, *kind, options.threads, progress));
+        let mut symmetries = assembled.collect::<Result<Vec<Symmetry>>>()?;
         // A judging mesh has no fillings; `detect_again` makes its own of the mesh as it is.
-        let judging = || match maps.is_empty() || filled.is_some() {
+        let judging = match maps.is_empty() || filled.is_some() {
             true => None,
-            false => JudgingMesh::of_solved(mesh, &shells[0], solved.proxy.as_ref(), &solved.shell, options)
-                .map(Arc::new),
+            false => JudgingMesh::of_solved(mesh, &shells[0], solved.proxy.as_ref(), &solved.shell, options),
         };
-        // From a proxy images are carried back on all threads; otherwise one of them is the judging mesh's.
-        let (at_once, own) = match solved.proxy.is_some() {
-            true => (1, options.threads),
-            false => (options.threads, options.threads.saturating_sub(1)),
-        };
-        let assembled = || -> Result<Vec<Symmetry>> {
-            maps.iter().map(|(map, kind)| assembler.assemble(map, *kind, own, progress)).collect()
-        };
-        let (symmetries, judging) = threads::join(at_once, assembled, judging);
-        let mut symmetries = symmetries?;
         drop_repeated(&mut symmetries);
-        Ok((symmetries, judging))
+        Ok((symmetries, judging.map(Arc::new)))
     }
 }
 

@@ -7,7 +7,7 @@
 //! of them, and each supernode's panel is read once, in order. In single or double precision.
 
 use crate::error::{Error, Result};
-use crate::laplacian::SymmetricSparse;
+use crate::symmetric_sparse::SymmetricSparse;
 use dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::LltRegularization;
 use faer::sparse::linalg::SupernodalThreshold;

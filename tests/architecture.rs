@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 60] = [
+const ORDER: [&str; 61] = [
     "error",
     "options",
     "limits",
@@ -16,10 +16,11 @@ const ORDER: [&str; 60] = [
     "symmetry_kind",
     "effort",
     "mesh",
+    "symmetric_sparse",
+    "sparse_cholesky",
     "laplacian",
     "shortest_ways",
     "dense",
-    "sparse_cholesky",
     "eigenbasis",
     "sampling",
     "sign_network",

@@ -39,7 +39,7 @@ fn a_deformed_mesh_keeps_the_map_of_its_first_shape() {
     let first = found(&polygons, &Options::default());
     let second = again(&wrung(&polygons, 0.5), &first, &Options::default());
     assert!(second.report.kept && second.outcome == Outcome::Found);
-    assert!(second.report.solved_vertices < 4000);
+    assert!(second.report.solved_vertices <= 4000);
     let ([before], [after]) = (&first.symmetries[..], &second.symmetries[..]) else { panic!("one each") };
     assert_eq!((&before.partner, &before.surface_point), (&after.partner, &after.surface_point));
     assert_eq!((&before.side, &before.fixed_curve), (&after.side, &after.fixed_curve));

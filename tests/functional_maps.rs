@@ -22,7 +22,6 @@ use intrinsym::mesh_descent::{MeshDescent, Seeds};
 use intrinsym::progress::{CancelToken, Progress};
 use intrinsym::refinement::{SampleRefiner, embed, nearest};
 use intrinsym::sampling::Samples;
-use intrinsym::shortest_ways::EdgeWays;
 use intrinsym::signature;
 use intrinsym::spread_points::SpreadPoints;
 use intrinsym::symmetry_kind::SymmetryKind;
@@ -358,9 +357,9 @@ fn a_map_grows_by_the_schedule_with_curvature_and_without() {
         let points = SpreadPoints::new(&target, 1500, shape.basis.count()).unwrap();
         let truth = images_of(shape, &points, |vertex| shape.truth[vertex as usize]);
         let (start, guide) = (shape.true_map(schedule[0]), Guide::MeanCurvature);
-        let (seeds, token) = (truth.seeds(), CancelToken::default());
+        let (seeds, token) = (Seeds::Points(&truth.points), CancelToken::default());
         let (map, grown) =
-            full_refinement::refine(&target, &points.sources(), start, &seeds, &schedule, guide, &token)
+            full_refinement::refine(&target, &points.sources(), start, seeds, &schedule, guide, &token)
                 .unwrap();
         let last = schedule[schedule.len() - 1].min(shape.basis.count());
         assert_eq!((map.nrows(), map.ncols()), (last, last));

@@ -5,7 +5,7 @@ mod support;
 use intrinsym::correspondence::Symmetry;
 use intrinsym::detect_again::detect_again;
 use intrinsym::mesh::PolygonMesh;
-use intrinsym::options::Options;
+use intrinsym::options::{Effort, Options};
 use intrinsym::pipeline::{Detection, detect};
 use intrinsym::progress::Progress;
 use intrinsym::report;
@@ -116,7 +116,9 @@ fn a_square_bar_has_one_rotation_of_order_four_without_sides_or_curve() {
 #[test]
 fn who_does_not_ask_gets_none_and_the_same_besides() {
     let polygons = bar();
-    let (without, with) = (found(&polygons, &Options::default()), found(&polygons, &asking(2)));
+    // Rotations are sought by the large plan.
+    let thorough = Options { effort: Effort::Thorough, ..Options::default() };
+    let (without, with) = (found(&polygons, &thorough), found(&polygons, &asking(2)));
     assert!(rotations(&without).is_empty() && !without.report.evidence.contains("rotation"));
     assert_eq!(format!("{:?}", without.symmetries[0]), format!("{:?}", with.symmetries[0]));
     assert!(rotations(&found(&pinwheel(3), &Options::default())).is_empty());

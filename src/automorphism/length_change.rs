@@ -1,7 +1,6 @@
 //! How much a pairing by connectivity changes lengths: whether the shape agrees with it, without any spectrum.
 
 use super::Automorphism;
-use crate::mesh::vector::{squared_norm, subtract};
 use crate::mesh::{Mesh, NONE};
 
 /// Faces that are looked at, evenly spread.
@@ -56,10 +55,7 @@ fn ratio_and_length(mesh: &Mesh, found: &Automorphism, a: u32, b: u32) -> Option
     if image_a == NONE || image_b == NONE {
         return None;
     }
-    let square = |a: u32, b: u32| {
-        let offset = subtract(mesh.positions[a as usize], mesh.positions[b as usize]);
-        squared_norm(offset).max(f64::MIN_POSITIVE)
-    };
+    let square = |a: u32, b: u32| mesh.squared_distance(a, b).max(f64::MIN_POSITIVE);
     let (own, image) = (square(a, b), square(image_a, image_b));
     Some((f64::max(own / image, image / own), own.sqrt()))
 }

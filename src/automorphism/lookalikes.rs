@@ -15,7 +15,7 @@ const ROUNDS: usize = 5;
 /// defects, and hardly one of half of the shell: that asks for lookalikes of half of its vertices within three rings.
 /// O(corners + points log points).
 pub(super) fn shells_with_lookalikes(mesh: &Mesh) -> Vec<bool> {
-    let mut colours = vec![0; mesh.positions.len()];
+    let mut colours = vec![0; mesh.point_count()];
     for _ in 0..ROUNDS {
         colours = refined(mesh, &colours);
     }

@@ -54,7 +54,7 @@ fn a_posed_human_is_paired_exactly_where_connectivity_is_mirrored() {
     assert_eq!(report["outcome"], "found");
     assert_eq!(report["symmetries"][0]["kind"], "reflection");
     assert_eq!(report["symmetries"][0]["exact_share"], 1.0);
-    assert_eq!(report["options"]["eigenfunctions"], 150);
+    assert_eq!(report["options"]["effort"], "default");
     assert!(report["symmetries"][0]["fixed_curve_length"].as_f64().unwrap() > 1.0);
     assert!(
         stdout(&output).contains("found: reflection, 13380 of 13380 vertices paired"),

@@ -13,6 +13,7 @@ fn refused(arguments: &[&str], expected: &str) {
 #[test]
 fn numeric_options_name_their_range() {
     refused(&["detect", "in.ply", "--eigenfunctions", "11"], "11 is not in 12..=200");
+    refused(&["detect", "in.ply", "--effort", "hard"], "[possible values: fast, default, thorough]");
     refused(&["detect", "in.ply", "--symmetries", "0"], "0 is not in 1..=32");
     refused(&["detect", "in.ply", "--rotations", "33"], "33 is not in 0..=32");
     refused(&["detect", "in.ply", "--beam-width", "wide"], "invalid digit");
@@ -25,8 +26,15 @@ fn help_shows_the_shared_table() {
     let flat = help.split_whitespace().collect::<Vec<_>>().join(" ");
     for spec in &intrinsym::options::OPTIONS {
         assert!(flat.contains(&format!("--{}", spec.name.replace('_', "-"))), "{help}");
-        assert!(flat.contains(&format!("{} Range {}..={}", spec.help, spec.minimum, spec.maximum)), "{help}");
-        assert!(flat.contains(&format!("[default: {}]", spec.default)), "{help}");
+        if spec.choices.is_empty() {
+            let range = format!("{} Range {}..={}", spec.help, spec.minimum, spec.maximum);
+            assert!(flat.contains(&range), "{help}");
+            assert!(flat.contains(&format!("[default: {}]", spec.default)), "{help}");
+        } else {
+            assert!(flat.contains(spec.help), "{help}");
+            assert!(flat.contains(&format!("[default: {}]", spec.choices[spec.default])), "{help}");
+            assert!(flat.contains(&format!("[possible values: {}]", spec.choices.join(", "))), "{help}");
+        }
     }
     assert!(help.contains("0 found (or done), 1 no symmetry found, 2 error, 130 interrupted"));
 }
