@@ -13,7 +13,7 @@ const WEIGHTS_WITH_PARTS: [f64; 6] = [-32.0808, -2.0594, -4.6257, 5.1475, -4.825
 /// Of maps as plausible as this, the score tells which is best.
 const SURE: f64 = 0.95;
 
-/// No map comes to count whose plausibility, by the three measures, is less than this share of what is asked (`docs/method.md`).
+/// No map comes to count whose plausibility, by the three measures, is less than this share of what is asked (`docs/notebook/2026-11-25-method.md`).
 const HOPELESS: f64 = 0.04;
 
 /// What a finished map was judged by, and the verdict.

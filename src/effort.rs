@@ -81,7 +81,7 @@ impl Plan {
 
     /// The plans to follow in turn until an answer leaves no doubts.
     ///
-    /// Several symmetries, rotations and stated signs ask for the large one.
+    /// Several symmetries and rotations ask for the large one.
     pub fn of(options: &Options) -> Vec<Plan> {
         let several = options.symmetries > 1 || options.rotations > 0;
         let mut plans = match options.effort {

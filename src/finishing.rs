@@ -1,4 +1,4 @@
-//! Candidates finished: the best one alone if it leaves no doubts, with its rivals if it does.
+//! Candidates finished, the best first, until as many as are asked for leave no doubts.
 
 use crate::acceptance::doubt;
 use crate::assembler::Assembler;

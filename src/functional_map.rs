@@ -3,7 +3,7 @@
 //! M. Ovsjanikov, M. Ben-Chen, J. Solomon, A. Butscher, L. Guibas, "Functional Maps: A Flexible
 //! Representation of Maps Between Shapes", 2012. A reflection is its own inverse, so its C is
 //! symmetric and orthogonal; projecting to the nearest such matrix is ours (measured in
-//! `docs/method.md`).
+//! `docs/notebook/2026-11-25-method.md`).
 
 use crate::dense::{cholesky_solve, gram_cholesky, product, symmetric_eigen};
 use crate::error::{Error, Result};

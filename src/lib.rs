@@ -5,14 +5,14 @@
 //!
 //! | stage | module |
 //! |---|---|
-//! | shared vocabulary | [`error`], [`options`], [`limits`], [`progress`], [`threads`], [`atomic_file`], [`symmetry_kind`] |
+//! | shared vocabulary | [`error`], [`options`], [`effort`], [`limits`], [`progress`], [`threads`], [`atomic_file`], [`symmetry_kind`] |
 //! | any mesh file -> validated triangle mesh | [`mesh`] |
 //! | one shell -> stiffness, lumped mass, mean curvature | [`laplacian`] |
 //! | operators -> eigenvalues, eigenfunctions | [`sparse_cholesky`], [`eigenbasis`], [`sampling`] |
 //! | eigenfunctions -> parity of each, with its probability | [`sign_network`] |
 //! | eigenfunctions -> parity vectors | [`parity_search`] |
 //! | parity, or pairs of limbs' ends -> functional map, refined and scored | [`functional_map`], [`refinement`], [`shortest_ways`], [`extrema_starts`], [`candidate_score`], [`candidates`], [`compositions`] |
-//! | functional map -> map of all vertices | [`adjacency`], [`embedded_triangles`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`], [`spread_points`], [`torn_pieces`] |
+//! | functional map -> map of all vertices | [`adjacency`], [`embedded_triangles`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`], [`spread_points`] |
 //! | eigenfunctions -> is there a continuous family of symmetries | [`continuous_family`] |
 //! | finished map -> is it a symmetry at all | [`signature`], [`displacement`], [`acceptance`] |
 //! | all spectral stages of one shell | [`shell_symmetry`], [`rotations`] (experimental) |
@@ -21,10 +21,10 @@
 //! | vertices that are mirrored where edges are not | [`mirrored_vertices`] |
 //! | a shell with small holes <-> one without | [`filled_holes`] |
 //! | a fine shell <-> its simplified proxy | [`surface_walk`], [`proxy`], [`stated_signs`] |
-//! | the map where parts are rigid, and grown again from there | [`rigid_parts`], [`regrowth`] |
+//! | the map where parts are rigid | [`rigid_parts`] |
 //! | what the next call on the same connectivity needs | [`judging_mesh`] |
 //! | candidates -> finished maps | [`finishing`] |
-//! | what the caller gets | [`correspondence`], [`assembly`], [`pipeline`], [`detect_again`], [`report`] |
+//! | what the caller gets | [`correspondence`], [`assembly`], [`assembler`], [`detection`], [`pipeline`], [`detect_again`], [`report`] |
 //! | a symmetry -> mirrored selections, attributes, displacements, positions | [`mirror_tools`] |
 //! | a symmetry -> colours that make pairs visible, a picture | [`pair_colour`], `picture` |
 //! | all of it for C | [`ffi`] |

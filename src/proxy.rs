@@ -1,6 +1,6 @@
 //! A simplified stand-in for a fine shell: the map is found on it and carried back to all vertices.
 //!
-//! A map of 150 eigenfunctions says nothing about detail finer than some percent of the shell, so a mesh of some
+//! A map of some hundred eigenfunctions says nothing about detail finer than some percent of the shell, so a mesh of some
 //! ten thousand vertices carries it as well as one of a million. Edges are collapsed by quadric errors (M. Garland,
 //! P. S. Heckbert, "Surface Simplification Using Quadric Error Metrics", 1997; meshoptimizer, with its penalty on
 //! uneven triangles), onto vertices of the shell and with its topology. Each vertex of the shell then has its place

@@ -8,7 +8,7 @@
 //! they fit, but not those that the others contradict. So a vertex that the map tears from its surroundings comes back.
 //!
 //! Where a joint bends, no rigid part fits; there the motions around pass into each other, and the map has most to say. That is how this differs from fitting the whole
-//! surface as rigidly as possible, which drifts there (`docs/method.md`).
+//! surface as rigidly as possible, which drifts there (`docs/notebook/2026-11-25-method.md`).
 
 mod blending;
 mod carrier;

@@ -9,7 +9,7 @@ use faer::{Accum, Mat, MatMut, MatRef, Par};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Weight of the mean curvature beside the eigenfunctions, whose squares have mean 1 each (`docs/method.md`).
+/// Weight of the mean curvature beside the eigenfunctions, whose squares have mean 1 each (`docs/notebook/2026-11-25-method.md`).
 const CURVATURE_WEIGHT: f64 = 8.0;
 
 /// Rows for which a thread is started.
