@@ -72,7 +72,7 @@ fn merge(into: &mut Value, changes: &Value) -> Result<(), Box<dyn Error>> {
 fn write_map(folder: &Path, name: &str, found: &Detection) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     if let Some(symmetry) = found.symmetries.first() {
-        let partners = symmetry.partner.iter().map(|&partner| format!("{}\n", partner as i32));
+        let partners = symmetry.partner.iter().map(|partner| format!("{partner}\n"));
         fs::write(folder.join(format!("{name}.map")), partners.collect::<String>())?;
     }
     Ok(())

@@ -51,14 +51,16 @@ typedef struct {
     const char *name;
     // One sentence for dialogs, in English. Never freed.
     const char *help;
-    // Value used when none is set.
+    // Names of the values from 0 on, with `|` between them; NULL where values have none. Never freed.
+    const char *choices;
+    // Value used when none is set. All values are whole numbers.
     double default_value;
-    // Smallest accepted value.
+    // Smallest accepted value but for the default.
     double minimum;
     // Largest accepted value.
     double maximum;
-    // 1 if only whole numbers are accepted, otherwise 0.
-    int32_t is_integer;
+    // 1 if only experts need it, otherwise 0.
+    int32_t is_expert;
 } isym_option_spec;
 
 // Called with the name of the stage (UTF-8, valid during this call) and the fraction of the whole call,

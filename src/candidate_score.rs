@@ -92,7 +92,8 @@ impl Score {
 /// What scoring needs to know of a shell, prepared once.
 pub struct Scorer<'a> {
     refiner: &'a SampleRefiner<'a>,
-    eigenvalues: &'a [f64],
+    /// Those of the functions.
+    pub eigenvalues: &'a [f64],
     orientation: Option<OrientationOperator>,
     spread: Vec<[f64; SPREAD_COORDINATES]>,
     /// Predicted parity of the first eigenfunctions, P(even) - P(odd): -1 odd .. +1 even.

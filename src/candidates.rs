@@ -2,7 +2,6 @@
 
 use crate::candidate_score::{Score, Scorer};
 use crate::effort::Search;
-use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
 use crate::extrema_starts;
 use crate::functional_map::{Projection, from_parity, mean_trace};
@@ -65,7 +64,6 @@ pub struct Candidate {
 /// [`crate::Error::Cancelled`].
 pub fn find(
     surface: &IntrinsicSurface,
-    basis: &Eigenbasis,
     refiner: &SampleRefiner,
     scorer: &Scorer,
     signs: &[SignPrediction],
@@ -73,17 +71,17 @@ pub fn find(
     options: &Options,
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
-    let (samples, token) = (refiner.samples, progress.token());
+    let (samples, eigenvalues, token) = (refiner.samples, scorer.eigenvalues, progress.token());
     let mut starts = propose_signs(signs);
     starts.truncate(search.network_starts);
     // Without a network the beam search stands alone.
     let beam_width = if starts.is_empty() { search.beam_width.max(LEAST_BEAM) } else { search.beam_width };
     let few = if beam_width > 0 { usize::MAX } else { FEW };
     if beam_width > 0 {
-        starts.extend(propose(samples, &basis.eigenvalues, search.beam_starts, beam_width));
+        starts.extend(propose(samples, eigenvalues, search.beam_starts, beam_width));
     }
     if options.symmetries > 1 {
-        starts.extend(involutions_of_three(&basis.eigenvalues));
+        starts.extend(involutions_of_three(eigenvalues));
     }
     if search.limbs {
         starts.extend(extrema_starts::starts(surface, refiner, options.threads, token)?);
@@ -103,7 +101,7 @@ pub fn find(
         }
     }
     if search.turned_over {
-        let turned = turned_over(samples, scorer, &basis.eigenvalues, &candidates)?;
+        let turned = turned_over(samples, scorer, eigenvalues, &candidates)?;
         candidates.extend(turned);
     }
     // Which of two starts that meet goes on depends on the threads, so equal scores are told apart by the map.

@@ -46,7 +46,7 @@ impl Plan {
             proxy_vertices: 4000,
             eigenfunctions: 80,
             samples: 500,
-            points: 2000,
+            points: 4000,
             schedule: vec![25, 35, 45, 55, 65, 80],
             search: Search {
                 network_starts: 20,
@@ -70,9 +70,6 @@ impl Plan {
         let wide = Plan::wide();
         Plan {
             proxy_vertices: 6000,
-            eigenfunctions: 100,
-            points: 4000,
-            schedule: vec![25, 35, 45, 55, 65, 80, 100],
             search: Search { beam_width: 64, beam_starts: 16, limbs: true, ..wide.search },
             parts: PartsEffort::thorough(),
             ..wide
@@ -147,7 +144,7 @@ impl PartsEffort {
     /// Slower and a little more exact than the default.
     pub fn thorough() -> PartsEffort {
         let turned = TurnedEffort { parts: 70, points: 100, turns: 12, small: 300, fitted: 4, most: 100 };
-        PartsEffort { passes: [200, 400], points: 80, rounds: 5, turned: Some(turned) }
+        PartsEffort { passes: [200, 400], points: 80, rounds: 3, turned: Some(turned) }
     }
 
     /// The same without turned parts.
@@ -159,6 +156,6 @@ impl PartsEffort {
 impl Default for PartsEffort {
     fn default() -> PartsEffort {
         let turned = TurnedEffort { parts: 70, points: 100, turns: 12, small: 150, fitted: 4, most: 24 };
-        PartsEffort { passes: [150, 300], points: 60, rounds: 5, turned: Some(turned) }
+        PartsEffort { passes: [150, 300], points: 60, rounds: 3, turned: Some(turned) }
     }
 }

@@ -96,7 +96,7 @@ pub fn fit(
     let analysis = surface.analysis()?;
     let mut disagreement = None;
     for (radius, count) in RADII.into_iter().zip(effort.passes) {
-        let discs = mapped.discs(&middles[..count.min(middles.len())], radius, threads);
+        let discs = mapped.discs_along_edges(&middles[..count.min(middles.len())], &[radius], threads);
         let parts = parts(&mapped, &discs, effort, mirrored, threads, token)?;
         let agreed = agreed(&mapped, &parts);
         disagreement = disagreement.or_else(|| Some(median_disagreement(&mapped, &parts, &agreed)));

@@ -149,7 +149,7 @@ pub fn candidates(
     let (surface, basis, samples) = (&shell.surface, &shell.basis, &shell.samples);
     let refiner = SampleRefiner::new(samples);
     let scorer = Scorer::new(surface, basis, &refiner, parities(signs));
-    let found = candidates::find(surface, basis, &refiner, &scorer, signs, search, options, progress)?;
+    let found = candidates::find(surface, &refiner, &scorer, signs, search, options, progress)?;
     let most = options.symmetries;
     let of_kind = |kind| {
         let found: Vec<Candidate> =

@@ -1,8 +1,6 @@
 //! Shortest ways along edges (E. Dijkstra, "A note on two problems in connexion with graphs", 1959).
 
 use crate::laplacian::IntrinsicSurface;
-use crate::mesh::vector::{Vector, squared_norm, subtract};
-use crate::surface_walk::SurfaceWalk;
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
@@ -95,12 +93,11 @@ impl EdgeWays {
         EdgeWays { offsets, ends: directed.into_iter().map(|(_, to, length)| (to, length)).collect() }
     }
 
-    /// Those of a surface in space. O(vertices).
-    pub fn of_walk(walk: &SurfaceWalk, positions: &[Vector]) -> EdgeWays {
+    /// From the neighbours of each vertex in turn, with the lengths of the edges to them. O(vertices).
+    pub fn of_rows<R: Iterator<Item = (u32, f64)>>(rows: impl Iterator<Item = R>) -> EdgeWays {
         let (mut offsets, mut ends) = (vec![0], Vec::new());
-        for (vertex, &from) in (0..).zip(positions) {
-            let length = |to: u32| squared_norm(subtract(positions[to as usize], from)).sqrt();
-            ends.extend(walk.around(vertex).map(|to| (to, length(to))));
+        for row in rows {
+            ends.extend(row);
             offsets.push(ends.len() as u32);
         }
         EdgeWays { offsets, ends }

@@ -153,7 +153,7 @@ fn lengths_say_whether_the_shape_agrees() {
     human.mesh.positions = rest.iter().map(sheared).collect();
     assert!(!change(&human.mesh).agrees(), "sheared: {:?}", change(&human.mesh));
     // Every third vertex of one side is moved.
-    let is_moved = |point: usize| point % 3 == 0 && found.partner[point] < point as u32;
+    let is_moved = |point: usize| point.is_multiple_of(3) && found.partner[point] < point as u32;
     let moved =
         |(point, p): (usize, &[f64; 3])| if is_moved(point) { p.map(|x| 1.01 * x + 0.01) } else { *p };
     human.mesh.positions = rest.iter().enumerate().map(moved).collect();

@@ -113,7 +113,8 @@ impl Problem<'_> {
             Some(coarse) if pays(coarse.mass.len(), width) => {
                 let analysis = &Analysis::new(&coarse.stiffness)?;
                 let problem = Problem { stiffness: &coarse.stiffness, mass: &coarse.mass, analysis };
-                problem.corrected(width, width, 0, threads, progress)
+                // Beside the other half of the join.
+                problem.corrected(width, width, 0, threads.saturating_sub(1).max(1), progress)
             }
             Some(coarse) => rough(&coarse.stiffness, &coarse.mass),
             None => rough(self.stiffness, self.mass),

@@ -57,7 +57,10 @@ impl<'a> Mapped<'a> {
         let walk = SurfaceWalk::new(&shell.positions, &shell.triangles);
         Mapped {
             shell,
-            ways: EdgeWays::of_walk(&walk, &shell.positions),
+            ways: EdgeWays::of_rows((0..).zip(&shell.positions).map(|(vertex, &from)| {
+                let length = move |to: u32| squared_norm(subtract(shell.positions[to as usize], from)).sqrt();
+                walk.around(vertex).map(move |to| (to, length(to)))
+            })),
             walk,
             areas: point_areas(&shell.positions, &shell.triangles),
             features: oriented
@@ -81,17 +84,8 @@ impl<'a> Mapped<'a> {
         farthest_points(&points, count.min(points.len())).into_iter().map(|vertex| vertex as u32).collect()
     }
 
-    /// Discs around vertices: what lies nearer than `radius` and is joined to the middle by what does.
-    pub fn discs(&self, middles: &[u32], radius: f64, threads: usize) -> Vec<Disc> {
-        let some = |range: Range<usize>| -> Vec<Disc> {
-            let mut reached = vec![false; self.areas.len()];
-            middles[range].iter().map(|&middle| self.disc(middle, radius, &mut reached)).collect()
-        };
-        let ranges = threads::ranges(middles.len(), 2 * threads);
-        threads::map(threads, ranges, some).into_iter().flatten().collect()
-    }
-
-    /// `reached` is false everywhere, before and after.
+    /// The disc around a vertex in space: what lies nearer than `radius` and is joined to the middle by what does. `reached` is false
+    /// everywhere, before and after.
     pub fn disc(&self, middle: u32, radius: f64, reached: &mut [bool]) -> Disc {
         let from = self.shell.positions[middle as usize];
         let square = |vertex: u32| {
