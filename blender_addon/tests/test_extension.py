@@ -48,7 +48,13 @@ def test_options_are_the_library_s():
     assert "rotations" not in preferences.bl_rna.properties, "no tool of the add-on takes a rotation"
     for spec in (spec for spec in intrinsym.option_specs() if spec.name != "rotations"):
         about = preferences.bl_rna.properties[spec.name]
-        assert (about.default, about.hard_min, about.hard_max) == (spec.default, spec.minimum, spec.maximum)
+        if spec.choices:
+            assert tuple(item.identifier for item in about.enum_items) == spec.choices
+            assert getattr(preferences, spec.name) == spec.choices[spec.default]
+            continue
+        # A default of 0 below the minimum follows from the effort.
+        least = min(spec.default, spec.minimum)
+        assert (about.default, about.hard_min, about.hard_max) == (spec.default, least, spec.maximum)
         assert getattr(preferences, spec.name) == spec.default
 
 

@@ -41,10 +41,11 @@ def test_meshes(vertices, faces, error, text):
 @pytest.mark.parametrize(
     ("arguments", "error", "text"),
     [
-        ({"sampels": 3}, OptionError, 'no option "sampels"; known: eigenfunctions'),
+        ({"sampels": 3}, OptionError, 'no option "sampels"; known: effort'),
         ({"samples": 7}, OptionError, "option samples"),
         ({"samples": 200.5}, OptionError, "not a whole number"),
-        ({"samples": "many"}, ValueError, "many"),
+        ({"samples": "many"}, OptionError, "'many' is not a number"),
+        ({"effort": "hard"}, OptionError, "one of fast, default, thorough"),
         ({"known_signs": [1, 2]}, OptionError, "known_signs"),
         ({"known_signs": [1, 300]}, ArgumentError, "known_signs"),
         ({"model": "no/such.onnx"}, (ModelError, MeshFileError), "no/such.onnx"),

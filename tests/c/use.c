@@ -43,7 +43,10 @@ static void versions_and_options(void) {
         isym_option_spec spec;
         double value;
         OK(isym_option_describe(index, &spec));
-        EXPECT(spec.minimum <= spec.default_value && spec.default_value <= spec.maximum && strlen(spec.help) > 10);
+        // A default of 0 below the minimum follows from the effort.
+        EXPECT(spec.default_value == 0 || (spec.minimum <= spec.default_value && spec.default_value <= spec.maximum));
+        EXPECT(strlen(spec.help) > 10 && (spec.is_expert == 0 || spec.is_expert == 1));
+        EXPECT((spec.choices != NULL) == (strcmp(spec.name, "effort") == 0));
         OK(isym_options_get(options, spec.name, &value));
         EXPECT(value == spec.default_value);
         OK(isym_options_set(options, spec.name, spec.maximum));
