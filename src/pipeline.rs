@@ -59,6 +59,7 @@ pub fn detect_by(mesh: &Mesh, options: &Options, plans: &[Plan], progress: &Prog
     let shells = mesh.shells();
     // Who states signs means those of the functions that the mesh has as it is.
     let filled = if options.states_signs() { None } else { FilledShell::new(&shells[0]) };
+    progress.report("connectivity", 0.02)?;
     let (connectivity, unrivalled) = connectivity(mesh, progress)?;
     clock.lap("connectivity");
     let case =
