@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from . import _arrays
 from ._handles import Handle, new_handle
 from ._library import LIBRARY, OptionSpecStruct
-from .errors import OptionError
+from .errors import ERROR_OPTION, OptionError
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ def _number(name: str, value: float | str) -> float:
     choices = next((spec.choices for spec in option_specs() if spec.name == name), ())
     if value not in choices:
         known = f"one of {', '.join(choices)}" if choices else "a number"
-        raise OptionError(f"option {name}: {value!r} is not {known}")
+        raise OptionError(f"option {name}: {value!r} is not {known}", ERROR_OPTION)
     return float(choices.index(value))
 
 
