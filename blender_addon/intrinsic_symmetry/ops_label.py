@@ -31,7 +31,10 @@ class INTRINSIC_SYMMETRY_OT_study(MeshOperator, bpy.types.Operator):
         core_mesh = detection.core_mesh_of(object, self.source, context.evaluated_depsgraph_get())
         found = eigenfunctions.study(mesh, core_mesh, COUNT)
         if not any(labels.network_says(entry) for entry in labels.of(mesh)):
-            answer = core_mesh.detect(**preferences.detect_arguments(context))
+            # One symmetry may be told by the connectivity alone, without eigenfunctions; several never are.
+            arguments = preferences.detect_arguments(context)
+            arguments["symmetries"] = max(2, arguments.get("symmetries", 1))
+            answer = core_mesh.detect(**arguments)
             labels.take_predictions(mesh, answer.report["report"])
         labels.make_entries(mesh, found.pairs.functions.shape[1])
         mesh.intrinsic_symmetry_eigenfunction = max(1, mesh.intrinsic_symmetry_eigenfunction)
