@@ -1,7 +1,7 @@
 //! How much work a detection does, as data.
 //!
 //! One pipeline follows any [`Plan`]. The default effort starts with the small one; if its answer leaves doubts, the same code follows the
-//! next. Counts are those of `docs/ablation.md`, which says what each is worth.
+//! next. `make ablate` measures what each count is worth.
 
 use crate::options::{Effort, Options};
 
@@ -24,7 +24,7 @@ pub struct Plan {
     pub parts: PartsEffort,
 }
 
-/// Where candidates come from, and how many of them are finished.
+/// Where candidates come from.
 #[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Search {
     /// Starts that the sign network proposes.
@@ -103,6 +103,7 @@ impl Plan {
         stated(&mut self.samples, options.samples);
         stated(&mut self.search.beam_width, options.beam_width);
         if options.eigenfunctions > 0 {
+            self.schedule.retain(|&size| size < self.eigenfunctions);
             let last = self.schedule.last().copied().unwrap_or(0);
             self.schedule.extend((last + 10..self.eigenfunctions).step_by(10));
             self.schedule.push(self.eigenfunctions);
@@ -157,5 +158,21 @@ impl Default for PartsEffort {
     fn default() -> PartsEffort {
         let turned = TurnedEffort { parts: 70, points: 100, turns: 12, small: 150, fitted: 4, most: 24 };
         PartsEffort { passes: [150, 300], points: 60, rounds: 3, turned: Some(turned) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_schedule_rises_to_the_stated_eigenfunctions() {
+        for eigenfunctions in [12, 50, 80, 150] {
+            let options = Options { eigenfunctions, ..Options::default() };
+            for plan in Plan::of(&options) {
+                assert!(plan.schedule.is_sorted_by(|a, b| a < b), "{:?}", plan.schedule);
+                assert_eq!(plan.schedule.last(), Some(&eigenfunctions));
+            }
+        }
     }
 }
