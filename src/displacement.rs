@@ -10,20 +10,13 @@ use crate::signature::mean;
 /// Mean distance of the vertices, which stand for `areas`, from their `partners` in the embedding that spreads the samples
 /// (`phi_j / sqrt(eigenvalue_j)`), in radii of the embedding: 0 for the identity. O(vertices).
 pub fn mean_displacement(basis: &Eigenbasis, areas: &[f64], partners: &[u32]) -> f64 {
-    let all: Vec<u32> = (0..partners.len() as u32).collect();
-    mean_displacement_of(basis, &all, areas, partners)
-}
-
-/// The same of some `vertices`, which stand for `areas` and have these `partners`.
-pub fn mean_displacement_of(basis: &Eigenbasis, vertices: &[u32], areas: &[f64], partners: &[u32]) -> f64 {
     let (mut squared_radius, mut squared_ways) = (0.0, vec![0.0; partners.len()]);
     for (j, eigenvalue) in basis.eigenvalues.iter().take(SPREAD_COORDINATES).enumerate() {
         let column = basis.eigenfunctions.col_as_slice(j);
         let weight = 1.0 / eigenvalue.max(f64::MIN_POSITIVE);
-        squared_radius +=
-            weight * mean(areas, vertices.iter().map(|&vertex| column[vertex as usize].powi(2)));
-        for ((way, &vertex), &partner) in squared_ways.iter_mut().zip(vertices).zip(partners) {
-            *way += weight * (column[vertex as usize] - column[partner as usize]).powi(2);
+        squared_radius += weight * mean(areas, column.iter().map(|value| value.powi(2)));
+        for ((way, value), &partner) in squared_ways.iter_mut().zip(column).zip(partners) {
+            *way += weight * (value - column[partner as usize]).powi(2);
         }
     }
     mean(areas, squared_ways.into_iter().map(f64::sqrt)) / squared_radius.sqrt().max(f64::MIN_POSITIVE)
@@ -49,14 +42,5 @@ mod tests {
         assert!((measure([3, 2, 1, 0]) - 2.0 / radius).abs() < 1e-12);
         assert!((measure([1, 0, 3, 2]) - 1.0 / radius).abs() < 1e-12);
         assert!((measure([2, 3, 0, 1]) - 2.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn some_vertices_are_measured_by_their_own_partners() {
-        let basis = rectangle();
-        let of =
-            |vertices: &[u32], partners: &[u32]| mean_displacement_of(&basis, vertices, &[0.5; 2], partners);
-        assert_eq!(of(&[1, 3], &[1, 3]), 0.0);
-        assert!((of(&[0, 2], &[2, 0]) - 2.0).abs() < 1e-12);
     }
 }

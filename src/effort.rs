@@ -14,9 +14,7 @@ pub struct Plan {
     pub eigenfunctions: usize,
     /// Farthest-point samples on which candidates are refined and scored.
     pub samples: usize,
-    /// Points, spread over the shell, on which the best candidate grows.
-    pub points: usize,
-    /// Sizes of the functional map while it grows; the last is that of the map of all vertices.
+    /// Sizes of the functional map while it grows.
     pub schedule: Vec<usize>,
     /// Where candidates come from.
     pub search: Search,
@@ -46,8 +44,7 @@ impl Plan {
             proxy_vertices: 4000,
             eigenfunctions: 80,
             samples: 500,
-            points: 4000,
-            schedule: vec![25, 35, 45, 55, 65, 80],
+            schedule: vec![25, 35, 45, 55, 65, 80, 80],
             search: Search {
                 network_starts: 20,
                 beam_width: 0,
@@ -170,7 +167,7 @@ mod tests {
         for eigenfunctions in [12, 50, 80, 150] {
             let options = Options { eigenfunctions, ..Options::default() };
             for plan in Plan::of(&options) {
-                assert!(plan.schedule.is_sorted_by(|a, b| a < b), "{:?}", plan.schedule);
+                assert!(plan.schedule.is_sorted(), "{:?}", plan.schedule);
                 assert_eq!(plan.schedule.last(), Some(&eigenfunctions));
             }
         }

@@ -16,7 +16,10 @@ use crate::threads;
 const LIKELY: f64 = 0.5;
 
 /// A finished map, and the partners that it had before its parts were fitted.
-struct Finished {
+#[derive(Clone)]
+pub struct Finished {
+    /// Partners of the samples under its candidate.
+    candidate: Vec<u32>,
     map: ShellSymmetry,
     partners: Vec<u32>,
     kind: SymmetryKind,
@@ -35,13 +38,15 @@ struct Known {
 /// The maps of `candidates` (best first) that count, finished: reflections, then half turns, the best first.
 ///
 /// Once as many as are asked for leave no doubts, no other is finished, nor are those that score much worse than one that is accepted. The first
-/// has all threads, since it often ends the search; those after it are finished side by side.
+/// has all threads, since it often ends the search; those after it are finished side by side. What is finished is added to the `earlier`
+/// ones on the same shell, and a candidate that led to one of these is not finished again.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
 pub fn finish_best(
     assembler: &Assembler,
     candidates: &[Candidate],
+    earlier: &mut Vec<Finished>,
     options: &Options,
     progress: &Progress,
 ) -> Result<Vec<(ShellSymmetry, SymmetryKind)>> {
@@ -56,15 +61,26 @@ pub fn finish_best(
         let at_once = if known.maps.is_empty() { 1 } else { options.threads.clamp(1, left.len()) };
         let group = left.drain(..at_once).collect();
         let (own, token) = (options.threads / at_once, progress.token());
-        let one = |candidate| finish_new(assembler, candidate, &known.maps, own, token);
+        let one = |candidate: &Candidate| match again(earlier, candidate, &assembler.shell.samples.vertices) {
+            Some(finished) => Ok(Some(finished)),
+            None => finish_new(assembler, candidate, &known.maps, own, token),
+        };
         for finished in threads::map(options.threads, group, one) {
             if let Some(finished) = finished? {
+                earlier.push(finished.clone());
                 known.add(assembler.shell, finished, options);
             }
         }
     }
     rank(&mut known.maps, |(map, kind)| (*kind, map.judged.plausibility, map.exchanges_sheets()));
     Ok(known.maps)
+}
+
+/// What an earlier plan made of a candidate, with what its rivals among the `samples` say now.
+fn again(earlier: &[Finished], candidate: &Candidate, samples: &[u32]) -> Option<Finished> {
+    let mut finished = earlier.iter().find(|finished| finished.candidate == candidate.partners)?.clone();
+    finished.map.doubts = samples.iter().copied().zip(candidate.doubts.iter().copied()).collect();
+    Some(finished)
 }
 
 /// A finished candidate; `None` if refinement leads it to one of the `others`.
@@ -83,7 +99,7 @@ fn finish_new(
         return Ok(None);
     }
     let map = assembler.with_parts(map, kind, threads, token)?;
-    Ok(Some(Finished { map, partners, kind }))
+    Ok(Some(Finished { candidate: candidate.partners.clone(), map, partners, kind }))
 }
 
 impl Known {
@@ -93,7 +109,8 @@ impl Known {
     }
 
     /// Adds a map unless those before it, with which it was finished side by side, make it needless.
-    fn add(&mut self, shell: &PreparedShell, Finished { map, partners, kind }: Finished, options: &Options) {
+    fn add(&mut self, shell: &PreparedShell, finished: Finished, options: &Options) {
+        let Finished { map, partners, kind, .. } = finished;
         if !self.asks_for(&map.score, options) || is_met(shell, &partners, kind, &self.maps) {
             return;
         }

@@ -2,11 +2,9 @@
 //!
 //! Vertex targets limit the map to the sampling of the mesh; the nearest point inside a triangle of
 //! the embedded mesh does not (D. Ezuz, M. Ben-Chen, "Deblurring and Denoising of Maps between
-//! Shapes", 2017, section 4.2). The points whose images are sought are all vertices, or the few of
-//! [`crate::spread_points`], with their masses.
+//! Shapes", 2017, section 4.2).
 
 use crate::adjacency::Adjacency;
-use crate::dense::cholesky_solve;
 use crate::eigenbasis::Eigenbasis;
 use crate::embedded_triangles::{Fans, TrianglePoint};
 use crate::error::Result;
@@ -17,7 +15,7 @@ use crate::progress::CancelToken;
 use crate::threads;
 use crate::vertex_rows::{Guide, VertexRows};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par};
+use faer::{Accum, Mat, Par};
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
@@ -37,20 +35,7 @@ pub struct MatchTarget<'a> {
     threads: usize,
 }
 
-/// Points of a shell whose images are sought, each with what matching and estimation need of it.
-#[derive(Clone, Copy)]
-pub struct Sources<'a> {
-    /// Their rows.
-    pub rows: &'a VertexRows,
-    /// Area that each point stands for.
-    pub mass: &'a [f64],
-    /// Which points are next to each other.
-    pub graph: &'a Adjacency,
-    /// Cholesky factor of `functions^T mass functions`; none where that is the identity.
-    pub gram: Option<MatRef<'a, f64>>,
-}
-
-/// Images of the vertices of a source shell, or of some points of it, on a target shell.
+/// Images of a shell's vertices.
 #[derive(Debug, Clone)]
 pub struct VertexImages {
     /// Nearest target vertex.
@@ -111,27 +96,53 @@ impl<'a> MatchTarget<'a> {
         self.threads
     }
 
-    /// All vertices.
-    pub fn vertices(&self) -> Sources<'_> {
-        Sources { rows: &self.rows, mass: &self.surface.lumped_mass, graph: &self.graph, gram: None }
+    /// The vertices next to each.
+    pub fn graph(&self) -> &Adjacency {
+        &self.graph
     }
 
-    /// The images of `source` under `map` (source size x target size).
-    pub fn images(&self, source: &Sources, map: &Mat<f64>, seeds: Seeds, guide: Guide) -> VertexImages {
+    /// The images of the vertices under `map` (square).
+    pub fn images(&self, map: &Mat<f64>, seeds: Seeds, guide: Guide) -> VertexImages {
         let descent = MeshDescent {
             graph: &self.graph,
             triangles: &self.surface.triangles,
             fans: &self.fans,
-            queries: &source.rows.mapped(map, self.threads),
+            queries: &self.rows.mapped(map, self.threads),
             targets: &self.rows,
             columns: self.rows.columns(map.ncols(), guide),
             threads: self.threads,
         };
-        let answers = descent.run(source.graph, seeds);
+        let answers = descent.run(&self.graph, seeds);
         VertexImages {
             partners: answers.iter().map(|answer| answer.vertex).collect(),
             points: answers.iter().map(|answer| answer.point).collect(),
         }
+    }
+
+    /// The least-squares map of `size` that sends each vertex to its image, projected as the target says.
+    ///
+    /// # Errors
+    /// [`crate::Error::Internal`] if the projection fails.
+    pub fn map_of(&self, images: &[TrianglePoint], size: usize) -> Result<Mat<f64>> {
+        let weighted = |(point, mass): (&TrianglePoint, &f64)| {
+            (self.corners(point), point.barycentric.map(|weight| weight * *mass as f32))
+        };
+        let columns = self.rows.columns(size, Guide::Eigenfunctions);
+        let points = images.iter().zip(&self.surface.lumped_mass).map(weighted);
+        let pulled = self.rows.combined(points, columns, self.threads);
+        let (from, onto) = (self.rows.functions(size), pulled.functions(size));
+        let rows = |range: Range<usize>| {
+            let mut rows = Mat::<f32>::zeros(range.len(), size);
+            let from = from.subcols(range.start, range.len()).transpose();
+            matmul(rows.as_mut(), Accum::Replace, from, onto, 1.0, Par::Seq);
+            (range.start, rows)
+        };
+        let mut map = Mat::zeros(size, size);
+        for (first, rows) in threads::map(self.threads, threads::ranges(size, self.threads), rows) {
+            let rows = Mat::from_fn(rows.nrows(), size, |i, j| f64::from(rows[(i, j)]));
+            map.subrows_mut(first, rows.nrows()).copy_from(&rows);
+        }
+        project(map, self.projection)
     }
 
     /// What `rows` of the vertices give at `points`.
@@ -146,59 +157,24 @@ impl<'a> MatchTarget<'a> {
     }
 }
 
-/// Refines `map` (square) on `points` of the shell through growing `sizes`, projected as the shell says.
+/// Refines the map with the given `images` through growing `sizes`.
 ///
-/// Returns the last map and the images of the points under it. O(points x size^2) a step.
+/// Returns the last map and its images. O(vertices x size^2) a step.
 ///
 /// # Errors
-/// [`crate::Error::Cancelled`].
+/// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
 pub fn refine(
     shell: &MatchTarget,
-    points: &Sources,
-    mut map: Mat<f64>,
-    seeds: Seeds,
+    mut images: VertexImages,
     sizes: &[usize],
     guide: Guide,
     token: &CancelToken,
 ) -> Result<(Mat<f64>, VertexImages)> {
-    let mut images = shell.images(points, &map, seeds, guide);
+    let mut map = Mat::zeros(0, 0);
     for &size in sizes {
         token.check()?;
-        let size = size.min(shell.basis.count());
-        map = project(estimate(points, shell, &images.points, size, size), shell.projection)?;
-        images = shell.images(points, &map, Seeds::Points(&images.points), guide);
+        map = shell.map_of(&images.points, size.min(shell.basis.count()))?;
+        images = shell.images(&map, Seeds::Points(&images.points), guide);
     }
     Ok((map, images))
-}
-
-/// The least-squares map that sends each point of `source` to its image.
-pub fn estimate(
-    source: &Sources,
-    target: &MatchTarget,
-    images: &[TrianglePoint],
-    source_size: usize,
-    target_size: usize,
-) -> Mat<f64> {
-    let weighted = |(point, mass): (&TrianglePoint, &f64)| {
-        (target.corners(point), point.barycentric.map(|weight| weight * *mass as f32))
-    };
-    let columns = target.rows.columns(target_size, Guide::Eigenfunctions);
-    let points = images.iter().zip(source.mass).map(weighted);
-    let pulled = target.rows.combined(points, columns, target.threads);
-    let (from, onto) = (source.rows.functions(source_size), pulled.functions(target_size));
-    let rows = |range: Range<usize>| {
-        let mut rows = Mat::<f32>::zeros(range.len(), target_size);
-        let from = from.subcols(range.start, range.len()).transpose();
-        matmul(rows.as_mut(), Accum::Replace, from, onto, 1.0, Par::Seq);
-        (range.start, rows)
-    };
-    let mut map = Mat::zeros(source_size, target_size);
-    for (first, rows) in threads::map(target.threads, threads::ranges(source_size, target.threads), rows) {
-        let rows = Mat::from_fn(rows.nrows(), target_size, |i, j| f64::from(rows[(i, j)]));
-        map.subrows_mut(first, rows.nrows()).copy_from(&rows);
-    }
-    if let Some(lower) = source.gram {
-        cholesky_solve(lower.submatrix(0, 0, source_size, source_size), map.as_mut());
-    }
-    map
 }

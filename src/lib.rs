@@ -12,7 +12,7 @@
 //! | eigenfunctions -> parity of each, with its probability | [`sign_network`] |
 //! | eigenfunctions -> parity vectors | [`parity_search`] |
 //! | parity, or pairs of limbs' ends -> functional map, refined and scored | [`functional_map`], [`refinement`], [`shortest_ways`], [`extrema_starts`], [`candidate_score`], [`candidates`], [`compositions`] |
-//! | functional map -> map of all vertices | [`adjacency`], [`embedded_triangles`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`], [`spread_points`] |
+//! | functional map -> map of all vertices | [`adjacency`], [`embedded_triangles`], [`vertex_rows`], [`mesh_descent`], [`full_refinement`] |
 //! | eigenfunctions -> is there a continuous family of symmetries | [`continuous_family`] |
 //! | finished map -> is it a symmetry at all | [`signature`], [`displacement`], [`acceptance`] |
 //! | all spectral stages of one shell | [`shell_symmetry`], [`rotations`] (experimental) |
@@ -83,7 +83,6 @@ pub mod shortest_ways;
 pub mod sign_network;
 pub mod signature;
 pub mod sparse_cholesky;
-pub mod spread_points;
 pub mod stated_signs;
 pub mod surface_walk;
 pub mod symmetric_sparse;

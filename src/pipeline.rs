@@ -12,7 +12,7 @@ use crate::effort::Plan;
 use crate::eigenbasis::{Accuracy, Eigenbasis};
 use crate::error::{Error, Result};
 use crate::filled_holes::FilledShell;
-use crate::finishing::finish_best;
+use crate::finishing::{Finished, finish_best};
 use crate::judging_mesh::JudgingMesh;
 use crate::laplacian::IntrinsicSurface;
 use crate::limits::{check_memory, estimated_memory};
@@ -32,9 +32,9 @@ use std::sync::Arc;
 
 /// A reflection that the connectivity alone admits and that is as plausible as this, in percent, needs no search.
 const CERTAIN: usize = 90;
-/// An answer of at least this plausibility, and this mean confidence, leaves no doubts.
-const PLAUSIBLE: f64 = 0.95;
-const CONFIDENT: f64 = 0.85;
+/// An answer whose plausibility times mean confidence is at least this leaves no doubts. On generated shapes larger plans make of such
+/// answers no right one that was wrong.
+const SETTLED: f64 = 0.6;
 /// A wide search whose best map is less plausible than this ends with "none".
 const HOPELESS: f64 = 0.01;
 
@@ -71,6 +71,8 @@ pub fn detect_by(mesh: &Mesh, options: &Options, plans: &[Plan], progress: &Prog
         return Ok(exact);
     }
     let (mut best, mut solved): (Option<Detection>, _) = (None, None);
+    // Maps finished on what is solved.
+    let mut finished = Vec::new();
     for plan in plans {
         let kept = solved.take().filter(|kept: &Solved| kept.serves(plan));
         let current = match kept {
@@ -78,10 +80,13 @@ pub fn detect_by(mesh: &Mesh, options: &Options, plans: &[Plan], progress: &Prog
             None => match case.solve(plan, &mut clock) {
                 // What a smaller plan has answered stands.
                 Err(Error::Limit { .. }) if best.is_some() => break,
-                solved => solved?,
+                solved => {
+                    finished.clear();
+                    solved?
+                }
             },
         };
-        let found = case.attempt(plan, &current, &mut clock)?;
+        let found = case.attempt(plan, &current, &mut finished, &mut clock)?;
         solved = Some(current);
         let settled = found.is_settled() || plan.search.beam_width > 0 && found.is_hopeless();
         if best.as_ref().is_none_or(|best| found.is_better(best)) {
@@ -100,9 +105,7 @@ pub fn detect_by(mesh: &Mesh, options: &Options, plans: &[Plan], progress: &Prog
 impl Detection {
     /// Whether no larger plan needs to be followed.
     fn is_settled(&self) -> bool {
-        self.symmetries
-            .first()
-            .is_some_and(|best| best.plausibility >= PLAUSIBLE && best.mean_confidence >= CONFIDENT)
+        self.symmetries.first().is_some_and(|best| best.plausibility * best.mean_confidence >= SETTLED)
     }
 
     /// Whether a larger plan would find nothing either.
@@ -214,7 +217,13 @@ impl<'a> Case<'a> {
     }
 
     /// Follows a plan.
-    fn attempt(&self, plan: &Plan, solved: &Solved, clock: &mut Clock) -> Result<Detection> {
+    fn attempt(
+        &self,
+        plan: &Plan,
+        solved: &Solved,
+        finished: &mut Vec<Finished>,
+        clock: &mut Clock,
+    ) -> Result<Detection> {
         let Case { mesh, shells, options, progress, .. } = *self;
         let (proxy, connectivity) = (solved.proxy.as_ref(), self.connectivity.as_ref());
         let gatherer = Gatherer::new(mesh, shells, proxy, connectivity);
@@ -225,7 +234,7 @@ impl<'a> Case<'a> {
             None => {
                 let found = candidates(&solved.shell, &solved.signs, &plan.search, options, progress)?;
                 clock.lap("candidates");
-                finish_best(&assembler, &found, options, progress)?
+                finish_best(&assembler, &found, finished, options, progress)?
             }
         };
         clock.lap("refinement");

@@ -4,12 +4,11 @@ use crate::acceptance::Judgement;
 use crate::candidate_score::{Score, Scorer};
 use crate::candidates::{self, CANDIDATE_SIZE, Candidate, parities};
 use crate::compositions;
-use crate::displacement::{mean_displacement, mean_displacement_of};
+use crate::displacement::mean_displacement;
 use crate::effort::{Plan, Search};
 use crate::eigenbasis::Eigenbasis;
 use crate::error::Result;
-use crate::full_refinement::{self, MatchTarget, Sources, VertexImages};
-use crate::functional_map::project;
+use crate::full_refinement::{self, MatchTarget, VertexImages};
 use crate::laplacian::IntrinsicSurface;
 use crate::mesh_descent::Seeds;
 use crate::options::Options;
@@ -18,7 +17,6 @@ use crate::refinement::SampleRefiner;
 use crate::sampling::{Samples, area_weighted_vertices};
 use crate::sign_network::{REFERENCES, SignNetwork, SignPrediction};
 use crate::signature;
-use crate::spread_points::SpreadPoints;
 use crate::symmetry_kind::SymmetryKind;
 use crate::vertex_rows::Guide;
 use faer::Mat;
@@ -169,14 +167,13 @@ pub fn candidates(
     Ok(kept)
 }
 
-/// Refines a candidate on the samples, then on points spread over the shell, which is `target`, where it grows by the plan's schedule, then
-/// once on all its vertices; at each step projected as the target says. One that will not count for who asks for `least` percent
-/// of plausibility does not grow.
+/// Refines a candidate on the samples, then on all vertices of the shell, which is `target`, where it grows by the plan's schedule. One
+/// that will not count for who asks for `least` percent of plausibility does not grow.
 ///
 /// What the coarse map says of finer functions is partly chance, so the schedule cuts it back first.
 ///
 /// # Errors
-/// [`crate::Error::Cancelled`].
+/// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
 pub fn finish(
     shell: &PreparedShell,
     target: &MatchTarget,
@@ -187,38 +184,24 @@ pub fn finish(
 ) -> Result<ShellSymmetry> {
     let refiner = SampleRefiner::new(&shell.samples);
     let map = refiner.refine(candidate.map.clone(), &POLISH_SIZES, target.projection())?;
-    let count = shell.basis.count();
-    let points = SpreadPoints::new(target, plan.points, count)?;
     let samples = &shell.samples.vertices;
     let images = refiner.partners(&map).into_iter().map(|sample| samples[sample as usize]);
-    let seeds = points.seeds(samples, images);
-    let (few, all) = (points.sources(), target.vertices());
-    let refine = |points: &Sources, map, seeds: Seeds, sizes: &[usize], guide| {
-        full_refinement::refine(target, points, map, seeds, sizes, guide, progress.token())
-    };
+    let seeds: Vec<(u32, u32)> = samples.iter().copied().zip(images).collect();
+    let token = progress.token();
     progress.report("refining", 0.75)?;
-    let coarse = COARSE_SIZE.min(count);
-    let (map, images) = refine(&few, map, Seeds::Vertices(&seeds), &[coarse], Guide::Eigenfunctions)?;
-    let mismatch = signature_mismatch(shell, &points.vertices, &points.mass, &images);
-    let displacement = mean_displacement_of(&shell.basis, &points.vertices, &points.mass, &images.partners);
-    let hopeless = Judgement::new(&candidate.score, mismatch, displacement).is_hopeless(least);
-    let seeds_of = |images: &VertexImages| {
-        points.vertices.iter().copied().zip(images.partners.iter().copied()).collect::<Vec<_>>()
-    };
-    let (map, images) = if hopeless {
-        refine(&all, map, Seeds::Vertices(&seeds_of(&images)), &[coarse], Guide::Eigenfunctions)?
+    let spread = target.images(&map, Seeds::Vertices(&seeds), Guide::Eigenfunctions);
+    let (map, images) =
+        full_refinement::refine(target, spread, &[COARSE_SIZE], Guide::Eigenfunctions, token)?;
+    let mismatch = signature_mismatch(shell, &images);
+    let judged = judge(shell, &candidate.score, mismatch, &images);
+    let (map, images) = if judged.is_hopeless(least) {
+        (map, images)
     } else {
-        let guide = Guide::MeanCurvature;
-        let sizes: Vec<usize> = plan.schedule.iter().map(|&size| size.min(count)).collect();
-        let (first, last) = (sizes[0].min(coarse), sizes[sizes.len() - 1]);
-        let start = map.submatrix(0, 0, first, first).to_owned();
         progress.report("refining", 0.8)?;
-        let (map, images) = refine(&few, start, Seeds::Points(&images.points), &sizes, guide)?;
-        progress.report("refining", 0.9)?;
-        refine(&all, map, Seeds::Vertices(&seeds_of(&images)), &[last], guide)?
+        full_refinement::refine(target, images, &plan.schedule, Guide::MeanCurvature, token)?
     };
     let judged = judge(shell, &candidate.score, mismatch, &images);
-    let doubts = shell.samples.vertices.iter().copied().zip(candidate.doubts.iter().copied()).collect();
+    let doubts = samples.iter().copied().zip(candidate.doubts.iter().copied()).collect();
     Ok(ShellSymmetry { map, images, score: candidate.score, doubts, judged, moved: f64::INFINITY })
 }
 
@@ -228,16 +211,12 @@ pub fn finish(
 /// [`crate::Error::Internal`] if the decomposition of the functional map fails.
 pub fn of_images(shell: &PreparedShell, target: &MatchTarget, images: VertexImages) -> Result<ShellSymmetry> {
     let size = shell.basis.count();
-    let map = project(
-        full_refinement::estimate(&target.vertices(), target, &images.points, size, size),
-        target.projection(),
-    )?;
+    let map = target.map_of(&images.points, size)?;
     let refiner = SampleRefiner::new(&shell.samples);
     let scored = size.min(CANDIDATE_SIZE);
     let leading = map.submatrix(0, 0, scored, scored).to_owned();
     let score = Scorer::new(&shell.surface, &shell.basis, &refiner, Vec::new()).score(&leading)?;
-    let vertices: Vec<u32> = (0..shell.surface.vertex_count() as u32).collect();
-    let mismatch = signature_mismatch(shell, &vertices, &shell.surface.lumped_mass, &images);
+    let mismatch = signature_mismatch(shell, &images);
     let judged = judge(shell, &score, mismatch, &images);
     Ok(ShellSymmetry { map, images, score, doubts: Vec::new(), judged, moved: f64::INFINITY })
 }
@@ -248,8 +227,8 @@ fn judge(shell: &PreparedShell, score: &Score, signature_mismatch: f64, images: 
     Judgement::new(score, signature_mismatch, displacement)
 }
 
-/// `images` are those of `vertices`, of which each stands for an area.
-fn signature_mismatch(shell: &PreparedShell, vertices: &[u32], areas: &[f64], images: &VertexImages) -> f64 {
-    let mismatch = signature::mismatch(&shell.surface, &shell.basis, vertices, images);
-    signature::mean(areas, mismatch.into_iter())
+/// Mean over the surface.
+fn signature_mismatch(shell: &PreparedShell, images: &VertexImages) -> f64 {
+    let mismatch = signature::mismatch(&shell.surface, &shell.basis, images);
+    signature::mean(&shell.surface.lumped_mass, mismatch.into_iter())
 }

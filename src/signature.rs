@@ -20,14 +20,9 @@ const TIME_RANGE: [f64; 2] = [0.002, 0.05];
 /// `ln h_t` of a vertex at each time.
 type Signature = [f64; TIMES];
 
-/// Difference of the signatures of each of `vertices` and its image, in units of the signatures' mean deviation over the
+/// Difference of the signatures of each vertex and its image, in units of the signatures' mean deviation over the
 /// whole surface: 0 for an isometry, about 1 for a random map. O(vertices x eigenfunctions).
-pub fn mismatch(
-    surface: &IntrinsicSurface,
-    basis: &Eigenbasis,
-    vertices: &[u32],
-    images: &VertexImages,
-) -> Vec<f64> {
+pub fn mismatch(surface: &IntrinsicSurface, basis: &Eigenbasis, images: &VertexImages) -> Vec<f64> {
     let signatures = signatures(basis, surface.vertex_count());
     let deviation = mean_deviation(&surface.lumped_mass, &signatures);
     let difference = |own: &Signature, point: &TrianglePoint| {
@@ -38,8 +33,7 @@ pub fn mismatch(
         let relative = |t: usize| (own[t] - at_image(t)).abs() / deviation[t];
         (0..TIMES).filter(|&t| deviation[t] > 0.0).map(relative).sum::<f64>() / TIMES as f64
     };
-    let own = vertices.iter().map(|&vertex| &signatures[vertex as usize]);
-    own.zip(&images.points).map(|(own, point)| difference(own, point)).collect()
+    signatures.iter().zip(&images.points).map(|(own, point)| difference(own, point)).collect()
 }
 
 /// Mean of values that stand for `areas`.

@@ -60,15 +60,6 @@ impl VertexRows {
         VertexRows { values: vec![0.0; count * width], width, curvature_columns, arch: Arch::new() }
     }
 
-    /// The rows of some vertices.
-    pub fn at(&self, vertices: &[u32]) -> VertexRows {
-        let mut values = Vec::with_capacity(vertices.len() * self.width);
-        for &vertex in vertices {
-            values.extend_from_slice(self.row(vertex as usize));
-        }
-        VertexRows { values, ..*self }
-    }
-
     /// At each of `points` (three rows and their weights) the weighted sum of the rows, of which only `columns`; on at
     /// most `threads` threads.
     pub fn combined(

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// The files of `src/` (with their folders) from the shared vocabulary to the products.
-const ORDER: [&str; 61] = [
+const ORDER: [&str; 60] = [
     "error",
     "options",
     "limits",
@@ -36,7 +36,6 @@ const ORDER: [&str; 61] = [
     "vertex_rows",
     "mesh_descent",
     "full_refinement",
-    "spread_points",
     "continuous_family",
     "signature",
     "displacement",

@@ -23,7 +23,6 @@ use intrinsym::progress::{CancelToken, Progress};
 use intrinsym::refinement::{SampleRefiner, embed, nearest};
 use intrinsym::sampling::Samples;
 use intrinsym::signature;
-use intrinsym::spread_points::SpreadPoints;
 use intrinsym::symmetry_kind::SymmetryKind;
 use intrinsym::vertex_rows::Guide;
 use support::{
@@ -220,7 +219,7 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
     let functions = &shape.basis.eigenfunctions;
     let mapped = product(functions.subcols(0, 50), map.as_ref());
     let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
-    let graph = target.vertices().graph;
+    let graph = target.graph();
     let (triangles, fans) = (&shape.surface.triangles, shape.fans());
     let run = |map: &Mat<f64>, seeds| {
         let descent = MeshDescent {
@@ -265,7 +264,7 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
 fn descent_reaches_only_what_is_connected_to_a_seed() {
     let shape = Shape::creature(2, 0.0);
     let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
-    let (rows, graph) = (&target.rows, target.vertices().graph);
+    let (rows, graph) = (&target.rows, target.graph());
     let columns = rows.columns(30, Guide::Eigenfunctions);
     let (triangles, fans) = (&shape.surface.triangles, shape.fans());
     let descent =
@@ -297,17 +296,9 @@ fn refinement_leaves_the_true_map_in_place() {
         assert!(error < 0.035, "{error} sqrt(area) on samples");
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let seeds = shape.seeds(&samples.vertices);
-        let (points, guide, token) = (target.vertices(), Guide::Eigenfunctions, CancelToken::default());
-        let (_, images) = full_refinement::refine(
-            &target,
-            &points,
-            refined,
-            Seeds::Vertices(&seeds),
-            &[50, 60],
-            guide,
-            &token,
-        )
-        .unwrap();
+        let (guide, token) = (Guide::Eigenfunctions, CancelToken::default());
+        let images = target.images(&refined, Seeds::Vertices(&seeds), guide);
+        let (_, images) = full_refinement::refine(&target, images, &[50, 60], guide, &token).unwrap();
         let error = shape.mean_error(&shape.all(), &images.partners);
         println!("vertices: {error}");
         assert!(error < largest, "{error} sqrt(area) on vertices");
@@ -323,48 +314,19 @@ fn refinement_leaves_the_true_map_in_place() {
 }
 
 #[test]
-fn a_map_refined_on_few_points_is_that_of_all_vertices() {
-    let shape = Shape::quadruped();
-    let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
-    let points = SpreadPoints::new(&target, 1500, shape.basis.count()).unwrap();
-    let area: f64 = points.mass.iter().sum();
-    assert!(points.vertices.len() > 1200 && points.vertices.is_sorted());
-    assert!((area - shape.surface.lumped_mass.iter().sum::<f64>()).abs() < 1e-9, "{area}");
-    // The true images of the points give the map that those of all vertices give.
-    let images = |vertices: &[u32]| {
-        let partners = vertices.iter().map(|&vertex| shape.truth[vertex as usize]).collect();
-        VertexImages::at_vertices(&shape.surface.triangles, partners).points
-    };
-    let all = full_refinement::estimate(&target.vertices(), &target, &images(&shape.all()), 30, 30);
-    let few = full_refinement::estimate(&points.sources(), &target, &images(&points.vertices), 30, 30);
-    let (size, apart) = (all.norm_l2(), (&all - &few).norm_l2());
-    println!("{apart} of {size}");
-    assert!(apart < 0.05 * size, "{apart} of {size}");
-    // From samples' partners every point has a guess at hand.
-    let samples = Samples::farthest(&shape.basis, 300);
-    for (point, vertex) in points.seeds(&samples.vertices, samples.vertices.iter().copied()) {
-        let places = [points.vertices[point as usize], vertex].map(|v| shape.shell.positions[v as usize]);
-        assert!(distance(places[0], places[1]) < 6.0 * shape.surface.mean_edge_length());
-    }
-}
-
-#[test]
 fn a_map_grows_by_the_schedule_with_curvature_and_without() {
     let mut shape = Shape::quadruped();
     let schedule = Plan::small().schedule;
     let grown = |shape: &Shape| {
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
-        let points = SpreadPoints::new(&target, 1500, shape.basis.count()).unwrap();
-        let truth = images_of(shape, &points, |vertex| shape.truth[vertex as usize]);
-        let (start, guide) = (shape.true_map(schedule[0]), Guide::MeanCurvature);
-        let (seeds, token) = (Seeds::Points(&truth.points), CancelToken::default());
+        let truth = VertexImages::at_vertices(&shape.surface.triangles, shape.truth.clone());
+        let token = CancelToken::default();
         let (map, grown) =
-            full_refinement::refine(&target, &points.sources(), start, seeds, &schedule, guide, &token)
-                .unwrap();
+            full_refinement::refine(&target, truth, &schedule, Guide::MeanCurvature, &token).unwrap();
         let last = schedule[schedule.len() - 1].min(shape.basis.count());
         assert_eq!((map.nrows(), map.ncols()), (last, last));
         // From the truth on there is nothing to be set right: either way has to stay near it.
-        let error = shape.mean_error(&points.vertices, &grown.partners);
+        let error = shape.mean_error(&shape.all(), &grown.partners);
         println!("mean error {error}");
         assert!(error < 0.012, "{error} sqrt(area)");
     };
@@ -411,12 +373,6 @@ fn ends_of_limbs_that_are_nearly_alike_are_paired() {
     let least = starts.into_iter().map(error).fold(f64::MAX, f64::min);
     println!("mean error of the best: {least}");
     assert!(least < 0.05, "{least}");
-}
-
-/// The images of `points` by what `partner` says of their vertices.
-fn images_of(shape: &Shape, points: &SpreadPoints, partner: impl Fn(u32) -> u32) -> VertexImages {
-    let partners = points.vertices.iter().map(|&vertex| partner(vertex)).collect();
-    VertexImages::at_vertices(&shape.surface.triangles, partners)
 }
 
 #[test]
@@ -473,7 +429,7 @@ fn signatures_of_true_partners_agree_and_those_of_others_do_not() {
     for (shape, largest) in [(Shape::creature(3, 0.0), 1e-6), (Shape::quadruped(), 0.15)] {
         let mean = |partners: &[u32]| {
             let images = VertexImages::at_vertices(&shape.surface.triangles, partners.to_vec());
-            let mismatch = signature::mismatch(&shape.surface, &shape.basis, &shape.all(), &images);
+            let mismatch = signature::mismatch(&shape.surface, &shape.basis, &images);
             signature::mean(&shape.surface.lumped_mass, mismatch.into_iter())
         };
         let (truth, shifted) = (mean(&shape.truth), {
@@ -530,11 +486,9 @@ fn the_fixed_curve_is_one_closed_loop_in_the_mirror_plane_and_sides_exchange() {
         let shape = Shape::creature(4, turn);
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let seeds = shape.seeds(&shape.all());
-        let (points, guide, token) = (target.vertices(), Guide::Eigenfunctions, CancelToken::default());
-        let map = shape.true_map(50);
-        let (_, images) =
-            full_refinement::refine(&target, &points, map, Seeds::Vertices(&seeds), &[50, 60], guide, &token)
-                .unwrap();
+        let (guide, token) = (Guide::Eigenfunctions, CancelToken::default());
+        let images = target.images(&shape.true_map(50), Seeds::Vertices(&seeds), guide);
+        let (_, images) = full_refinement::refine(&target, images, &[50, 60], guide, &token).unwrap();
         let odd = odd_function(&shape.surface, &shape.basis, &images);
         let edge = shape.surface.mean_edge_length();
         let x = |vertex: u32| shape.shell.positions[vertex as usize][0];

@@ -184,10 +184,9 @@ fn time_search(
     let best = &search().expect("candidates")[0];
     timer.time("refinement", || finish(shell, target, best, plan, 0, &quiet));
     let found = finish(shell, target, best, plan, 0, &quiet).expect("a map");
-    let vertices: Vec<u32> = (0..shell.surface.vertex_count() as u32).collect();
     let (basis, mass) = (&shell.basis, &shell.surface.lumped_mass);
     timer.time("verdict", || {
-        let mismatch = signature::mismatch(&shell.surface, basis, &vertices, &found.images);
+        let mismatch = signature::mismatch(&shell.surface, basis, &found.images);
         (signature::mean(mass, mismatch.into_iter()), mean_displacement(basis, mass, &found.images.partners))
     });
     found
