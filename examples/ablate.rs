@@ -1,9 +1,9 @@
 //! Detects each mesh with one thing changed at a time: `ablate OUT LIST VARIANTS.json` (evaluation/ablate.py).
 //!
 //! LIST has a line "NAME PATH" for each mesh. VARIANTS maps a variant's name to the fields of the default plans, `small`, `wide`
-//! and `large`, that it changes; `null` in place of a plan leaves it out. Every map is accepted. Writes OUT/VARIANT/NAME.map and a line for each detection in OUT/log.jsonl.
+//! and `large`, that it changes, and the `mechanisms` that it switches off; `null` in place of a plan leaves it out. Every map is accepted. Writes OUT/VARIANT/NAME.map and a line for each detection in OUT/log.jsonl.
 
-use intrinsym::effort::Plan;
+use intrinsym::effort::{Mechanisms, Plan};
 use intrinsym::limits::Limits;
 use intrinsym::mesh::{Mesh, io};
 use intrinsym::options::Options;
@@ -30,10 +30,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         let file = io::read(Path::new(path), &Limits::default())?;
         let mesh = Mesh::new(&file.polygons, &Limits::default())?;
         for (variant, changes) in &variants {
-            let (options, plans) =
+            let (options, (plans, mechanisms)) =
                 (Options { threads: 1, plausibility: 0, ..Options::default() }, changed(changes)?);
             let start = cpu_seconds()?;
-            let found = detect_by(&mesh, &options, &plans, &Progress::default());
+            let found = detect_by(&mesh, &options, &plans, mechanisms, &Progress::default());
             let cpu = cpu_seconds()? - start;
             let line = match found {
                 Ok(found) => {
@@ -50,12 +50,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The default plans with the fields of `changes` replaced, in structures too.
-fn changed(changes: &Value) -> Result<Vec<Plan>, Box<dyn Error>> {
-    let mut plans = json!({ "small": Plan::small(), "wide": Plan::wide(), "large": Plan::large() });
+/// The default plans and mechanisms with the fields of `changes` replaced, in structures too.
+fn changed(changes: &Value) -> Result<(Vec<Plan>, Mechanisms), Box<dyn Error>> {
+    let mut plans = json!({
+        "small": Plan::small(), "wide": Plan::wide(), "large": Plan::large(), "mechanisms": Mechanisms::default(),
+    });
     merge(&mut plans, changes)?;
     let plan = |name| serde_json::from_value::<Option<Plan>>(plans[name].clone());
-    Ok([plan("small")?, plan("wide")?, plan("large")?].into_iter().flatten().collect())
+    let mechanisms = serde_json::from_value(plans["mechanisms"].clone())?;
+    Ok(([plan("small")?, plan("wide")?, plan("large")?].into_iter().flatten().collect(), mechanisms))
 }
 
 fn merge(into: &mut Value, changes: &Value) -> Result<(), Box<dyn Error>> {

@@ -31,6 +31,8 @@ pub struct Gatherer<'a> {
     /// For each point of every other shell the vertex of the largest, or of its proxy, on which it sits.
     anchors: Vec<Vec<u32>>,
     connectivity: Option<&'a Connectivity>,
+    /// Whether vertices that are mirrored where edges are not are looked for.
+    mirrored_vertices: bool,
 }
 
 /// A map of the largest shell, or of its proxy, with what is known of each of its vertices.
@@ -49,6 +51,7 @@ impl<'a> Gatherer<'a> {
         shells: &'a [Shell],
         proxy: Option<&Proxy>,
         connectivity: Option<&'a Connectivity>,
+        mirrored_vertices: bool,
     ) -> Self {
         let mut anchors = if shells.len() > 1 { anchors(mesh, shells, 0) } else { Vec::new() };
         if let Some(proxy) = proxy {
@@ -56,7 +59,7 @@ impl<'a> Gatherer<'a> {
                 *anchor = proxy.nearest_vertex(*anchor);
             }
         }
-        Gatherer { mesh, shells, anchors, connectivity }
+        Gatherer { mesh, shells, anchors, connectivity, mirrored_vertices }
     }
 
     /// The symmetry that an exact bijection of the largest shell is, to which the shape agrees; its vertices go to `partners`.
@@ -101,9 +104,9 @@ impl<'a> Gatherer<'a> {
             None => None,
         };
         let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
-        let mirrored = match kind.is_rotation() {
-            true => None,
-            false => mirrored_vertices::find(self.mesh, estimate, exact.as_ref(), kind, threads, progress)?,
+        let mirrored = match self.mirrored_vertices && !kind.is_rotation() {
+            true => mirrored_vertices::find(self.mesh, estimate, exact.as_ref(), kind, threads, progress)?,
+            false => None,
         };
         if let Some(found) = exact {
             map.replace_by_connectivity(self.mesh, &found);
@@ -198,6 +201,9 @@ impl<'a> Assembler<'a> {
         threads: usize,
         progress: &Progress,
     ) -> Result<bool> {
+        if !self.gatherer.mirrored_vertices {
+            return Ok(false);
+        }
         let mut map = PointMap::empty(self.gatherer.mesh);
         let count = found.images.partners.len();
         self.insert_largest(&mut map, &found.images, &vec![0.0; count], &vec![0.0; count]);

@@ -37,6 +37,25 @@ pub struct Search {
     pub turned_over: bool,
 }
 
+/// Mechanisms beside the plans, each of which can be switched off for measuring.
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Mechanisms {
+    /// Connectivity that is mirrored.
+    pub connectivity: bool,
+    /// Vertices that are mirrored where edges are not.
+    pub mirrored_vertices: bool,
+    /// Mean curvature beside the eigenfunctions.
+    pub curvature: bool,
+    /// Small holes filled for the search.
+    pub filled_holes: bool,
+}
+
+impl Default for Mechanisms {
+    fn default() -> Mechanisms {
+        Mechanisms { connectivity: true, mirrored_vertices: true, curvature: true, filled_holes: true }
+    }
+}
+
 impl Plan {
     /// The plan that most shapes need.
     pub fn small() -> Plan {
@@ -67,7 +86,7 @@ impl Plan {
         let wide = Plan::wide();
         Plan {
             proxy_vertices: 6000,
-            search: Search { beam_width: 64, beam_starts: 16, limbs: true, ..wide.search },
+            search: Search { beam_starts: 16, limbs: true, ..wide.search },
             parts: PartsEffort::thorough(),
             ..wide
         }

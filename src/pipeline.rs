@@ -8,7 +8,7 @@ use crate::continuous_family::{Orbits, orbits};
 use crate::correspondence::Symmetry;
 use crate::detection::{Clock, about_family, about_rotations, verdict};
 pub use crate::detection::{Detection, Outcome, Report};
-use crate::effort::Plan;
+use crate::effort::{Mechanisms, Plan};
 use crate::eigenbasis::{Accuracy, Eigenbasis};
 use crate::error::{Error, Result};
 use crate::filled_holes::FilledShell;
@@ -46,24 +46,42 @@ const HOPELESS: f64 = 0.01;
 /// [`crate::Error::Option`], [`crate::Error::Limit`], [`crate::Error::Cancelled`], [`crate::Error::Internal`].
 pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Detection> {
     options.validate()?;
-    detect_by(mesh, options, &Plan::of(options), progress)
+    detect_by(mesh, options, &Plan::of(options), Mechanisms::default(), progress)
 }
 
-/// [`detect`] by plans of the caller's own, in turn until an answer leaves no doubts: for measuring.
+/// [`detect`] by plans of the caller's own, in turn until an answer leaves no doubts, and by some mechanisms alone: for measuring.
 ///
 /// # Errors
 /// Those of [`detect`].
-pub fn detect_by(mesh: &Mesh, options: &Options, plans: &[Plan], progress: &Progress) -> Result<Detection> {
+pub fn detect_by(
+    mesh: &Mesh,
+    options: &Options,
+    plans: &[Plan],
+    mechanisms: Mechanisms,
+    progress: &Progress,
+) -> Result<Detection> {
     let mut clock = Clock::start();
     progress.report("shells", 0.0)?;
     let shells = mesh.shells();
     // Who states signs means those of the functions that the mesh has as it is.
-    let filled = if options.states_signs() { None } else { FilledShell::new(&shells[0]) };
+    let fills = mechanisms.filled_holes && !options.states_signs();
+    let filled = if fills { FilledShell::new(&shells[0]) } else { None };
     progress.report("connectivity", 0.02)?;
-    let (connectivity, unrivalled) = connectivity(mesh, progress)?;
+    let (connectivity, unrivalled) = match mechanisms.connectivity {
+        true => connectivity(mesh, progress)?,
+        false => (None, None),
+    };
     clock.lap("connectivity");
-    let case =
-        Case { mesh, shells: &shells, filled: filled.as_ref(), connectivity, unrivalled, options, progress };
+    let case = Case {
+        mesh,
+        shells: &shells,
+        filled: filled.as_ref(),
+        connectivity,
+        unrivalled,
+        mechanisms,
+        options,
+        progress,
+    };
     if let Some(mut exact) = case.exact()? {
         clock.lap("correspondence");
         progress.report("done", 1.0)?;
@@ -132,6 +150,7 @@ struct Case<'a> {
     connectivity: Option<Connectivity>,
     /// The only reflection that the connectivity admits.
     unrivalled: Option<Automorphism>,
+    mechanisms: Mechanisms,
     options: &'a Options,
     progress: &'a Progress<'a>,
 }
@@ -176,7 +195,7 @@ impl<'a> Case<'a> {
         if !change.agrees() || exchanges_sheets(mean_distance(&shells[0], &partners)) {
             return Ok(None);
         }
-        let gatherer = Gatherer::new(mesh, shells, None, self.connectivity.as_ref());
+        let gatherer = self.gatherer(None);
         let symmetry = gatherer.exact(&found, partners, options.threads, progress)?;
         let evidence = format!(
             "the connectivity of the largest part admits one reflection, and lengths agree with it: edges and their images differ by {:.1} % in the median",
@@ -184,6 +203,11 @@ impl<'a> Case<'a> {
         );
         let report = Report { evidence, ..Report::of(mesh) };
         Ok(Some(Detection { outcome: Outcome::Found, symmetries: vec![symmetry], report, judging: None }))
+    }
+
+    fn gatherer(&self, proxy: Option<&Proxy>) -> Gatherer<'_> {
+        let mirrored_vertices = self.mechanisms.mirrored_vertices;
+        Gatherer::new(self.mesh, self.shells, proxy, self.connectivity.as_ref(), mirrored_vertices)
     }
 
     /// Simplifies and solves the largest shell.
@@ -195,7 +219,10 @@ impl<'a> Case<'a> {
         let solved = proxy.as_ref().map_or(largest, |proxy| &proxy.shell);
         let needed = estimated_memory(mesh.positions.len(), solved.points.len(), plan.eigenfunctions);
         check_memory(needed, options.memory)?;
-        let surface = IntrinsicSurface::with_mean_curvature(solved);
+        let surface = match self.mechanisms.curvature {
+            true => IntrinsicSurface::with_mean_curvature(solved),
+            false => IntrinsicSurface::new(solved),
+        };
         clock.lap("laplacian");
         let basis = Eigenbasis::new(&surface, plan.eigenfunctions, options.threads, progress)?;
         clock.lap("eigenfunctions");
@@ -224,10 +251,10 @@ impl<'a> Case<'a> {
         finished: &mut Vec<Finished>,
         clock: &mut Clock,
     ) -> Result<Detection> {
-        let Case { mesh, shells, options, progress, .. } = *self;
-        let (proxy, connectivity) = (solved.proxy.as_ref(), self.connectivity.as_ref());
-        let gatherer = Gatherer::new(mesh, shells, proxy, connectivity);
-        let assembler = Assembler::new(gatherer, self.filled, &solved.shell, proxy, plan, options);
+        let Case { mesh, options, progress, .. } = *self;
+        let proxy = solved.proxy.as_ref();
+        let assembler =
+            Assembler::new(self.gatherer(proxy), self.filled, &solved.shell, proxy, plan, options);
         let mirrored = self.mirrored(&assembler)?;
         let mut maps = match mirrored.as_ref().filter(|map| self.is_certain(map)) {
             Some(map) => vec![self.as_reflection(&assembler, map.clone())?],
