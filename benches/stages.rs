@@ -13,13 +13,13 @@
 #[path = "../tests/support/mod.rs"]
 mod support;
 
-use intrinsym::detect_again::{Previous, detect_again};
-use intrinsym::effort::Plan;
-use intrinsym::limits::{Limits, estimated_memory};
+use intrinsym::base::effort::Plan;
+use intrinsym::base::limits::{Limits, estimated_memory};
+use intrinsym::base::options::Options;
+use intrinsym::base::progress::Progress;
+use intrinsym::detect::detect_again::{Previous, detect_again};
+use intrinsym::detect::driver::{Detection, detect};
 use intrinsym::mesh::{Mesh, PolygonMesh, io};
-use intrinsym::options::Options;
-use intrinsym::pipeline::{Detection, detect};
-use intrinsym::progress::Progress;
 use serde_json::{Value, json};
 use std::path::Path;
 

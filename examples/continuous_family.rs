@@ -3,13 +3,13 @@
 //! `cargo run --release --example continuous_family MESH...` writes a line for each mesh: its path, the least gradient
 //! of the signatures, the verdict, and the milliseconds of the test after the eigenfunctions.
 
-use intrinsym::continuous_family::orbits;
-use intrinsym::eigenbasis::Eigenbasis;
-use intrinsym::laplacian::IntrinsicSurface;
-use intrinsym::limits::Limits;
+use intrinsym::base::limits::Limits;
+use intrinsym::base::options::Options;
+use intrinsym::base::progress::Progress;
 use intrinsym::mesh::{Mesh, io};
-use intrinsym::options::Options;
-use intrinsym::progress::Progress;
+use intrinsym::spectral::continuous_family::orbits;
+use intrinsym::spectral::eigenbasis::Eigenbasis;
+use intrinsym::spectral::laplacian::IntrinsicSurface;
 use std::path::Path;
 use std::time::Instant;
 

@@ -2,11 +2,11 @@
 //!
 //! `cargo run --release --example detect examples/human.ply`
 
-use intrinsym::limits::Limits;
+use intrinsym::base::limits::Limits;
+use intrinsym::base::options::Options;
+use intrinsym::base::progress::Progress;
+use intrinsym::detect::driver::detect;
 use intrinsym::mesh::{Mesh, io};
-use intrinsym::options::Options;
-use intrinsym::pipeline::detect;
-use intrinsym::progress::Progress;
 use std::path::Path;
 
 fn main() -> intrinsym::Result<()> {

@@ -4,18 +4,19 @@
 //! the small plan seeks the map `vertex partner` and the columns of `Evidence::features`. The best map is used, fitted to the rigid
 //! parts as answers are, accepted or not, and whatever the connectivity says.
 
-use intrinsym::confidence::Evidence;
-use intrinsym::effort::Plan;
-use intrinsym::full_refinement::MatchTarget;
-use intrinsym::laplacian::IntrinsicSurface;
-use intrinsym::limits::Limits;
+use intrinsym::base::effort::Plan;
+use intrinsym::base::limits::Limits;
+use intrinsym::base::options::Options;
+use intrinsym::base::progress::Progress;
+use intrinsym::base::symmetry_kind::SymmetryKind;
+use intrinsym::detect::proxy::Proxy;
+use intrinsym::detect::shell_symmetry::{PreparedShell, candidates, finish, signs};
 use intrinsym::mesh::{Mesh, io};
-use intrinsym::options::Options;
-use intrinsym::progress::Progress;
-use intrinsym::proxy::Proxy;
-use intrinsym::rigid_parts;
-use intrinsym::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, signs};
-use intrinsym::symmetry_kind::SymmetryKind;
+use intrinsym::refine::full_refinement::MatchTarget;
+use intrinsym::refine::rigid_parts;
+use intrinsym::spectral::laplacian::IntrinsicSurface;
+use intrinsym::verify::confidence::Evidence;
+use intrinsym::verify::hypothesis::Hypothesis;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -48,7 +49,7 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let map = finish(&shell, &target, candidate, &plan, 0, &progress)?;
     let (kind, token) = (SymmetryKind::Reflection, progress.token());
     let fitted = rigid_parts::fit(solved, &shell.surface, &map.images, kind, &plan.parts, 1, token)?;
-    let evidence = Evidence::new(&target, &ShellSymmetry { images: fitted.images.clone(), ..map }, 2);
+    let evidence = Evidence::new(&target, &Hypothesis { images: fitted.images.clone(), ..map }, 2);
     let vertex = |local: u32| mesh.vertex_of_point[solved.points[local as usize] as usize];
     let mut text = String::new();
     for (local, partner) in fitted.images.partners.iter().enumerate() {

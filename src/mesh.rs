@@ -17,8 +17,8 @@ mod validate;
 pub mod vector;
 mod weld;
 
-use crate::error::Result;
-use crate::limits::Limits;
+use crate::base::error::Result;
+use crate::base::limits::Limits;
 use edges::EdgeTable;
 use frame::Frame;
 use polygons::Polygons;

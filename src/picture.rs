@@ -10,8 +10,8 @@ mod view;
 
 pub use view::Up;
 
-use crate::correspondence::Symmetry;
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
+use crate::detect::correspondence::Symmetry;
 use crate::mesh::Mesh;
 use facets::Surface;
 use view::View;

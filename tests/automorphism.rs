@@ -3,11 +3,11 @@
 //! A figure is the surface of a set of voxels, each face cut into a grid of quads: irregular vertices at
 //! its edges and corners, regular grids between. Reflecting x gives the truth.
 
-use intrinsym::automorphism::{Automorphism, Connectivity, find};
+use intrinsym::base::progress::Progress;
+use intrinsym::base::symmetry_kind::SymmetryKind::{self, HalfTurn, Reflection};
+use intrinsym::connectivity::automorphism::{Automorphism, Connectivity, find};
 use intrinsym::mesh::NONE;
 use intrinsym::mesh::half_edges::HalfEdges;
-use intrinsym::progress::Progress;
-use intrinsym::symmetry_kind::SymmetryKind::{self, HalfTurn, Reflection};
 use proptest::prelude::*;
 use std::collections::{HashMap, HashSet};
 

@@ -1,11 +1,11 @@
 //! The bijection by connectivity on the shipped examples, whose mirror tables are the truth.
 
-use intrinsym::automorphism::{Automorphism, Connectivity, LengthChange, find};
-use intrinsym::limits::Limits;
+use intrinsym::base::limits::Limits;
+use intrinsym::base::progress::Progress;
+use intrinsym::base::symmetry_kind::SymmetryKind::Reflection;
+use intrinsym::connectivity::automorphism::{Automorphism, Connectivity, LengthChange, find};
 use intrinsym::mesh::half_edges::HalfEdges;
 use intrinsym::mesh::{Mesh, NONE, io};
-use intrinsym::progress::Progress;
-use intrinsym::symmetry_kind::SymmetryKind::Reflection;
 use std::path::Path;
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");

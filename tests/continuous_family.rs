@@ -2,13 +2,13 @@
 
 mod support;
 
-use intrinsym::continuous_family::{Orbits, orbits};
-use intrinsym::eigenbasis::Eigenbasis;
-use intrinsym::laplacian::IntrinsicSurface;
+use intrinsym::base::options::Options;
+use intrinsym::base::progress::Progress;
+use intrinsym::detect::driver::{Outcome, detect};
 use intrinsym::mesh::PolygonMesh;
-use intrinsym::options::Options;
-use intrinsym::pipeline::{Outcome, detect};
-use intrinsym::progress::Progress;
+use intrinsym::spectral::continuous_family::{Orbits, orbits};
+use intrinsym::spectral::eigenbasis::Eigenbasis;
+use intrinsym::spectral::laplacian::IntrinsicSurface;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use support::{Vector, creature, dot, example, icosphere, polygon_mesh, rectangle, rotated, validated};

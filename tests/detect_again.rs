@@ -2,13 +2,13 @@
 
 mod support;
 
-use intrinsym::acceptance::Judgement;
-use intrinsym::detect_again::{Previous, detect_again};
-use intrinsym::error::Error;
+use intrinsym::base::error::Error;
+use intrinsym::base::options::Options;
+use intrinsym::base::progress::Progress;
+use intrinsym::detect::detect_again::{Previous, detect_again};
+use intrinsym::detect::driver::{Detection, Outcome, detect};
 use intrinsym::mesh::PolygonMesh;
-use intrinsym::options::Options;
-use intrinsym::pipeline::{Detection, Outcome, detect};
-use intrinsym::progress::Progress;
+use intrinsym::verify::acceptance::Judgement;
 use std::sync::Arc;
 use support::*;
 

@@ -2,14 +2,14 @@
 
 mod support;
 
-use intrinsym::effort::Plan;
-use intrinsym::error::Error;
-use intrinsym::limits::estimated_memory;
+use intrinsym::base::effort::Plan;
+use intrinsym::base::error::Error;
+use intrinsym::base::limits::estimated_memory;
+use intrinsym::base::options::{OPTIONS, Options};
+use intrinsym::base::progress::{CancelToken, Progress};
+use intrinsym::base::symmetry_kind::SymmetryKind;
+use intrinsym::detect::driver::{Detection, Outcome, detect};
 use intrinsym::mesh::{Mesh, NONE, PolygonMesh};
-use intrinsym::options::{OPTIONS, Options};
-use intrinsym::pipeline::{Detection, Outcome, detect};
-use intrinsym::progress::{CancelToken, Progress};
-use intrinsym::symmetry_kind::SymmetryKind;
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
 use support::*;

@@ -3,12 +3,12 @@
 mod support;
 
 use faer::Mat;
-use intrinsym::dense::product;
-use intrinsym::eigenbasis::{Accuracy, Eigenbasis};
-use intrinsym::laplacian::IntrinsicSurface;
+use intrinsym::base::progress::Progress;
+use intrinsym::detect::driver;
 use intrinsym::mesh::PolygonMesh;
-use intrinsym::pipeline;
-use intrinsym::progress::Progress;
+use intrinsym::spectral::dense::product;
+use intrinsym::spectral::eigenbasis::{Accuracy, Eigenbasis};
+use intrinsym::spectral::laplacian::IntrinsicSurface;
 use std::f64::consts::PI;
 use support::{creature, example, icosphere, rectangle, validated};
 
@@ -151,7 +151,7 @@ fn eigen_answers_in_the_callers_numbering_and_leaves_other_shells_out() {
     mesh.positions.extend([[9.0, 0.0, 0.0], [9.1, 0.0, 0.0], [9.0, 0.1, 0.0], [7.0, 7.0, 7.0]]);
     mesh.face_vertices.extend([first as u32, first as u32 + 1, first as u32 + 2]);
     mesh.face_offsets.push(mesh.face_vertices.len() as u32);
-    let eigen = pipeline::eigen(&validated(&mesh), 8, &Progress::default()).unwrap();
+    let eigen = driver::eigen(&validated(&mesh), 8, &Progress::default()).unwrap();
     assert_eq!(eigen.eigenfunctions.len(), 8 * mesh.positions.len());
     assert!(eigen.eigenfunctions[..8 * first].iter().all(|value| value.is_finite()));
     assert!(eigen.eigenfunctions[8 * first..].iter().all(|value| value.is_nan()));

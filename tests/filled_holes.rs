@@ -2,13 +2,13 @@
 
 mod support;
 
-use intrinsym::embedded_triangles::TrianglePoint;
-use intrinsym::filled_holes::FilledShell;
-use intrinsym::full_refinement::VertexImages;
+use intrinsym::base::options::Options;
+use intrinsym::base::progress::Progress;
+use intrinsym::detect::driver::{Detection, Outcome, detect};
+use intrinsym::detect::filled_holes::FilledShell;
+use intrinsym::geometry::embedded_triangles::TrianglePoint;
+use intrinsym::geometry::vertex_map::VertexMap;
 use intrinsym::mesh::{NONE, PolygonMesh, Shell};
-use intrinsym::options::Options;
-use intrinsym::pipeline::{Detection, Outcome, detect};
-use intrinsym::progress::Progress;
 use std::collections::{BTreeSet, HashMap};
 use support::*;
 
@@ -87,7 +87,7 @@ fn an_image_in_a_filling_goes_to_its_rim_and_is_less_trusted() {
     assert_eq!(middle as usize, shell.points.len());
     let at = |triangle: usize, barycentric| TrianglePoint { triangle: triangle as u32, barycentric };
     let points = vec![at(0, [0.5, 0.5, 0.0]), at(own, [0.1, 0.9, 0.0]), at(own, [0.0, 0.0, 1.0])];
-    let mut images = VertexImages { partners: vec![all[0][0], b, middle], points };
+    let mut images = VertexMap { partners: vec![all[0][0], b, middle], points };
     let kept = filled.leave_fillings(&mut images);
     assert_eq!((images.partners[0], images.points[0], kept[0]), (all[0][0], at(0, [0.5, 0.5, 0.0]), 1.0));
     assert_eq!(images.partners[1], b);

@@ -3,28 +3,30 @@
 mod support;
 
 use faer::Mat;
-use intrinsym::acceptance::{Judgement, Rigidity};
-use intrinsym::candidate_score::{Score, Scorer};
-use intrinsym::dense::product;
-use intrinsym::effort::Plan;
-use intrinsym::eigenbasis::{Accuracy, Eigenbasis};
-use intrinsym::embedded_triangles::Fans;
-use intrinsym::extrema_starts;
-use intrinsym::fixed_curve::{odd_function, zero_set};
-use intrinsym::full_refinement::{self, MatchTarget, VertexImages};
-use intrinsym::functional_map::{
+use intrinsym::base::effort::Plan;
+use intrinsym::base::progress::{CancelToken, Progress};
+use intrinsym::base::symmetry_kind::SymmetryKind;
+use intrinsym::detect::fixed_curve::{odd_function, zero_set};
+use intrinsym::geometry::embedded_triangles::Fans;
+use intrinsym::geometry::vertex_map::VertexMap;
+use intrinsym::mesh::{NONE, PolygonMesh, Shell};
+use intrinsym::refine::full_refinement::{self, MatchTarget};
+use intrinsym::refine::mesh_descent::{MeshDescent, Seeds};
+use intrinsym::refine::rigid_parts::Rigidity;
+use intrinsym::refine::vertex_rows::Guide;
+use intrinsym::search::candidate_score::{Score, Scorer};
+use intrinsym::search::extrema_starts;
+use intrinsym::search::functional_map::{
     Projection, commutator, estimate, from_parity, mean_trace, nearest_involution, nearest_orthogonal,
     project,
 };
-use intrinsym::laplacian::IntrinsicSurface;
-use intrinsym::mesh::{NONE, PolygonMesh, Shell};
-use intrinsym::mesh_descent::{MeshDescent, Seeds};
-use intrinsym::progress::{CancelToken, Progress};
-use intrinsym::refinement::{SampleRefiner, embed, nearest};
-use intrinsym::sampling::Samples;
-use intrinsym::signature;
-use intrinsym::symmetry_kind::SymmetryKind;
-use intrinsym::vertex_rows::Guide;
+use intrinsym::search::refinement::{SampleRefiner, embed, nearest};
+use intrinsym::spectral::dense::product;
+use intrinsym::spectral::eigenbasis::{Accuracy, Eigenbasis};
+use intrinsym::spectral::laplacian::IntrinsicSurface;
+use intrinsym::spectral::sampling::Samples;
+use intrinsym::spectral::signature;
+use intrinsym::verify::acceptance::Judgement;
 use support::{
     creature, creature_truth, distance, example, example_truth, icosphere, rectangle, rotated, validated,
 };
@@ -319,7 +321,7 @@ fn a_map_grows_by_the_schedule_with_curvature_and_without() {
     let schedule = Plan::small().schedule;
     let grown = |shape: &Shape| {
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
-        let truth = VertexImages::at_vertices(&shape.surface.triangles, shape.truth.clone());
+        let truth = VertexMap::at_vertices(&shape.surface.triangles, shape.truth.clone());
         let token = CancelToken::default();
         let (map, grown) =
             full_refinement::refine(&target, truth, &schedule, Guide::MeanCurvature, &token).unwrap();
@@ -428,7 +430,7 @@ fn a_half_turn_is_turned_over_to_the_reflection() {
 fn signatures_of_true_partners_agree_and_those_of_others_do_not() {
     for (shape, largest) in [(Shape::creature(3, 0.0), 1e-6), (Shape::quadruped(), 0.15)] {
         let mean = |partners: &[u32]| {
-            let images = VertexImages::at_vertices(&shape.surface.triangles, partners.to_vec());
+            let images = VertexMap::at_vertices(&shape.surface.triangles, partners.to_vec());
             let mismatch = signature::mismatch(&shape.surface, &shape.basis, &images);
             signature::mean(&shape.surface.lumped_mass, mismatch.into_iter())
         };

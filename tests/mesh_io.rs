@@ -1,7 +1,7 @@
 //! Mesh files: what is read from each encoding, and what is written back.
 
-use intrinsym::error::Error;
-use intrinsym::limits::Limits;
+use intrinsym::base::error::Error;
+use intrinsym::base::limits::Limits;
 use intrinsym::mesh::io::{self, AttributeValues, Format, MeshFile, VertexAttribute};
 use std::path::{Path, PathBuf};
 

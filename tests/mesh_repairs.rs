@@ -1,7 +1,7 @@
 //! Each repair of `Mesh::new` on the smallest mesh that needs it.
 
-use intrinsym::error::Error;
-use intrinsym::limits::Limits;
+use intrinsym::base::error::Error;
+use intrinsym::base::limits::Limits;
 use intrinsym::mesh::{Mesh, NONE, PolygonMesh, RepairReport};
 
 fn polygons(positions: &[[f64; 3]], faces: &[&[u32]]) -> PolygonMesh {

@@ -2,13 +2,13 @@
 
 mod support;
 
-use intrinsym::automorphism::Automorphism;
-use intrinsym::embedded_triangles::{Fans, TrianglePoint};
-use intrinsym::error::Error;
+use intrinsym::base::error::Error;
+use intrinsym::base::progress::{CancelToken, Progress};
+use intrinsym::base::symmetry_kind::SymmetryKind::{self, HalfTurn, Reflection};
+use intrinsym::connectivity::automorphism::Automorphism;
+use intrinsym::connectivity::mirrored_vertices::{Estimate, MirroredVertices, find};
+use intrinsym::geometry::embedded_triangles::{Fans, TrianglePoint};
 use intrinsym::mesh::{Mesh, NONE, PolygonMesh};
-use intrinsym::mirrored_vertices::{Estimate, MirroredVertices, find};
-use intrinsym::progress::{CancelToken, Progress};
-use intrinsym::symmetry_kind::SymmetryKind::{self, HalfTurn, Reflection};
 use support::*;
 
 /// A map of the points of a mesh.

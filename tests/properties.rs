@@ -6,16 +6,16 @@
 
 mod support;
 
-use intrinsym::candidates::Candidate;
-use intrinsym::effort::Plan;
-use intrinsym::full_refinement::MatchTarget;
-use intrinsym::laplacian::IntrinsicSurface;
+use intrinsym::base::effort::Plan;
+use intrinsym::base::options::Options;
+use intrinsym::base::progress::Progress;
+use intrinsym::detect::driver::{Outcome, detect};
+use intrinsym::detect::shell_symmetry::{self, PreparedShell};
 use intrinsym::mesh::PolygonMesh;
-use intrinsym::options::Options;
-use intrinsym::pipeline::{Outcome, detect};
-use intrinsym::progress::Progress;
-use intrinsym::sampling::Samples;
-use intrinsym::shell_symmetry::{self, PreparedShell};
+use intrinsym::refine::full_refinement::MatchTarget;
+use intrinsym::search::candidates::Candidate;
+use intrinsym::spectral::laplacian::IntrinsicSurface;
+use intrinsym::spectral::sampling::Samples;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::sync::LazyLock;

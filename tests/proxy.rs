@@ -2,16 +2,16 @@
 
 mod support;
 
-use intrinsym::eigenbasis::{Accuracy, Eigenbasis};
-use intrinsym::embedded_triangles::TrianglePoint;
-use intrinsym::full_refinement::VertexImages;
-use intrinsym::laplacian::IntrinsicSurface;
+use intrinsym::base::options::Options;
+use intrinsym::base::progress::Progress;
+use intrinsym::detect::driver::{Detection, Outcome, detect};
+use intrinsym::detect::proxy::Proxy;
+use intrinsym::detect::stated_signs;
+use intrinsym::geometry::embedded_triangles::TrianglePoint;
+use intrinsym::geometry::vertex_map::VertexMap;
 use intrinsym::mesh::Shell;
-use intrinsym::options::Options;
-use intrinsym::pipeline::{Detection, Outcome, detect};
-use intrinsym::progress::Progress;
-use intrinsym::proxy::Proxy;
-use intrinsym::stated_signs;
+use intrinsym::spectral::eigenbasis::{Accuracy, Eigenbasis};
+use intrinsym::spectral::laplacian::IntrinsicSurface;
 use std::collections::HashMap;
 use support::*;
 
@@ -61,7 +61,7 @@ fn the_identity_on_the_proxy_is_carried_to_the_identity() {
     let fine = human_shell();
     let proxy = Proxy::new(&fine, 3000, 2).unwrap();
     let itself = (0..proxy.shell.positions.len() as u32).collect();
-    let carried = proxy.carry_images(&VertexImages::at_vertices(&proxy.shell.triangles, itself));
+    let carried = proxy.carry_images(&VertexMap::at_vertices(&proxy.shell.triangles, itself));
     let moved = |vertex: usize| distance(at(&fine, &carried.points[vertex]), fine.positions[vertex]);
     let worst = (0..fine.positions.len()).map(moved).fold(0.0, f64::max);
     assert!(worst < 0.02, "{worst} sqrt(area)");

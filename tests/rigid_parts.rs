@@ -2,15 +2,15 @@
 
 mod support;
 
-use intrinsym::effort::PartsEffort;
-use intrinsym::error::Error;
-use intrinsym::full_refinement::VertexImages;
-use intrinsym::laplacian::IntrinsicSurface;
+use intrinsym::base::effort::PartsEffort;
+use intrinsym::base::error::Error;
+use intrinsym::base::progress::CancelToken;
+use intrinsym::base::symmetry_kind::SymmetryKind::{self, HalfTurn, Reflection};
+use intrinsym::geometry::surface_walk::SurfaceWalk;
+use intrinsym::geometry::vertex_map::VertexMap;
 use intrinsym::mesh::{PolygonMesh, Shell};
-use intrinsym::progress::CancelToken;
-use intrinsym::rigid_parts::{Fitted, fit};
-use intrinsym::surface_walk::SurfaceWalk;
-use intrinsym::symmetry_kind::SymmetryKind::{self, HalfTurn, Reflection};
+use intrinsym::refine::rigid_parts::{Fitted, fit};
+use intrinsym::spectral::laplacian::IntrinsicSurface;
 use support::*;
 
 /// The largest shell of a mesh whose points are its vertices.
@@ -21,7 +21,7 @@ fn shell(mesh: &PolygonMesh) -> Shell {
 }
 
 /// Sends each vertex to the point of the surface nearest to where `truth` sends it, moved.
-fn moved(shell: &Shell, truth: &[u32], offset: impl Fn(Vector) -> Vector) -> VertexImages {
+fn moved(shell: &Shell, truth: &[u32], offset: impl Fn(Vector) -> Vector) -> VertexMap {
     let walk = SurfaceWalk::new(&shell.positions, &shell.triangles);
     let image = |&vertex: &u32| {
         let position = shell.positions[vertex as usize];
@@ -29,7 +29,7 @@ fn moved(shell: &Shell, truth: &[u32], offset: impl Fn(Vector) -> Vector) -> Ver
         walk.nearest([0, 1, 2].map(|axis| position[axis] + offset[axis]), vertex)
     };
     let (partners, points) = truth.iter().map(image).unzip();
-    VertexImages { partners, points }
+    VertexMap { partners, points }
 }
 
 /// A displacement that changes from place to place.
@@ -38,7 +38,7 @@ fn waves(size: f64) -> impl Fn(Vector) -> Vector {
 }
 
 /// Distance of each image from the true one, in sqrt(area).
-fn off_each(shell: &Shell, images: &VertexImages, truth: &[u32]) -> Vec<f64> {
+fn off_each(shell: &Shell, images: &VertexMap, truth: &[u32]) -> Vec<f64> {
     let position = |coordinates: &[Vector], corners: [u32; 3], weights: [f32; 3]| -> Vector {
         let at = |axis: usize| {
             (0..3).map(|k| f64::from(weights[k]) * coordinates[corners[k] as usize][axis]).sum::<f64>()
@@ -55,17 +55,17 @@ fn off_each(shell: &Shell, images: &VertexImages, truth: &[u32]) -> Vec<f64> {
 }
 
 /// The mean of that.
-fn off(shell: &Shell, images: &VertexImages, truth: &[u32]) -> f64 {
+fn off(shell: &Shell, images: &VertexMap, truth: &[u32]) -> f64 {
     let errors = off_each(shell, images, truth);
     errors.iter().sum::<f64>() / errors.len() as f64
 }
 
-fn fitted_on(threads: usize, shell: &Shell, images: &VertexImages, kind: SymmetryKind) -> Fitted {
+fn fitted_on(threads: usize, shell: &Shell, images: &VertexMap, kind: SymmetryKind) -> Fitted {
     let (surface, effort) = (IntrinsicSurface::new(shell), PartsEffort::default());
     fit(shell, &surface, images, kind, &effort, threads, &CancelToken::default()).unwrap()
 }
 
-fn fitted(shell: &Shell, images: &VertexImages, kind: SymmetryKind) -> VertexImages {
+fn fitted(shell: &Shell, images: &VertexMap, kind: SymmetryKind) -> VertexMap {
     fitted_on(2, shell, images, kind).images
 }
 
@@ -131,7 +131,7 @@ fn most_vertices_torn_from_those_around_them_are_brought_back() {
         images.partners[vertex] = images.partners[other];
         images.points[vertex] = images.points[other];
     }
-    let far = |images: &VertexImages| {
+    let far = |images: &VertexMap| {
         let errors = off_each(&shell, images, &truth);
         torn.iter().filter(|&&vertex| errors[vertex] > 0.05).count() as f64 / torn.len() as f64
     };

@@ -2,14 +2,14 @@
 
 mod support;
 
-use intrinsym::correspondence::Symmetry;
-use intrinsym::detect_again::detect_again;
+use intrinsym::base::options::{Effort, Options};
+use intrinsym::base::progress::Progress;
+use intrinsym::base::symmetry_kind::SymmetryKind;
+use intrinsym::detect::correspondence::Symmetry;
+use intrinsym::detect::detect_again::detect_again;
+use intrinsym::detect::driver::{Detection, detect};
+use intrinsym::detect::report;
 use intrinsym::mesh::PolygonMesh;
-use intrinsym::options::{Effort, Options};
-use intrinsym::pipeline::{Detection, detect};
-use intrinsym::progress::Progress;
-use intrinsym::report;
-use intrinsym::symmetry_kind::SymmetryKind;
 use std::f64::consts::TAU;
 use support::*;
 

@@ -3,8 +3,8 @@
 
 use std::path::PathBuf;
 
-use intrinsym::error::Error;
-use intrinsym::sign_network::{SignNetwork, SignPrediction};
+use intrinsym::base::error::Error;
+use intrinsym::search::sign_network::{SignNetwork, SignPrediction};
 use proptest::prelude::*;
 use sha2::{Digest, Sha256};
 

@@ -3,9 +3,9 @@
 
 mod support;
 
-use intrinsym::options::Options;
-use intrinsym::pipeline::{Outcome, detect};
-use intrinsym::progress::Progress;
+use intrinsym::base::options::Options;
+use intrinsym::base::progress::Progress;
+use intrinsym::detect::driver::{Outcome, detect};
 use std::fs;
 use std::thread;
 use std::time::Duration;

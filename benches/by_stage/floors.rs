@@ -6,11 +6,11 @@
 //! gradients, the candidates' searches, the distances that an image takes. They were counted once, in November 2026, by
 //! counters put into the code for that; `WIDTH` to `COARSE` below follow `src` and are to be changed with it.
 
-use intrinsym::full_refinement::VertexImages;
-use intrinsym::laplacian::SymmetricSparse;
+use intrinsym::detect::shell_symmetry::PreparedShell;
+use intrinsym::geometry::vertex_map::VertexMap;
 use intrinsym::mesh::{Mesh, PolygonMesh};
-use intrinsym::shell_symmetry::PreparedShell;
-use intrinsym::sparse_cholesky::Analysis;
+use intrinsym::spectral::laplacian::SymmetricSparse;
+use intrinsym::spectral::sparse_cholesky::Analysis;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -63,7 +63,7 @@ fn bytes_of_matrix(matrix: &SymmetricSparse) -> f64 {
 }
 
 impl Floors {
-    pub fn of(polygons: &PolygonMesh, mesh: &Mesh, shell: &PreparedShell, images: &VertexImages) -> Floors {
+    pub fn of(polygons: &PolygonMesh, mesh: &Mesh, shell: &PreparedShell, images: &VertexMap) -> Floors {
         let (surface, size) = (&shell.surface, shell.surface.vertex_count() as f64);
         let count = shell.basis.count();
         let functions = 8.0 * size * count as f64;

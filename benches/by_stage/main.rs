@@ -15,29 +15,31 @@ mod support;
 
 use criterion::{BatchSize, BenchmarkId, Criterion, SamplingMode};
 use floors::Floors;
-use intrinsym::assembly::{PointMap, Summary, symmetry};
-use intrinsym::automorphism::Connectivity;
-use intrinsym::confidence::Evidence;
-use intrinsym::continuous_family::orbits;
-use intrinsym::displacement::mean_displacement;
-use intrinsym::effort::Plan;
-use intrinsym::eigenbasis::Eigenbasis;
-use intrinsym::fixed_curve::{odd_function, zero_set};
-use intrinsym::full_refinement::{MatchTarget, VertexImages};
-use intrinsym::laplacian::IntrinsicSurface;
-use intrinsym::limits::Limits;
+use intrinsym::base::effort::Plan;
+use intrinsym::base::limits::Limits;
+use intrinsym::base::options::Options;
+use intrinsym::base::progress::Progress;
+use intrinsym::base::symmetry_kind::SymmetryKind;
+use intrinsym::connectivity::automorphism::Connectivity;
+use intrinsym::connectivity::mirrored_vertices;
+use intrinsym::detect::assembly::{PointMap, Summary, symmetry};
+use intrinsym::detect::driver::detect;
+use intrinsym::detect::fixed_curve::{odd_function, zero_set};
+use intrinsym::detect::proxy::Proxy;
+use intrinsym::detect::shell_symmetry::{PreparedShell, candidates, finish, signs};
+use intrinsym::geometry::vertex_map::VertexMap;
 use intrinsym::mesh::half_edges::HalfEdges;
 use intrinsym::mesh::{Mesh, Shell};
-use intrinsym::mirrored_vertices;
-use intrinsym::options::Options;
-use intrinsym::pipeline::detect;
-use intrinsym::progress::Progress;
-use intrinsym::proxy::Proxy;
-use intrinsym::rigid_parts;
-use intrinsym::sampling::Samples;
-use intrinsym::shell_symmetry::{PreparedShell, ShellSymmetry, candidates, finish, signs};
-use intrinsym::signature;
-use intrinsym::symmetry_kind::SymmetryKind;
+use intrinsym::refine::full_refinement::MatchTarget;
+use intrinsym::refine::rigid_parts;
+use intrinsym::spectral::continuous_family::orbits;
+use intrinsym::spectral::displacement::mean_displacement;
+use intrinsym::spectral::eigenbasis::Eigenbasis;
+use intrinsym::spectral::laplacian::IntrinsicSurface;
+use intrinsym::spectral::sampling::Samples;
+use intrinsym::spectral::signature;
+use intrinsym::verify::confidence::Evidence;
+use intrinsym::verify::hypothesis::Hypothesis;
 use std::time::Duration;
 
 /// The creature's turn, in radians, as in `benches/stages.rs`.
@@ -105,7 +107,7 @@ fn measure(criterion: &mut Criterion, frequency: u32) {
         rigid_parts::fit(solved, surface, &found.images, kind, &plan.parts, options.threads, quiet.token())
     };
     timer.time("rigid parts", fit);
-    let found = ShellSymmetry { images: fit().expect("images").images, ..found.clone() };
+    let found = Hypothesis { images: fit().expect("images").images, ..found.clone() };
     timer.time("confidence", || Evidence::new(&target, &found, 2).confidence());
     let confidence = Evidence::new(&target, &found, 2).confidence();
     timer.time("sides", || odd_function(&shell.surface, &shell.basis, &found.images));
@@ -175,7 +177,7 @@ fn time_search(
     target: &MatchTarget,
     plan: &Plan,
     options: &Options,
-) -> ShellSymmetry {
+) -> Hypothesis {
     let quiet = Progress::default();
     timer.time("sign network", || signs(&shell.surface, &shell.basis, options, &[]));
     let signs = signs(&shell.surface, &shell.basis, options, &[]).expect("signs");
@@ -197,7 +199,7 @@ fn carried(
     mesh: &Mesh,
     shell: &Shell,
     proxy: Option<&Proxy>,
-    images: &VertexImages,
+    images: &VertexMap,
     confidence: &[f32],
     odd: &[f64],
 ) -> PointMap {

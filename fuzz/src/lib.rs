@@ -1,6 +1,6 @@
 //! What the targets share.
 
-use intrinsym::limits::Limits;
+use intrinsym::base::limits::Limits;
 use intrinsym::mesh::{Mesh, PolygonMesh, io};
 use std::path::Path;
 

@@ -2,9 +2,9 @@
 #![no_main]
 
 use intrinsym::mesh::PolygonMesh;
-use intrinsym::options::Options;
-use intrinsym::pipeline::detect;
-use intrinsym::progress::{CancelToken, Progress};
+use intrinsym::base::options::Options;
+use intrinsym::detect::driver::detect;
+use intrinsym::base::progress::{CancelToken, Progress};
 use intrinsym_fuzz::validated;
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 

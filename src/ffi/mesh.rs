@@ -7,11 +7,11 @@ use super::options::{isym_options, options_of};
 use super::progress::{PROGRESSES, isym_progress};
 use super::result::{RESULTS, ResultObject, isym_result};
 use super::status::{Fault, ISYM_ERROR_VALUE, Result, boundary, isym_status};
-use crate::detect_again::detect_again;
-use crate::limits::Limits;
+use crate::base::limits::Limits;
+use crate::detect::detect_again::detect_again;
+use crate::detect::driver::{detect, eigen};
 use crate::mesh::io::{self, Format};
 use crate::mesh::{Mesh, PolygonMesh};
-use crate::pipeline::{detect, eigen};
 use std::ffi::c_char;
 use std::path::{Path, PathBuf};
 

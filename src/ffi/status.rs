@@ -1,6 +1,6 @@
 //! Status codes, the text of the last error, and the border that no panic crosses.
 
-use crate::error::Error;
+use crate::base::error::Error;
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};

@@ -6,11 +6,11 @@ use super::progress::{PROGRESSES, isym_progress};
 use super::result::{RESULTS, ResultObject, isym_result};
 use super::status::{Fault, ISYM_ERROR_LENGTH, ISYM_ERROR_VALUE, Result, boundary, isym_status};
 use crate::mesh::vector::Vector;
-use crate::mirror_tools::curve_distance::curve_distances;
-use crate::mirror_tools::faces::mirror_face_selection;
-use crate::mirror_tools::frames::carry_displacement;
-use crate::mirror_tools::positions::symmetrize;
-use crate::mirror_tools::{Merge, Mirroring, mirror_selection, mirror_values};
+use crate::mirror::curve_distance::curve_distances;
+use crate::mirror::faces::mirror_face_selection;
+use crate::mirror::frames::carry_displacement;
+use crate::mirror::positions::symmetrize;
+use crate::mirror::{Merge, Mirroring, mirror_selection, mirror_values};
 use std::sync::Arc;
 
 /// Which vertices take the value of their mirror image: one of the `ISYM_MERGE_` constants.

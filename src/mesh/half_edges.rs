@@ -6,7 +6,7 @@
 //! about 36 bytes per half-edge while it is built, 16 afterwards.
 
 use super::{NONE, fans, openmesh};
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 
 /// Half-edges of a manifold polygon mesh with boundary, as flat arrays.
 ///

@@ -10,9 +10,9 @@ mod scanner;
 mod stl;
 
 use super::PolygonMesh;
-use crate::atomic_file::write_atomically;
-use crate::error::{Error, Result};
-use crate::limits::Limits;
+use crate::base::atomic_file::write_atomically;
+use crate::base::error::{Error, Result};
+use crate::base::limits::Limits;
 use ply::PlyFile;
 use scanner::Fault;
 use std::fs::File;

@@ -5,7 +5,7 @@
 //! refuses nothing (a refusal would print to standard error).
 #![allow(unsafe_code)]
 
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 use crate::mesh::NONE;
 
 #[cxx::bridge(namespace = "intrinsym")]

@@ -8,7 +8,7 @@ use super::{Mesh, NONE};
 /// One connected component, in numbering and scale of its own.
 #[derive(Debug, Clone)]
 pub struct Shell {
-    /// The mesh's point of each local point, rising; [`NONE`] of what [fills holes](crate::filled_holes).
+    /// The mesh's point of each local point, rising; [`NONE`] of what [fills holes](crate::detect::filled_holes).
     pub points: Vec<u32>,
     /// Positions of the local points, centred at their mean; the shell's own area is 1.
     pub positions: Vec<Vector>,

@@ -1,8 +1,8 @@
 //! The refusals: what no repair can make a surface of. Each names the first bad element.
 
 use super::PolygonMesh;
-use crate::error::{Error, Result};
-use crate::limits::Limits;
+use crate::base::error::{Error, Result};
+use crate::base::limits::Limits;
 
 /// Refuses polygons that are not a mesh, before anything is built from them.
 ///

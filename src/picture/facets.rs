@@ -1,10 +1,10 @@
 //! The surface as small flat facets of one colour each, and the pieces of the fixed curve, seen in a view.
 
 use super::view::View;
-use crate::correspondence::{EdgePoint, Symmetry};
+use crate::detect::correspondence::{EdgePoint, Symmetry};
 use crate::mesh::vector::{cross, dot, subtract};
 use crate::mesh::{Mesh, NONE};
-use crate::pair_colour::pair_colours;
+use crate::mirror::pair_colour::pair_colours;
 
 /// Longest edge of a facet in pixels: longer ones are halved, for smooth colours and correct order.
 const LONGEST_EDGE: f32 = 18.0;

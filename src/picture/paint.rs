@@ -2,7 +2,7 @@
 
 use super::facets::{Item, Placement, Surface};
 use super::view::View;
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 use tiny_skia::{
     Color, FillRule, FilterQuality, LineCap, Paint, PathBuilder, Pixmap, PixmapPaint, Stroke, Transform,
 };

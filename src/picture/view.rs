@@ -1,6 +1,6 @@
 //! Where to look from: upright, and so that both sides of the symmetry are seen.
 
-use crate::correspondence::Symmetry;
+use crate::detect::correspondence::Symmetry;
 use crate::mesh::vector::{Vector, cross, dot, subtract, triangle_area};
 use crate::mesh::{Mesh, NONE};
 
@@ -172,7 +172,7 @@ fn normalised(vector: Vector) -> Option<Vector> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::limits::Limits;
+    use crate::base::limits::Limits;
     use crate::mesh::PolygonMesh;
 
     #[test]

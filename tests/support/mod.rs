@@ -1,11 +1,11 @@
 //! Meshes that the stage and property tests share: made in code, or read from `examples/`.
 #![allow(dead_code)] // each test binary uses a part
 
-use intrinsym::correspondence::Symmetry;
-use intrinsym::limits::Limits;
+use intrinsym::base::limits::Limits;
+use intrinsym::base::options::Options;
+use intrinsym::detect::correspondence::Symmetry;
+use intrinsym::detect::driver::{Detection, Outcome};
 use intrinsym::mesh::{Mesh, PolygonMesh, io};
-use intrinsym::options::Options;
-use intrinsym::pipeline::{Detection, Outcome};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 

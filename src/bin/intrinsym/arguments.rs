@@ -3,8 +3,8 @@
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command as ClapCommand, FromArgMatches, Parser, Subcommand};
-use intrinsym::limits::Limits;
-use intrinsym::options::{OPTIONS, OptionSpec, Options};
+use intrinsym::base::limits::Limits;
+use intrinsym::base::options::{OPTIONS, OptionSpec, Options};
 use intrinsym::picture::Up;
 use std::path::PathBuf;
 

@@ -4,11 +4,11 @@ use crate::Ending;
 use crate::arguments::Eigen as Arguments;
 use crate::numpy_archive::{Array, archive};
 use crate::terminal;
-use intrinsym::atomic_file::write_atomically;
-use intrinsym::error::Result;
+use intrinsym::base::atomic_file::write_atomically;
+use intrinsym::base::error::Result;
+use intrinsym::base::progress::{CancelToken, Progress};
+use intrinsym::detect::driver::{Eigen, eigen};
 use intrinsym::mesh::{Mesh, io};
-use intrinsym::pipeline::{Eigen, eigen};
-use intrinsym::progress::{CancelToken, Progress};
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, token: &CancelToken) -> Ending {

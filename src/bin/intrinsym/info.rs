@@ -4,7 +4,7 @@ use crate::Ending;
 use crate::arguments::Info;
 use crate::summary::{counted, repairs};
 use crate::terminal;
-use intrinsym::error::Result;
+use intrinsym::base::error::Result;
 use intrinsym::mesh::Mesh;
 use intrinsym::mesh::io::{self, MeshFile};
 use intrinsym::mesh::vector::triangle_area;

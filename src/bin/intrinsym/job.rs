@@ -3,10 +3,10 @@
 use crate::Ending;
 use crate::arguments::Detect;
 use crate::outputs::{Input, Outputs};
-use intrinsym::error::Result;
+use intrinsym::base::error::Result;
+use intrinsym::base::progress::Progress;
+use intrinsym::detect::driver::{Detection, Outcome, detect};
 use intrinsym::mesh::{Mesh, io};
-use intrinsym::pipeline::{Detection, Outcome, detect};
-use intrinsym::progress::Progress;
 use std::path::Path;
 
 /// What is left of a finished job.

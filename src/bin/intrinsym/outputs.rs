@@ -2,15 +2,15 @@
 
 use crate::arguments::{Colors, Detect, Kind};
 use crate::report;
-use intrinsym::atomic_file::write_atomically;
-use intrinsym::correspondence::Symmetry;
-use intrinsym::error::Result;
+use intrinsym::base::atomic_file::write_atomically;
+use intrinsym::base::error::Result;
+use intrinsym::base::symmetry_kind::SymmetryKind;
+use intrinsym::detect::correspondence::Symmetry;
+use intrinsym::detect::driver::Detection;
 use intrinsym::mesh::Mesh;
 use intrinsym::mesh::io::{self, AttributeValues, MeshFile, VertexAttribute};
-use intrinsym::pair_colour::pair_colours;
+use intrinsym::mirror::pair_colour::pair_colours;
 use intrinsym::picture;
-use intrinsym::pipeline::Detection;
-use intrinsym::symmetry_kind::SymmetryKind;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 

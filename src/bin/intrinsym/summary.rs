@@ -1,9 +1,9 @@
 //! What stdout shows: a few lines that a person can read.
 
+use intrinsym::base::symmetry_kind::SymmetryKind;
+use intrinsym::detect::driver::Detection;
+use intrinsym::detect::report::curve_length;
 use intrinsym::mesh::{Mesh, RepairReport};
-use intrinsym::pipeline::Detection;
-use intrinsym::report::curve_length;
-use intrinsym::symmetry_kind::SymmetryKind;
 use std::fmt::Write;
 use std::path::Path;
 

@@ -2,8 +2,8 @@
 
 use crate::Ending;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use intrinsym::error::Error;
-use intrinsym::progress::CancelToken;
+use intrinsym::base::error::Error;
+use intrinsym::base::progress::CancelToken;
 use std::io::Write;
 use std::path::Path;
 

@@ -2,7 +2,7 @@
 
 use super::scanner::{Fault, Scanner, parse_integer, quote};
 use super::{Format, MeshFile, PolygonMesh, close_face};
-use crate::limits::Limits;
+use crate::base::limits::Limits;
 
 /// Reads an OBJ file.
 pub fn parse(bytes: &[u8], limits: &Limits) -> Result<MeshFile, Fault> {

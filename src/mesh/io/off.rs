@@ -2,7 +2,7 @@
 
 use super::scanner::{Fault, Scanner, parse_integer};
 use super::{Format, MeshFile, PolygonMesh, close_face};
-use crate::limits::Limits;
+use crate::base::limits::Limits;
 
 /// Whether the text begins with an OFF keyword.
 pub fn is_off(bytes: &[u8]) -> bool {

@@ -7,7 +7,7 @@ mod write;
 
 use super::scanner::Fault;
 use super::{Format, MeshFile, PolygonMesh, close_face};
-use crate::limits::Limits;
+use crate::base::limits::Limits;
 use header::{Element, Header, Kind, Scalar};
 
 pub use header::is_ply;

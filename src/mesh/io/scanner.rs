@@ -1,6 +1,6 @@
 //! Text of mesh files: tokens and lines, numbers, and faults that name their line.
 
-use crate::error::Error;
+use crate::base::error::Error;
 use std::path::Path;
 
 /// Why a file cannot be read; becomes an [`Error`] once the path is known.

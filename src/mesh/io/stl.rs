@@ -2,7 +2,7 @@
 
 use super::scanner::{Fault, Scanner, quote};
 use super::{Format, MeshFile, PolygonMesh, close_face};
-use crate::limits::Limits;
+use crate::base::limits::Limits;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 

@@ -3,7 +3,7 @@
 use super::PlyFile;
 use super::body::for_each_row;
 use super::header::{Element, Encoding, Header, Kind, Line, Property, Scalar};
-use crate::error::{Error, Result};
+use crate::base::error::{Error, Result};
 use crate::mesh::PolygonMesh;
 use crate::mesh::io::scanner::Fault;
 use crate::mesh::io::{AttributeValues, VertexAttribute};

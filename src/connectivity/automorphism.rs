@@ -1,0 +1,497 @@
+//! Where connectivity is mirrored: the exact bijection, by half-edge traversal.
+//!
+//! A reflection of a manifold mesh is fixed by the image of one half-edge: walking both sides at once,
+//! forwards on one and backwards on the other, gives the image of every other half-edge or a
+//! contradiction. Blender's topology mirror (`editmesh`'s `EditMeshSymmetryHelper` and
+//! `mesh_mirror` with topology) rests on the same idea but hashes neighbourhoods and gives up at the first
+//! defect; the walk itself is the classical test for isomorphism of embedded graphs (Weinberg, "A simple
+//! and efficient algorithm for determining isomorphism of planar triply connected graphs", 1966).
+//!
+//! 1. Vertices are coloured by a few rounds of Weisfeiler-Lehman refinement ([`colours`]), blind to
+//!    orientation. A shell's rarest colour gives few seeds, so the search needs no estimate.
+//! 2. Each seed is walked over its whole shell ([`matching`]); a walk that ends without contradiction is
+//!    an exact bijection, its own inverse. Seeds are ordered, and rival bijections judged, by the estimate.
+//! 3. Where no walk ends, one patch is grown around the defects of the main shell ([`almost`]), several near the estimate
+//!    on others, or where that is not nearly all of it ([`partial`]).
+//!
+//! Before all that a test on the polygons alone leaves out the shells that cannot be mirrored ([`lookalikes`]): of independent
+//! triangulations no half-edges are made. Where the only bijection changes no lengths it is the answer ([`LengthChange`]).
+//!
+//! Shells may map to themselves or swap. Polygons are walked, not triangles: quads are often mirrored
+//! where their triangulation is not. Cost O(size) per seed with a bound on all walks together; memory O(size).
+
+mod almost;
+mod colours;
+mod estimate;
+mod length_change;
+mod lookalikes;
+mod matching;
+mod partial;
+mod shells;
+
+use crate::base::error::Result;
+use crate::base::progress::Progress;
+use crate::base::symmetry_kind::SymmetryKind;
+use crate::mesh::half_edges::HalfEdges;
+use crate::mesh::{Mesh, NONE};
+use colours::{Classes, Colours};
+use estimate::{Distances, Estimate};
+pub use length_change::LengthChange;
+use matching::{Mark, Matching};
+use partial::Context;
+use shells::Shells;
+
+/// Most vertices tried as the image of one pivot.
+const PIVOT_IMAGES: usize = 64;
+/// All walks together visit at most this many times the half-edges of the mesh.
+const WALKS: u64 = 24;
+/// A bijection this close to the estimate (mean distance in edges) ends the search for a closer one.
+const CLOSE: f64 = 0.25;
+/// A walk that can only lead to a bijection near the estimate is looked at when it has paired one in so many of the mesh's half-edges, and
+/// ends there if it is farther from the estimate than so many times what a bijection may be.
+const LOOKED_AT: u64 = 8;
+const FAR: f64 = 2.0;
+/// The only bijection of the main shell is accepted against the estimate if this share of it agrees: an
+/// estimate that swaps the legs is overruled, one of another symmetry is not.
+const NOT_REFUTED: f64 = 0.3;
+
+/// A self-inverse pairing of points that the connectivity proves or, in part, supports.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Automorphism {
+    /// The partner of each point, itself on the fixed curve, [`NONE`] where not covered.
+    pub partner: Vec<u32>,
+    /// Whether a point's pair belongs to a bijection of its whole shell.
+    pub exact: Vec<bool>,
+    /// Number of points with a partner.
+    pub covered: usize,
+    /// Whether every shell is mapped by a bijection of the whole of it.
+    pub complete: bool,
+    /// Whether a point's pair belongs to the only bijection that the connectivity of its shell admits, which
+    /// holds most of the vertices, or to the only pairing of nine tenths of them. Shape can say nothing against it: no mesh is so by chance.
+    pub unrivalled: Vec<bool>,
+}
+
+impl Automorphism {
+    /// What it says of some `points`, without the others.
+    pub fn within(&self, points: &[u32]) -> Automorphism {
+        let none = self.partner.len();
+        let mut kept = Automorphism {
+            partner: vec![NONE; none],
+            exact: vec![false; none],
+            covered: 0,
+            complete: false,
+            unrivalled: vec![false; none],
+        };
+        for point in points.iter().map(|&point| point as usize).filter(|&point| self.partner[point] != NONE) {
+            kept.partner[point] = self.partner[point];
+            kept.exact[point] = self.exact[point];
+            kept.unrivalled[point] = self.unrivalled[point];
+            kept.covered += 1;
+        }
+        kept
+    }
+
+    /// Whether an unrivalled pairing is not a bijection of its whole shell.
+    pub fn has_defects(&self) -> bool {
+        self.unrivalled.iter().zip(&self.exact).any(|(&unrivalled, &exact)| unrivalled && !exact)
+    }
+}
+
+/// The connectivity of a mesh, prepared for searches.
+pub struct Connectivity {
+    half_edges: HalfEdges,
+    shells: Shells,
+    colours: Colours,
+    classes: Classes,
+    reflections: Bijections,
+    /// Whether the mesh has shells that are left out.
+    in_part: bool,
+}
+
+/// How many bijections the main shell has, as far as it is known.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Bijections {
+    Unknown,
+    None,
+    Several,
+}
+
+impl Connectivity {
+    /// That of the shells of a mesh on which it may be mirrored; `None` if there are none, as on independent triangulations:
+    /// nothing is searched then, and no half-edges are made. O(corners + points log points).
+    ///
+    /// # Errors
+    /// Those of [`HalfEdges::new`].
+    pub fn of(mesh: &Mesh) -> Result<Option<Connectivity>> {
+        let wanted = lookalikes::shells_with_lookalikes(mesh);
+        if !wanted.contains(&true) {
+            return Ok(None);
+        }
+        let (mut offsets, mut points) = (vec![0], Vec::new());
+        for face in mesh.polygon_offsets.windows(2) {
+            let corners = &mesh.polygon_points[face[0] as usize..face[1] as usize];
+            if wanted[mesh.shell_of_point[corners[0] as usize] as usize] {
+                points.extend_from_slice(corners);
+                offsets.push(points.len() as u32);
+            }
+        }
+        let left_out = mesh.shell_of_point.iter().filter(|&&shell| !wanted[shell as usize]).count();
+        let half_edges = HalfEdges::new(mesh.point_count(), &offsets, &points)?;
+        Ok(Some(Connectivity::of_shells(half_edges, left_out)))
+    }
+
+    /// Colours the vertices. O(half-edges + vertices log vertices).
+    pub fn new(half_edges: HalfEdges) -> Connectivity {
+        Connectivity::of_shells(half_edges, 0)
+    }
+
+    /// Of a mesh of which so many vertices are left out.
+    fn of_shells(half_edges: HalfEdges, left_out: usize) -> Connectivity {
+        let colours = Colours::new(&half_edges);
+        let classes = Classes::new(&colours.far);
+        let shells = Shells::new(&half_edges, left_out);
+        let in_part = left_out > 0;
+        Connectivity { half_edges, shells, colours, classes, reflections: Bijections::Unknown, in_part }
+    }
+
+    /// Finds the only reflection of the main shell that its connectivity admits, but for a few defects; no estimate is needed. That there
+    /// is none, or more than one, is remembered for later searches.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn find_unrivalled(&mut self, progress: &Progress) -> Result<Option<Automorphism>> {
+        self.reflections = Bijections::Unknown;
+        let points = self.half_edges.point_count;
+        let (estimate, confidence) = (vec![NONE; points], vec![0.0; points]);
+        let (found, bijections) = self.search(&estimate, &confidence, SymmetryKind::Reflection, progress)?;
+        self.reflections = bijections;
+        Ok(found)
+    }
+
+    /// Finds the pairing by connectivity that agrees best with an estimate.
+    ///
+    /// `estimate` holds the estimated partner of each point or [`NONE`], `confidence` a weight in 0..=1; both
+    /// have one entry per point. A bijection of a whole shell is accepted if its mean distance from the
+    /// estimate is a small number of edges; on a shell with most of the vertices also if the connectivity
+    /// admits no other and a third of the estimate agrees, or there is none. A partial one must cover half of its
+    /// shell and of the irregular vertices there. `None` if no shell has either, and for a rotation: what is paired here is
+    /// its own inverse.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    ///
+    /// # Panics
+    /// If `estimate` or `confidence` is shorter than the number of points.
+    pub fn find(
+        &self,
+        estimate: &[u32],
+        confidence: &[f32],
+        kind: SymmetryKind,
+        progress: &Progress,
+    ) -> Result<Option<Automorphism>> {
+        if kind.is_rotation() {
+            return Ok(None);
+        }
+        Ok(self.search(estimate, confidence, kind, progress)?.0)
+    }
+
+    /// That, and how many bijections the main shell has.
+    fn search(
+        &self,
+        estimate: &[u32],
+        confidence: &[f32],
+        kind: SymmetryKind,
+        progress: &Progress,
+    ) -> Result<(Option<Automorphism>, Bijections)> {
+        let (half_edges, shells) = (&self.half_edges, &self.shells);
+        let estimate = Estimate::new(half_edges, estimate, confidence);
+        let mut matching = Matching::new(half_edges, kind);
+        let known = if kind == SymmetryKind::Reflection { self.reflections } else { Bijections::Unknown };
+        let matched = match_whole_shells(&mut matching, shells, &self.classes, &estimate, known, progress)?;
+        let bijections = matched.bijections;
+        let exact: Vec<bool> = matching.vertex_image.iter().map(|&image| image != NONE).collect();
+        let unrivalled = match matched.inexact.is_empty() {
+            true => matched.unrivalled,
+            false => self.match_defective_shells(&mut matching, &estimate, matched, progress)?,
+        };
+        let mut found = by_points(half_edges, &matching.vertex_image, &exact);
+        if let Some(found) = &mut found {
+            found.complete &= !self.in_part;
+        }
+        if let (Some(found), Some(shell)) = (&mut found, unrivalled) {
+            for &vertex in shells.vertices(shell) {
+                let point = half_edges.point_of_vertex[vertex as usize] as usize;
+                found.unrivalled[point] = found.partner[point] != NONE;
+            }
+        }
+        Ok((found, bijections))
+    }
+
+    /// Pairs what it can of the shells without a bijection; gives the main shell, if what is paired of it has no rival.
+    fn match_defective_shells(
+        &self,
+        matching: &mut Matching,
+        estimate: &Estimate,
+        mut matched: WholeShells,
+        progress: &Progress,
+    ) -> Result<Option<usize>> {
+        let shells = &self.shells;
+        let far = Context { shells, estimate, valences: &self.colours.valences, classes: &self.classes };
+        if let Some(shell) = matched.defective {
+            let mark = matching.mark();
+            if almost::match_shell(matching, &far, shell, progress)? {
+                let vertices = shells.vertices(shell);
+                if is_not_refuted(&estimate.distances(matching, vertices, vertices.len())) {
+                    matched.inexact.retain(|&other| other != shell);
+                    matched.unrivalled = Some(shell);
+                } else {
+                    matching.rollback(mark);
+                }
+            }
+        }
+        if estimate.is_any() && !matched.inexact.is_empty() {
+            let near = Classes::new(&self.colours.near);
+            let context = Context { classes: &near, ..far };
+            partial::match_shells(matching, &context, &matched.inexact, progress)?;
+        }
+        Ok(matched.unrivalled)
+    }
+}
+
+/// [`Connectivity::find`] on a connectivity that is searched once.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+///
+/// # Panics
+/// If `estimate` or `confidence` is shorter than `half_edges.point_count`.
+pub fn find(
+    half_edges: &HalfEdges,
+    estimate: &[u32],
+    confidence: &[f32],
+    kind: SymmetryKind,
+    progress: &Progress,
+) -> Result<Option<Automorphism>> {
+    Connectivity::new(half_edges.clone()).find(estimate, confidence, kind, progress)
+}
+
+/// What walking whole shells gave.
+struct WholeShells {
+    /// Shells without a bijection, or with one that the estimate refutes.
+    inexact: Vec<usize>,
+    /// The shell with most of the vertices, if it has no bijection.
+    defective: Option<usize>,
+    /// The shell with most of the vertices, if its bijection is the only one.
+    unrivalled: Option<usize>,
+    /// How many bijections that shell has.
+    bijections: Bijections,
+}
+
+/// Whether an only bijection may stand against the estimate.
+fn is_not_refuted(distances: &Distances) -> bool {
+    distances.share_within.is_none_or(|share| share >= NOT_REFUTED)
+}
+
+/// The verdict on one shell.
+enum Whole {
+    None,
+    Refused,
+    Bijection,
+    OnlyBijection,
+}
+
+/// How the bijections of one shell are sought.
+struct Search<'a> {
+    shells: &'a Shells,
+    classes: &'a Classes,
+    estimate: &'a Estimate,
+    /// Steps that are left.
+    budget: u64,
+    /// What is known, and then found, of the main shell.
+    bijections: Bijections,
+}
+
+/// Maps what it can shell by shell, largest first.
+fn match_whole_shells(
+    matching: &mut Matching,
+    shells: &Shells,
+    classes: &Classes,
+    estimate: &Estimate,
+    bijections: Bijections,
+    progress: &Progress,
+) -> Result<WholeShells> {
+    let budget = WALKS * matching.half_edges.len() as u64;
+    let mut search = Search { shells, classes, estimate, budget, bijections };
+    let (mut inexact, mut defective, mut unrivalled) = (Vec::new(), None, None);
+    for shell in shells.by_size() {
+        progress.check()?;
+        if matching.vertex_image[shells.vertices(shell)[0] as usize] != NONE {
+            continue;
+        }
+        match search.match_whole_shell(matching, shell, progress)? {
+            Whole::None => {
+                inexact.push(shell);
+                defective = defective.or(shells.is_main(shell).then_some(shell));
+            }
+            Whole::Refused => inexact.push(shell),
+            Whole::Bijection => {}
+            Whole::OnlyBijection => unrivalled = Some(shell),
+        }
+    }
+    Ok(WholeShells { inexact, defective, unrivalled, bijections: search.bijections })
+}
+
+impl Search<'_> {
+    fn match_whole_shell(
+        &mut self,
+        matching: &mut Matching,
+        shell: usize,
+        progress: &Progress,
+    ) -> Result<Whole> {
+        let vertices = self.shells.vertices(shell);
+        let main = self.shells.is_main(shell);
+        if main && self.bijections == Bijections::None {
+            return Ok(Whole::None);
+        }
+        let pivot = pivot(vertices, self.classes, self.estimate);
+        let PivotImages { near, far, exhaustive } =
+            images_of_pivot(matching, self.shells, self.classes, self.estimate, pivot);
+        let seeds = |images: &[u32]| -> Vec<_> {
+            images.iter().flat_map(|&image| matching.seeds(pivot, image)).collect()
+        };
+        let (near, far) = (seeds(&near), seeds(&far));
+        let mark = matching.mark();
+        let mut best: Option<(Distances, u32, u32)> = None;
+        let mut found = if main && self.bijections == Bijections::Several { 2 } else { 0 };
+        for (tried, &(start, target)) in near.iter().chain(&far).enumerate() {
+            progress.check()?;
+            // The main shell's rivals are worth knowing: one that is found at all. Then only what may be close is.
+            let close = best.as_ref().is_some_and(|(distances, ..)| distances.mean <= CLOSE);
+            let rivalled = !main || found > 1;
+            if rivalled && close || main && rivalled && tried >= near.len() {
+                break;
+            }
+            if self.walk(matching, start, target, vertices.len(), rivalled) {
+                found += 1;
+                let distances = self.estimate.distances(matching, vertices, vertices.len());
+                if best.as_ref().is_none_or(|(least, ..)| distances.mean < least.mean) {
+                    best = Some((distances, start, target));
+                }
+                matching.rollback(mark);
+            }
+        }
+        let all_tried = exhaustive && self.budget > 0;
+        if main {
+            self.bijections = match found {
+                0 if all_tried => Bijections::None,
+                0 | 1 => Bijections::Unknown,
+                _ => Bijections::Several,
+            };
+        }
+        let Some((distances, start, target)) = best else {
+            // A main shell with bijections far from the estimate has no defects.
+            return Ok(if found > 1 { Whole::Refused } else { Whole::None });
+        };
+        let unrivalled = main && found == 1 && all_tried;
+        let near = distances.mean <= estimate::tolerance(vertices.len());
+        let accepted = near || unrivalled && is_not_refuted(&distances);
+        Ok(match accepted && matching.walk(start, target, self.classes, &mut { u64::MAX }) {
+            false => Whole::Refused,
+            true if unrivalled => Whole::OnlyBijection,
+            true => Whole::Bijection,
+        })
+    }
+
+    /// Walks from one pair of half-edges; one that is of no use unless it stays near the estimate ends where it does not.
+    fn walk(
+        &mut self,
+        matching: &mut Matching,
+        start: u32,
+        target: u32,
+        size: usize,
+        only_near: bool,
+    ) -> bool {
+        if !only_near || !self.estimate.is_any() {
+            return matching.walk(start, target, self.classes, &mut self.budget);
+        }
+        let near = |matching: &Matching, mark: Mark| {
+            let paired = matching.paired_since(mark);
+            self.estimate.distances(matching, &paired, size).mean <= FAR * estimate::tolerance(size)
+        };
+        let steps = matching.half_edges.len() as u64 / LOOKED_AT;
+        matching.walk_while(start, target, self.classes, &mut self.budget, steps, near)
+    }
+}
+
+/// The vertex with the fewest possible images; of those, one with the surest estimate.
+fn pivot(vertices: &[u32], classes: &Classes, estimate: &Estimate) -> u32 {
+    let key = |vertex: u32| (classes.members(vertex).len(), -estimate.weight(vertex));
+    let lower = |&first: &u32, &second: &u32| key(first).partial_cmp(&key(second)).unwrap();
+    vertices.iter().copied().min_by(lower).expect("a shell has vertices")
+}
+
+/// Possible images of a pivot.
+struct PivotImages {
+    /// Those around its estimate, nearest first.
+    near: Vec<u32>,
+    /// The others, unless they are too many.
+    far: Vec<u32>,
+    /// Whether these are all.
+    exhaustive: bool,
+}
+
+fn images_of_pivot(
+    matching: &Matching,
+    shells: &Shells,
+    classes: &Classes,
+    estimate: &Estimate,
+    pivot: u32,
+) -> PivotImages {
+    let size = shells.size_at(pivot);
+    let free =
+        |&vertex: &u32| matching.vertex_image[vertex as usize] == NONE && shells.size_at(vertex) == size;
+    let members = classes.members(pivot);
+    let near = estimate.near(matching.half_edges, pivot, size);
+    let near: Vec<u32> = near
+        .into_iter()
+        .filter(|&vertex| classes.same(vertex, pivot))
+        .filter(free)
+        .take(PIVOT_IMAGES)
+        .collect();
+    let exhaustive = members.len() <= PIVOT_IMAGES;
+    let others = members.iter().copied().filter(|vertex| !near.contains(vertex)).filter(free);
+    let far = if exhaustive { others.collect() } else { Vec::new() };
+    PivotImages { near, far, exhaustive }
+}
+
+/// From vertices (fans) to points: a point is covered if all its mapped fans agree and its partner's do.
+fn by_points(half_edges: &HalfEdges, vertex_image: &[u32], exact: &[bool]) -> Option<Automorphism> {
+    const SEVERAL: u32 = NONE - 1;
+    let mut partner = vec![NONE; half_edges.point_count];
+    let mut exact_point = vec![true; half_edges.point_count];
+    let mut complete = true;
+    for (vertex, &point) in half_edges.point_of_vertex.iter().enumerate() {
+        exact_point[point as usize] &= exact[vertex];
+        complete &= exact[vertex];
+        if vertex_image[vertex] != NONE {
+            let image = half_edges.point_of_vertex[vertex_image[vertex] as usize];
+            let known = &mut partner[point as usize];
+            *known = if *known == NONE || *known == image { image } else { SEVERAL };
+        }
+    }
+    let mutual = |point: usize| {
+        let image = partner[point];
+        image < SEVERAL && partner[image as usize] == point as u32
+    };
+    let covered_points: Vec<bool> = (0..partner.len()).map(mutual).collect();
+    for (point, &covered) in covered_points.iter().enumerate() {
+        complete &= covered || partner[point] == NONE;
+        exact_point[point] &= covered;
+        if !covered {
+            partner[point] = NONE;
+        }
+    }
+    let covered = covered_points.iter().filter(|&&covered| covered).count();
+    let unrivalled = vec![false; partner.len()];
+    (covered > 0).then_some(Automorphism { partner, exact: exact_point, covered, complete, unrivalled })
+}

@@ -1,0 +1,18 @@
+//! The driver, what it simplifies and carries back, other shells, and the answer.
+
+pub mod assembler;
+pub mod assembly;
+pub mod companions;
+pub mod correspondence;
+pub mod detect_again;
+pub mod detection;
+pub mod driver;
+pub mod filled_holes;
+pub mod finishing;
+pub mod fixed_curve;
+pub mod judging_mesh;
+pub mod proxy;
+pub mod report;
+pub mod rotations;
+pub mod shell_symmetry;
+pub mod stated_signs;

@@ -1,0 +1,331 @@
+//! Between the caller's mesh and the shell that is solved: exact maps there, and finished maps back, with all that is
+//! found once they are back.
+
+use crate::base::effort::Plan;
+use crate::base::error::Result;
+use crate::base::options::Options;
+use crate::base::progress::{CancelToken, Progress};
+use crate::base::symmetry_kind::SymmetryKind;
+use crate::connectivity::automorphism::{Automorphism, Connectivity};
+use crate::connectivity::mirrored_vertices;
+use crate::detect::assembly::{PointMap, Summary, symmetry};
+use crate::detect::companions::{self, Primary};
+use crate::detect::correspondence::Symmetry;
+use crate::detect::filled_holes::FilledShell;
+use crate::detect::fixed_curve::{odd_function, zero_set};
+use crate::detect::proxy::Proxy;
+use crate::detect::shell_symmetry::PreparedShell;
+use crate::geometry::adjacency::nearest_seeds;
+use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
+use crate::geometry::vertex_map::VertexMap;
+use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::{Mesh, NONE, Shell, anchors};
+use crate::refine::full_refinement::MatchTarget;
+use crate::refine::rigid_parts::{self, Carrier, Fitted};
+use crate::spectral::displacement::mean_displacement;
+use crate::verify::confidence::Evidence;
+use crate::verify::hypothesis::Hypothesis;
+
+/// What completing the map of the largest shell to all shells needs.
+pub struct Gatherer<'a> {
+    mesh: &'a Mesh,
+    shells: &'a [Shell],
+    /// For each point of every other shell the vertex of the largest, or of its proxy, on which it sits.
+    anchors: Vec<Vec<u32>>,
+    connectivity: Option<&'a Connectivity>,
+    /// Whether vertices that are mirrored where edges are not are looked for.
+    mirrored_vertices: bool,
+}
+
+/// A map of the largest shell, or of its proxy, with what is known of each of its vertices.
+struct Known<'a> {
+    shell: &'a Shell,
+    images: &'a VertexMap,
+    trust: &'a [f32],
+    odd: &'a [f64],
+    summary: Summary,
+}
+
+impl<'a> Gatherer<'a> {
+    /// `proxy` is that of the first of `shells`, if it has one. `connectivity` is `None` where it is not mirrored.
+    pub fn new(
+        mesh: &'a Mesh,
+        shells: &'a [Shell],
+        proxy: Option<&Proxy>,
+        connectivity: Option<&'a Connectivity>,
+        mirrored_vertices: bool,
+    ) -> Self {
+        let mut anchors = if shells.len() > 1 { anchors(mesh, shells, 0) } else { Vec::new() };
+        if let Some(proxy) = proxy {
+            for anchor in anchors.iter_mut().flatten() {
+                *anchor = proxy.nearest_vertex(*anchor);
+            }
+        }
+        Gatherer { mesh, shells, anchors, connectivity, mirrored_vertices }
+    }
+
+    /// The symmetry that an exact bijection of the largest shell is, to which the shape agrees; its vertices go to `partners`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+    pub fn exact(
+        &self,
+        found: &Automorphism,
+        partners: Vec<u32>,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<Symmetry> {
+        let shell = &self.shells[0];
+        let mut map = PointMap::empty(self.mesh);
+        let images = VertexMap::at_vertices(&shell.triangles, partners);
+        let trust = vec![1.0; images.partners.len()];
+        map.insert(shell, shell, &images, &trust);
+        map.replace_by_connectivity(self.mesh, found);
+        let odd: Vec<f64> = shell.points.iter().map(|&point| map.odd[point as usize]).collect();
+        let summary = Summary { kind: SymmetryKind::Reflection, score: 0.0, plausibility: 1.0 };
+        let known = Known { shell, images: &images, trust: &trust, odd: &odd, summary };
+        self.complete(map, known, threads, progress)
+    }
+
+    /// The symmetry of all shells, from a `map` that holds the largest one's.
+    fn complete(
+        &self,
+        mut map: PointMap,
+        known: Known,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<Symmetry> {
+        let kind = known.summary.kind;
+        // Other shells are paired, and under a rotation they come in threes or more.
+        if self.shells.len() > 1 && !kind.is_rotation() {
+            self.add_companions(&mut map, &known, progress)?;
+        }
+        progress.report("connectivity", 0.97)?;
+        let exact = match self.connectivity {
+            Some(connectivity) => connectivity.find(&map.partner, &map.confidence, kind, progress)?,
+            None => None,
+        };
+        let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
+        let mirrored = match self.mirrored_vertices && !kind.is_rotation() {
+            true => mirrored_vertices::find(self.mesh, estimate, exact.as_ref(), kind, threads, progress)?,
+            false => None,
+        };
+        if let Some(found) = exact {
+            map.replace_by_connectivity(self.mesh, &found);
+        }
+        if let Some(found) = mirrored {
+            map.replace_by_vertices(self.mesh, &found);
+        }
+        let curve = match kind {
+            SymmetryKind::Reflection => zero_set(&self.mesh.triangles, &map.odd),
+            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => Vec::new(),
+        };
+        Ok(symmetry(self.mesh, &map, curve, known.summary))
+    }
+
+    fn add_companions(&self, map: &mut PointMap, known: &Known, progress: &Progress) -> Result<()> {
+        let carrier = Carrier::new(known.shell, known.images, known.summary.kind);
+        let primary = Primary { index: 0, shell: known.shell, carrier };
+        let companions = companions::find(self.mesh, self.shells, &self.anchors, &primary, progress)?;
+        for (own, companion) in companions.iter().enumerate() {
+            let Some(companion) = companion else { continue };
+            let anchors = &self.anchors[own];
+            let share = companion.trust();
+            let trust: Vec<f32> =
+                anchors.iter().map(|&anchor| share * known.trust[anchor as usize]).collect();
+            map.insert(&self.shells[own], &self.shells[companion.target], &companion.images, &trust);
+            let odd: Vec<f64> = anchors.iter().map(|&anchor| known.odd[anchor as usize]).collect();
+            map.insert_sides(&self.shells[own], own, companion, &odd);
+        }
+        Ok(())
+    }
+}
+
+/// What turning a shell's map into the caller's symmetry needs, prepared once.
+pub struct Assembler<'a> {
+    gatherer: Gatherer<'a>,
+    filled: Option<&'a FilledShell>,
+    /// The largest shell, filled if it has holes, or its proxy.
+    pub shell: &'a PreparedShell,
+    proxy: Option<&'a Proxy<'a>>,
+    /// The same for refinement.
+    pub target: MatchTarget<'a>,
+    /// The plan that is followed.
+    pub plan: &'a Plan,
+    /// From which plausibility on a map counts, in percent.
+    pub least: usize,
+}
+
+impl<'a> Assembler<'a> {
+    /// `shell` is the solved one: the first of the gatherer's, `filled` if it has holes, or that of its `proxy`.
+    pub fn new(
+        gatherer: Gatherer<'a>,
+        filled: Option<&'a FilledShell>,
+        shell: &'a PreparedShell,
+        proxy: Option<&'a Proxy<'a>>,
+        plan: &'a Plan,
+        options: &Options,
+    ) -> Self {
+        let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
+        let least = options.plausibility;
+        Assembler { gatherer, filled, shell, proxy, target, plan, least }
+    }
+
+    /// The symmetry of the caller's mesh that a map with images by [`Assembler::with_parts`] is.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+    pub fn assemble(
+        &self,
+        found: &Hypothesis,
+        kind: SymmetryKind,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<Symmetry> {
+        let mut map = PointMap::empty(self.gatherer.mesh);
+        let trust = Evidence::new(&self.target, found, kind.order()).confidence();
+        let odd = odd_function(&self.shell.surface, &self.shell.basis, &found.images);
+        self.insert_largest(&mut map, &found.images, &trust, &odd);
+        let (score, plausibility) = (found.score.total(), found.judged.plausibility);
+        let summary = Summary { kind, score, plausibility };
+        let known = Known { shell: self.solved(), images: &found.images, trust: &trust, odd: &odd, summary };
+        self.gatherer.complete(map, known, threads, progress)
+    }
+
+    /// Whether vertices of the largest shell are mirrored, though edges need not be, near a map.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`].
+    pub fn mirrors_vertices(
+        &self,
+        found: &Hypothesis,
+        kind: SymmetryKind,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<bool> {
+        if !self.gatherer.mirrored_vertices {
+            return Ok(false);
+        }
+        let mut map = PointMap::empty(self.gatherer.mesh);
+        let count = found.images.partners.len();
+        self.insert_largest(&mut map, &found.images, &vec![0.0; count], &vec![0.0; count]);
+        let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
+        Ok(mirrored_vertices::find(self.gatherer.mesh, estimate, None, kind, threads, progress)?.is_some())
+    }
+
+    /// The map with images that follow the rigid parts of the largest shell, judged anew: a reflection by what its parts
+    /// say, others by how far they move the surface, since the motions of a half turn's parts may all be the identity, and agree. In a map
+    /// that will not count whatever they say, turned parts are not sought.
+    ///
+    /// # Errors
+    /// Those of [`rigid_parts::fit`].
+    pub fn with_parts(
+        &self,
+        found: Hypothesis,
+        kind: SymmetryKind,
+        threads: usize,
+        token: &CancelToken,
+    ) -> Result<Hypothesis> {
+        let parts = &self.plan.parts;
+        let effort = match found.judged.is_hopeless(self.least) {
+            true => &parts.clone().without_turned(),
+            false => parts,
+        };
+        let Fitted { images, rigidity } = rigid_parts::fit(
+            self.solved(),
+            &self.shell.surface,
+            &found.images,
+            kind,
+            effort,
+            threads,
+            token,
+        )?;
+        let judged = match kind {
+            SymmetryKind::Reflection => found.judged.with_parts(rigidity),
+            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => {
+                let (basis, areas) = (&self.shell.basis, &self.shell.surface.lumped_mass);
+                found.judged.with_displacement(mean_displacement(basis, areas, &images.partners))
+            }
+        };
+        let moved = self.moved(&images);
+        Ok(Hypothesis { images, judged, moved, ..found })
+    }
+
+    /// How far in space the largest shell's vertices are from their images: mean over the surface, in sqrt(area).
+    pub fn moved(&self, images: &VertexMap) -> f64 {
+        let (Shell { positions, triangles, .. }, areas) = (self.solved(), &self.shell.surface.lumped_mass);
+        let moved = |(place, image): (&Vector, &TrianglePoint)| {
+            squared_norm(subtract(*place, image.interpolate_vectors(triangles, positions))).sqrt()
+        };
+        let sum: f64 = positions.iter().zip(&images.points).map(moved).zip(areas).map(|(m, a)| m * a).sum();
+        sum / areas.iter().sum::<f64>()
+    }
+
+    /// The largest shell, filled if it has holes.
+    fn largest(&self) -> &Shell {
+        self.filled.map_or(&self.gatherer.shells[0], |filled| &filled.shell)
+    }
+
+    /// That or its proxy.
+    fn solved(&self) -> &Shell {
+        self.proxy.map_or(self.largest(), |proxy| &proxy.shell)
+    }
+
+    /// Enters the largest shell's images, confidence and odd function, carried back from the proxy if there is one.
+    fn insert_largest(&self, map: &mut PointMap, images: &VertexMap, trust: &[f32], odd: &[f64]) {
+        let shell = self.largest();
+        let (mut images, mut trust, odd) = match self.proxy {
+            Some(proxy) => {
+                let trust = proxy.carry_values(trust).into_iter().map(|value| value as f32).collect();
+                (proxy.carry_images(images), trust, proxy.carry_odd(odd))
+            }
+            None => (images.clone(), trust.to_vec(), odd.to_vec()),
+        };
+        if let Some(filled) = self.filled {
+            let kept = filled.leave_fillings(&mut images);
+            trust.iter_mut().zip(kept).for_each(|(trust, kept)| *trust *= kept);
+        }
+        map.insert(shell, shell, &images, &trust);
+        map.insert_odd(shell, &odd);
+    }
+
+    /// Images under the only pairing of the largest shell that the connectivity admits; a vertex that it leaves out goes where one
+    /// beside it goes. `None` if it pairs less than half of the shell.
+    pub fn images_of_all(&self, found: &Automorphism) -> Option<VertexMap> {
+        let shell = self.largest();
+        let mut local = vec![NONE; self.gatherer.mesh.positions.len()];
+        for (index, &point) in shell.points.iter().enumerate().filter(|(_, point)| **point != NONE) {
+            local[point as usize] = index as u32;
+        }
+        let partner = |&point: &u32| match point != NONE && found.unrivalled[point as usize] {
+            true => local[found.partner[point as usize] as usize],
+            false => NONE,
+        };
+        let mut partners: Vec<u32> = shell.points.iter().map(partner).collect();
+        let left_out = partners.iter().filter(|&&partner| partner == NONE).count();
+        if 2 * left_out > partners.len() {
+            return None;
+        }
+        if left_out > 0 {
+            fill_from_neighbours(&mut partners, &shell.triangles);
+        }
+        Some(match self.proxy {
+            Some(proxy) => proxy.restrict(&partners),
+            None => VertexMap::at_vertices(&shell.triangles, partners),
+        })
+    }
+}
+
+/// Gives vertices without a partner that of the nearest vertex with one, counted in edges.
+fn fill_from_neighbours(partners: &mut [u32], triangles: &[[u32; 3]]) {
+    let fans = Fans::new(partners.len(), triangles);
+    let has_partner = |vertex: &u32| partners[*vertex as usize] != NONE;
+    let paired: Vec<u32> = (0..partners.len() as u32).filter(has_partner).collect();
+    let around = |vertex: u32| fans.of(vertex).iter().flat_map(|&triangle| triangles[triangle as usize]);
+    let nearest = nearest_seeds(partners.len(), &paired, around);
+    for vertex in 0..partners.len() {
+        if partners[vertex] == NONE {
+            partners[vertex] = partners[paired[nearest[vertex] as usize] as usize];
+        }
+    }
+}

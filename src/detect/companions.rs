@@ -1,0 +1,184 @@
+//! Partners of the other shells, once the symmetry of the primary shell is known.
+//!
+//! A companion shell (an eye, a tooth, a shoe) goes where the surface goes that it sits on. There its mirror image must sit:
+//! on itself, or on another shell of the same size, with which it swaps; its points then meet what is nearest.
+
+use crate::base::error::Result;
+use crate::base::progress::Progress;
+use crate::geometry::surface_walk::SurfaceWalk;
+use crate::geometry::vertex_map::VertexMap;
+use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::{Mesh, Shell};
+use crate::refine::rigid_parts::Carrier;
+use crate::search::refinement::nearest;
+use faer::Mat;
+
+/// Points of a shell that are compared when shells are paired.
+const PAIRING_POINTS: usize = 64;
+/// Mean distance, in sqrt(area) of the primary shell, above which two shells are not taken for partners.
+const FARTHEST: f32 = 0.06;
+/// Share of the confidence in what they sit on that is left to partners so far apart.
+const LEAST_TRUST: f32 = 0.65;
+/// Natural logarithm of the largest ratio of two partners' areas.
+const AREA_TOLERANCE: f64 = 0.3;
+/// Rounds in which a shell is shifted onto its partner.
+const SHIFTING_ROUNDS: usize = 5;
+
+/// The map of one companion shell.
+#[derive(Debug, Clone)]
+pub struct Companion {
+    /// The shell that holds its images.
+    pub target: usize,
+    /// Images of its points, in the target's local numbering.
+    pub images: VertexMap,
+    /// Mean distance of the pairing, in sqrt(area) of the primary shell: 0 perfect, 0.06 the worst accepted.
+    pub mismatch: f32,
+}
+
+impl Companion {
+    /// How much of the confidence in what it sits on it keeps: all for a perfect pairing.
+    pub fn trust(&self) -> f32 {
+        1.0 - (1.0 - LEAST_TRUST) * (self.mismatch / FARTHEST).min(1.0)
+    }
+}
+
+/// What pairing needs to know of the primary shell and its symmetry.
+pub struct Primary<'a> {
+    /// Its index among the shells.
+    pub index: usize,
+    /// The shell, or its proxy.
+    pub shell: &'a Shell,
+    /// Its map.
+    pub carrier: Carrier<'a>,
+}
+
+/// Finds the partner of every shell but the primary; `None` for those that have none.
+///
+/// `anchors` are those of [`crate::mesh::anchors`], in the numbering of the primary's `shell`.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+pub fn find(
+    mesh: &Mesh,
+    shells: &[Shell],
+    anchors: &[Vec<u32>],
+    primary: &Primary,
+    progress: &Progress,
+) -> Result<Vec<Option<Companion>>> {
+    let places = Places::new(mesh, shells, anchors, primary);
+    let mut companions: Vec<Option<Companion>> = shells.iter().map(|_| None).collect();
+    for (first, second, mismatch) in pair_shells(shells, &places, primary.index) {
+        progress.report("other shells", 0.95)?;
+        for (source, target) in [(first, second), (second, first)] {
+            if companions[source].is_none() {
+                let images = match_shells(shells, &places, source, target);
+                companions[source] = Some(Companion { target, images, mismatch });
+            }
+        }
+    }
+    Ok(companions)
+}
+
+/// Per shell, in the unit of the primary shell, where each point is, and where its mirror image should be.
+struct Places {
+    own: Vec<Vec<Vector>>,
+    mirrored: Vec<Vec<Vector>>,
+}
+
+impl Places {
+    fn new(mesh: &Mesh, shells: &[Shell], anchors: &[Vec<u32>], primary: &Primary) -> Places {
+        let shell = primary.shell;
+        let origin = mesh.positions[shell.points[0] as usize];
+        let place = |&point: &u32| -> Vector {
+            let position = mesh.positions[point as usize];
+            std::array::from_fn(|j| shell.positions[0][j] + shell.scale * (position[j] - origin[j]))
+        };
+        // The primary itself has no anchors.
+        let of_shell =
+            |(other, anchors): (&Shell, &Vec<u32>)| other.points[..anchors.len()].iter().map(place).collect();
+        let own: Vec<Vec<Vector>> = shells.iter().zip(anchors).map(of_shell).collect();
+        let carried = |(points, anchors): (&Vec<Vector>, &Vec<u32>)| primary.carrier.carried(points, anchors);
+        Places { mirrored: own.iter().zip(anchors).map(carried).collect(), own }
+    }
+
+    /// Mean distance from where points of `source` should be to the nearest points of `target`.
+    fn mismatch(&self, source: usize, target: usize) -> f32 {
+        let goals = picked(&self.mirrored[source]);
+        let partners = nearest(rows(&goals).as_ref(), rows(&self.own[target]).as_ref());
+        let way = |(goal, partner): (&Vector, u32)| subtract(self.own[target][partner as usize], *goal);
+        let ways = goals.iter().zip(partners).map(|pair| squared_norm(way(pair)).sqrt());
+        (ways.sum::<f64>() / goals.len() as f64) as f32
+    }
+}
+
+/// Pairs of shells (equal where a shell mirrors onto itself) with their mismatch, best first.
+fn pair_shells(shells: &[Shell], places: &Places, primary: usize) -> Vec<(usize, usize, f32)> {
+    let middles = |of: &[Vec<Vector>]| -> Vec<Vector> { of.iter().map(|points| mean(points)).collect() };
+    let (mirrored, own) = (middles(&places.mirrored), middles(&places.own));
+    let others: Vec<usize> = (0..shells.len()).filter(|&shell| shell != primary).collect();
+    let area = |shell: usize| shells[shell].area().max(f64::MIN_POSITIVE).ln();
+    let mut options = Vec::new();
+    for &source in &others {
+        let alike = |target: &&usize| (area(source) - area(**target)).abs() < AREA_TOLERANCE;
+        let mut near: Vec<(f64, usize)> = others
+            .iter()
+            .filter(alike)
+            .map(|&target| (squared_norm(subtract(mirrored[source], own[target])), target))
+            .collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for &(_, target) in near.iter().take(4) {
+            let both = 0.5 * (places.mismatch(source, target) + places.mismatch(target, source));
+            options.push((both, source.min(target), source.max(target)));
+        }
+    }
+    options.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let mut taken = vec![false; shells.len()];
+    let mut pairs = Vec::new();
+    for (mismatch, first, second) in options {
+        if mismatch < FARTHEST && !taken[first] && !taken[second] {
+            (taken[first], taken[second]) = (true, true);
+            pairs.push((first, second, mismatch));
+        }
+    }
+    pairs
+}
+
+/// Images of the points of `source` on `target`: the nearest points to where they should be, once the two shells lie over each other.
+fn match_shells(shells: &[Shell], places: &Places, source: usize, target: usize) -> VertexMap {
+    let walk = SurfaceWalk::new(&places.own[target], &shells[target].triangles);
+    let goals = &places.mirrored[source];
+    let shift = shift_onto(&picked(goals), &places.own[target]);
+    let goals: Vec<Vector> =
+        goals.iter().map(|goal| [0, 1, 2].map(|axis| goal[axis] + shift[axis])).collect();
+    let starts = nearest(rows(&goals).as_ref(), rows(&places.own[target]).as_ref());
+    let (partners, points) = goals.iter().zip(starts).map(|(goal, start)| walk.nearest(*goal, start)).unzip();
+    VertexMap { partners, points }
+}
+
+/// The shift that brings points onto others (P. Besl, N. McKay, "A method for registration of 3-D shapes", 1992, without the turn).
+fn shift_onto(points: &[Vector], targets: &[Vector]) -> Vector {
+    let mut shift = [0.0; 3];
+    for _ in 0..SHIFTING_ROUNDS {
+        let shifted: Vec<Vector> =
+            points.iter().map(|point| [0, 1, 2].map(|axis| point[axis] + shift[axis])).collect();
+        let partners = nearest(rows(&shifted).as_ref(), rows(targets).as_ref());
+        for (point, partner) in shifted.iter().zip(partners) {
+            let way = subtract(targets[partner as usize], *point);
+            (0..3).for_each(|axis| shift[axis] += way[axis] / points.len() as f64);
+        }
+    }
+    shift
+}
+
+/// Some of the points.
+fn picked(points: &[Vector]) -> Vec<Vector> {
+    points.iter().step_by(points.len().div_ceil(PAIRING_POINTS).max(1)).copied().collect()
+}
+
+fn rows(points: &[Vector]) -> Mat<f32> {
+    Mat::from_fn(points.len(), 3, |i, j| points[i][j] as f32)
+}
+
+fn mean(points: &[Vector]) -> Vector {
+    [0, 1, 2].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / points.len().max(1) as f64)
+}

@@ -1,0 +1,179 @@
+//! What a detection gives: outcome, symmetries, the numbers behind them, and that in words.
+
+use crate::detect::correspondence::Symmetry;
+use crate::detect::judging_mesh::JudgingMesh;
+use crate::detect::shell_symmetry::PreparedShell;
+use crate::mesh::{Mesh, RepairReport};
+use crate::search::sign_network::SignPrediction;
+use crate::spectral::continuous_family::Orbits;
+use crate::verify::acceptance::Judgement;
+use crate::verify::hypothesis::Hypothesis;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What was found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// At least one symmetry.
+    Found,
+    /// No map came near to a symmetry; the report holds the evidence.
+    None,
+}
+
+/// Numbers behind the outcome.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct Report {
+    /// Vertices of the caller's mesh.
+    pub vertices: usize,
+    /// Faces of the caller's mesh.
+    pub faces: usize,
+    /// Shells (connected components).
+    pub shells: usize,
+    /// Small holes of the largest shell that were filled for the search; nothing of them is in the result.
+    pub filled_holes: usize,
+    /// Vertices on which the map was sought: those of the largest shell and of what fills its holes, or of its proxy.
+    pub solved_vertices: usize,
+    /// What was repaired.
+    pub repairs: RepairReport,
+    /// Eigenvalues of the largest shell, its holes filled, scaled to unit area, the constant function's zero left out.
+    pub eigenvalues: Vec<f64>,
+    /// Parity of the first eigenfunctions of the largest shell, its holes filled, or its proxy as the sign network sees it, overruled by what the caller
+    /// states; empty without both.
+    pub signs: Vec<SignPrediction>,
+    /// How the best finished map was judged, accepted or not; `None` if no candidate reverses orientation.
+    pub judged: Option<Judgement>,
+    /// Whether the largest shell has infinitely many symmetries, as a sphere, a torus or a vase has: the one given is
+    /// then an arbitrary one of them.
+    pub continuous_family: bool,
+    /// What that is judged by: 0 for such a shell, large for others (`docs/method.md`); `None` if it cannot be oriented.
+    pub least_signature_gradient: Option<f64>,
+    /// Whether the symmetries are those of an earlier shape, kept by [`crate::detect_again`].
+    pub kept: bool,
+    /// One sentence that says why the outcome is what it is.
+    pub evidence: String,
+    /// Seconds of wall time by stage, in order.
+    pub seconds: Vec<(String, f64)>,
+}
+
+impl Report {
+    /// Of a mesh on which nothing was sought yet.
+    pub fn of(mesh: &Mesh) -> Report {
+        Report {
+            vertices: mesh.point_of_vertex.len(),
+            faces: mesh.face_count,
+            shells: mesh.shell_count,
+            filled_holes: 0,
+            solved_vertices: 0,
+            repairs: mesh.repairs.clone(),
+            eigenvalues: Vec::new(),
+            signs: Vec::new(),
+            judged: None,
+            continuous_family: false,
+            least_signature_gradient: None,
+            kept: false,
+            evidence: String::new(),
+            seconds: Vec::new(),
+        }
+    }
+
+    /// Enters what was seen of the shell on which maps were sought.
+    pub(crate) fn with_shell(self, shell: &PreparedShell, orbits: &Orbits) -> Report {
+        Report {
+            solved_vertices: shell.surface.vertex_count(),
+            eigenvalues: shell.basis.eigenvalues.clone(),
+            continuous_family: orbits.continuous,
+            least_signature_gradient: orbits.least_gradient,
+            ..self
+        }
+    }
+}
+
+/// The outcome, the symmetries found (empty if none) and the evidence.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct Detection {
+    /// Found or none.
+    pub outcome: Outcome,
+    /// At most `options.symmetries`: reflections, best first, then half turns, best first: those of a plausibility of 0.95 or more
+    /// by their scores, then the others by their plausibilities; reflections that exchange the sides of a thin sheet come behind those
+    /// of a plausibility of 0.5 or more. Then at most `options.rotations` rotations of order three or more (EXPERIMENTAL), one of each cyclic group: those of highest order first, then the best.
+    pub symmetries: Vec<Symmetry>,
+    /// Numbers behind the outcome.
+    pub report: Report,
+    /// What [`crate::detect_again`] needs of the connectivity; `None` where that is not known yet.
+    #[serde(skip)]
+    pub judging: Option<Arc<JudgingMesh>>,
+}
+
+/// How the best map was judged, and that in words.
+pub(crate) fn verdict(best: Option<&Hypothesis>, least: usize) -> (Option<Judgement>, String) {
+    match best {
+        Some(map) => (Some(map.judged), sentence(map, least)),
+        None => (None, "no candidate map reverses orientation".into()),
+    }
+}
+
+/// What is said to who asks for rotations of order three or more, of which `listed` were found.
+pub(crate) fn about_rotations(listed: usize, continuous: bool) -> String {
+    match (listed, continuous) {
+        (_, true) => {
+            "; rotations of higher order (experimental) are not sought in a continuous family".into()
+        }
+        (0, _) => "; no rotation of order 3 to 12 was found (experimental)".into(),
+        (1, _) => "; a rotation of higher order was found (experimental)".into(),
+        _ => format!("; {listed} rotations of higher order were found (experimental)"),
+    }
+}
+
+fn sentence(map: &Hypothesis, least: usize) -> String {
+    let parts = match map.judged.disagreement.zip(map.judged.scatter) {
+        Some((apart, scatter)) => {
+            format!(
+                ", rigid parts of it put a point {apart:.4} sqrt(area) apart, images leave {:.1} % of the surface empty beyond what is usual",
+                100.0 * scatter
+            )
+        }
+        None => String::new(),
+    };
+    format!(
+        "the best map is a symmetry with a plausibility of {:.0} % (accepted from {least} %): heat kernel \
+         signatures of partners differ by {:.3}, score {:.2}, orientation correlation {:+.2} (-1 for a \
+         reflection), {:.0} % of the samples hardly move{parts}",
+        100.0 * map.judged.plausibility,
+        map.judged.signature_mismatch,
+        map.score.total(),
+        map.score.orientation,
+        100.0 * map.score.fixed
+    )
+}
+
+/// What is said of a shape with a continuous family of symmetries, of which `listed` are given.
+pub(crate) fn about_family(listed: usize) -> &'static str {
+    match listed {
+        0 => "; the shape has a continuous family of symmetries, as a sphere or a vase has",
+        1 => {
+            "; the shape has a continuous family of symmetries, as a sphere or a vase has: the one given is an arbitrary one of them"
+        }
+        _ => {
+            "; the shape has a continuous family of symmetries, as a sphere or a vase has: those given are arbitrary ones of them"
+        }
+    }
+}
+
+/// Wall time by stage.
+pub(crate) struct Clock {
+    last: Instant,
+    pub(crate) laps: Vec<(String, f64)>,
+}
+
+impl Clock {
+    pub(crate) fn start() -> Clock {
+        Clock { last: Instant::now(), laps: Vec::new() }
+    }
+
+    pub(crate) fn lap(&mut self, stage: &str) {
+        let now = Instant::now();
+        self.laps.push((stage.into(), (now - self.last).as_secs_f64()));
+        self.last = now;
+    }
+}

@@ -1,0 +1,202 @@
+//! The symmetries of one shell: all spectral stages in order.
+
+use crate::base::effort::{Plan, Search};
+use crate::base::error::Result;
+use crate::base::options::Options;
+use crate::base::progress::Progress;
+use crate::base::symmetry_kind::SymmetryKind;
+use crate::geometry::vertex_map::VertexMap;
+use crate::refine::full_refinement::{self, MatchTarget};
+use crate::refine::mesh_descent::Seeds;
+use crate::refine::vertex_rows::Guide;
+use crate::search::candidate_score::{Score, Scorer};
+use crate::search::candidates::{self, CANDIDATE_SIZE, Candidate, parities};
+use crate::search::compositions;
+use crate::search::refinement::SampleRefiner;
+use crate::search::sign_network::{REFERENCES, SignNetwork, SignPrediction};
+use crate::spectral::displacement::mean_displacement;
+use crate::spectral::eigenbasis::Eigenbasis;
+use crate::spectral::laplacian::IntrinsicSurface;
+use crate::spectral::sampling::{Samples, area_weighted_vertices};
+use crate::spectral::signature;
+use crate::verify::acceptance::Judgement;
+use crate::verify::hypothesis::Hypothesis;
+
+/// Sizes of the functional map on samples after a candidate is chosen.
+const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
+/// Size of the map whose signatures are compared, made without curvature: finer and guided ones fit shapes without
+/// a symmetry, too.
+const COARSE_SIZE: usize = 50;
+
+/// Eigenfunctions whose sign is predicted, and vertices the network looks at.
+const PREDICTED_SIGNS: usize = 12;
+const NETWORK_POINTS: usize = 512;
+
+/// A shell with its operators and eigenbasis.
+pub struct PreparedShell {
+    /// Laplacian.
+    pub surface: IntrinsicSurface,
+    /// Eigenbasis.
+    pub basis: Eigenbasis,
+    /// Farthest-point samples.
+    pub samples: Samples,
+}
+
+impl PreparedShell {
+    /// Solves a surface.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+    pub fn new(
+        surface: IntrinsicSurface,
+        plan: &Plan,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<PreparedShell> {
+        let basis = Eigenbasis::new(&surface, plan.eigenfunctions, threads, progress)?;
+        let samples = Samples::farthest(&basis, plan.samples);
+        Ok(PreparedShell { surface, basis, samples })
+    }
+}
+
+/// Parity of a shell's first eigenfunctions as the network sees it, overruled by the signs that are `known`.
+///
+/// Empty if the caller wants no network and knows nothing.
+///
+/// # Errors
+/// [`crate::Error::Model`] or [`crate::Error::File`] if a model of the caller's own cannot be used.
+pub fn signs(
+    surface: &IntrinsicSurface,
+    basis: &Eigenbasis,
+    options: &Options,
+    known: &[i8],
+) -> Result<Vec<SignPrediction>> {
+    let k = basis.count().min(PREDICTED_SIGNS);
+    let mut signs = match &options.model {
+        _ if options.network == 0 || k < REFERENCES => Vec::new(),
+        Some(path) => predict(&SignNetwork::from_file(path)?, surface, basis, k)?,
+        None => predict(SignNetwork::shared(), surface, basis, k)?,
+    };
+    let known = &known[..known.len().min(basis.count())];
+    if known.iter().any(|&sign| sign != 0) {
+        signs.resize(signs.len().max(known.len()), SignPrediction::UNKNOWN);
+        for (sign, &known) in signs.iter_mut().zip(known).filter(|(_, known)| **known != 0) {
+            *sign = SignPrediction::certain(known > 0);
+        }
+    }
+    Ok(signs)
+}
+
+fn predict(
+    network: &SignNetwork,
+    surface: &IntrinsicSurface,
+    basis: &Eigenbasis,
+    k: usize,
+) -> Result<Vec<SignPrediction>> {
+    let picked = area_weighted_vertices(&surface.lumped_mass, NETWORK_POINTS);
+    let functions = &basis.eigenfunctions;
+    let rows: Vec<f64> =
+        picked.iter().flat_map(|&vertex| (0..k).map(move |j| functions[(vertex, j)])).collect();
+    network.predict(&rows, picked.len(), k)
+}
+
+/// Distinct candidate maps of a shell, best first: the best reflection if one symmetry is asked for; else up to as many
+/// reflections and half turns, and those that [follow](compositions) from them, in all up to three times as many.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn candidates(
+    shell: &PreparedShell,
+    signs: &[SignPrediction],
+    search: &Search,
+    options: &Options,
+    progress: &Progress,
+) -> Result<Vec<Candidate>> {
+    let (surface, basis, samples) = (&shell.surface, &shell.basis, &shell.samples);
+    let refiner = SampleRefiner::new(samples);
+    let scorer = Scorer::new(surface, basis, &refiner, parities(signs));
+    let found = candidates::find(surface, &refiner, &scorer, signs, search, options, progress)?;
+    let most = options.symmetries;
+    let of_kind = |kind| {
+        let found: Vec<Candidate> =
+            found.iter().filter(|candidate| candidate.score.kind() == Some(kind)).cloned().collect();
+        candidates::distinct(&found, samples, &basis.eigenvalues, most, most == 1)
+    };
+    let mut kept = of_kind(SymmetryKind::Reflection);
+    if most > 1 {
+        kept.extend(of_kind(SymmetryKind::HalfTurn));
+        kept =
+            compositions::complete(&refiner, &scorer, &basis.eigenvalues, kept, &found, 3 * most, progress)?;
+        kept.sort_by(|a, b| {
+            let scores = a.score.total_of_kind().total_cmp(&b.score.total_of_kind());
+            a.score.kind().cmp(&b.score.kind()).then(scores)
+        });
+    }
+    Ok(kept)
+}
+
+/// Refines a candidate on the samples, then on all vertices of the shell, which is `target`, where it grows by the plan's schedule. One
+/// that will not count for who asks for `least` percent of plausibility does not grow.
+///
+/// What the coarse map says of finer functions is partly chance, so the schedule cuts it back first.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+pub fn finish(
+    shell: &PreparedShell,
+    target: &MatchTarget,
+    candidate: &Candidate,
+    plan: &Plan,
+    least: usize,
+    progress: &Progress,
+) -> Result<Hypothesis> {
+    let refiner = SampleRefiner::new(&shell.samples);
+    let map = refiner.refine(candidate.map.clone(), &POLISH_SIZES, target.projection())?;
+    let samples = &shell.samples.vertices;
+    let images = refiner.partners(&map).into_iter().map(|sample| samples[sample as usize]);
+    let seeds: Vec<(u32, u32)> = samples.iter().copied().zip(images).collect();
+    let token = progress.token();
+    progress.report("refining", 0.75)?;
+    let spread = target.images(&map, Seeds::Vertices(&seeds), Guide::Eigenfunctions);
+    let (map, images) =
+        full_refinement::refine(target, spread, &[COARSE_SIZE], Guide::Eigenfunctions, token)?;
+    let mismatch = signature_mismatch(shell, &images);
+    let judged = judge(shell, &candidate.score, mismatch, &images);
+    let (map, images) = if judged.is_hopeless(least) {
+        (map, images)
+    } else {
+        progress.report("refining", 0.8)?;
+        full_refinement::refine(target, images, &plan.schedule, Guide::MeanCurvature, token)?
+    };
+    let judged = judge(shell, &candidate.score, mismatch, &images);
+    let doubts = samples.iter().copied().zip(candidate.doubts.iter().copied()).collect();
+    Ok(Hypothesis { map, images, score: candidate.score, doubts, judged, moved: f64::INFINITY })
+}
+
+/// The symmetry with the given `images`, which the connectivity says; no rival.
+///
+/// # Errors
+/// [`crate::Error::Internal`] if the decomposition of the functional map fails.
+pub fn of_images(shell: &PreparedShell, target: &MatchTarget, images: VertexMap) -> Result<Hypothesis> {
+    let size = shell.basis.count();
+    let map = target.map_of(&images.points, size)?;
+    let refiner = SampleRefiner::new(&shell.samples);
+    let scored = size.min(CANDIDATE_SIZE);
+    let leading = map.submatrix(0, 0, scored, scored).to_owned();
+    let score = Scorer::new(&shell.surface, &shell.basis, &refiner, Vec::new()).score(&leading)?;
+    let mismatch = signature_mismatch(shell, &images);
+    let judged = judge(shell, &score, mismatch, &images);
+    Ok(Hypothesis { map, images, score, doubts: Vec::new(), judged, moved: f64::INFINITY })
+}
+
+/// `images` are those of all vertices.
+fn judge(shell: &PreparedShell, score: &Score, signature_mismatch: f64, images: &VertexMap) -> Judgement {
+    let displacement = mean_displacement(&shell.basis, &shell.surface.lumped_mass, &images.partners);
+    Judgement::new(score, signature_mismatch, displacement)
+}
+
+/// Mean over the surface.
+fn signature_mismatch(shell: &PreparedShell, images: &VertexMap) -> f64 {
+    let mismatch = signature::mismatch(&shell.surface, &shell.basis, images);
+    signature::mean(&shell.surface.lumped_mass, mismatch.into_iter())
+}

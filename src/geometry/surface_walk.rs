@@ -1,0 +1,127 @@
+//! The point of a triangle surface nearest to a point in space, sought by walking from a vertex nearby.
+//!
+//! Where a tree would find the nearest point of the whole surface, a walk stays on the sheet it starts on: a
+//! hand that touches a hip is not taken for it.
+
+use crate::geometry::adjacency::Adjacency;
+use crate::geometry::embedded_triangles::{TrianglePoint, TriangleProducts, nearest_in_triangle};
+use crate::mesh::bucket;
+use crate::mesh::vector::{Vector, dot, squared_norm, subtract};
+
+/// A triangle surface to walk on.
+#[derive(Debug)]
+pub struct SurfaceWalk<'a> {
+    positions: &'a [Vector],
+    triangles: &'a [[u32; 3]],
+    graph: Adjacency,
+    /// Where each vertex's triangles start in `triangles_around`.
+    starts: Vec<u32>,
+    triangles_around: Vec<u32>,
+}
+
+impl<'a> SurfaceWalk<'a> {
+    /// O(vertices + triangles).
+    pub fn new(positions: &'a [Vector], triangles: &'a [[u32; 3]]) -> SurfaceWalk<'a> {
+        let (starts, corners) = bucket(triangles.as_flattened().iter().copied(), positions.len());
+        let triangles_around = corners.into_iter().map(|corner| corner / 3).collect();
+        let mut walk =
+            SurfaceWalk { positions, triangles, graph: Adjacency::default(), starts, triangles_around };
+        walk.graph = Adjacency::from_rows(positions.len(), |vertex, row| {
+            let corners = walk.triangles_of(vertex).iter().flat_map(|&triangle| triangles[triangle as usize]);
+            row.extend(corners.filter(|&corner| corner != vertex));
+        });
+        walk
+    }
+
+    /// The neighbours of `vertex`, ascending.
+    pub fn around(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+        self.graph.of(vertex as usize).iter().copied()
+    }
+
+    /// The one of two vertices that is nearer to `query`, the first if they are equally near.
+    pub fn nearer(&self, query: Vector, first: u32, second: u32) -> u32 {
+        if self.distance(query, second) < self.distance(query, first) { second } else { first }
+    }
+
+    /// The vertex that [`Self::nearest_vertex`] finds, and the nearest point of the triangles around it.
+    pub fn nearest(&self, query: Vector, start: u32) -> (u32, TrianglePoint) {
+        let vertex = self.nearest_vertex(query, start);
+        (vertex, self.nearest_beside(query, vertex))
+    }
+
+    /// Downhill from `start` along edges to a vertex that is nearer to `query` than its neighbours.
+    pub fn nearest_vertex(&self, query: Vector, start: u32) -> u32 {
+        let mut vertex = start;
+        let mut distance = self.distance(query, start);
+        loop {
+            let from = vertex;
+            for next in self.around(from) {
+                let candidate = self.distance(query, next);
+                if candidate < distance {
+                    (vertex, distance) = (next, candidate);
+                }
+            }
+            if vertex == from {
+                return vertex;
+            }
+        }
+    }
+
+    /// The nearest point of the triangles around `vertex`.
+    pub fn nearest_beside(&self, query: Vector, vertex: u32) -> TrianglePoint {
+        let mut best = (TrianglePoint { triangle: 0, barycentric: [1.0, 0.0, 0.0] }, f32::MAX);
+        for &triangle in self.triangles_of(vertex) {
+            let corners = self.triangles[triangle as usize];
+            let [a, b, c] = corners.map(|corner| self.positions[corner as usize]);
+            let [to_query, to_b, to_c] = [query, b, c].map(|place| subtract(place, a));
+            let product = |p: Vector, q: Vector| dot(p, q) as f32;
+            let (barycentric, squared) = nearest_in_triangle(TriangleProducts {
+                own: product(to_query, to_query),
+                along: [product(to_query, to_b), product(to_query, to_c)],
+                edges: [product(to_b, to_b), product(to_b, to_c), product(to_c, to_c)],
+            });
+            if squared < best.1 {
+                best = (TrianglePoint { triangle, barycentric }, squared);
+            }
+        }
+        best.0
+    }
+
+    fn distance(&self, query: Vector, vertex: u32) -> f64 {
+        squared_norm(subtract(query, self.positions[vertex as usize]))
+    }
+
+    fn triangles_of(&self, vertex: u32) -> &[u32] {
+        &self.triangles_around
+            [self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_walk_ends_at_the_nearest_point_of_a_plane() {
+        let side = 12u32;
+        let positions: Vec<Vector> =
+            (0..side * side).map(|i| [f64::from(i % side), f64::from(i / side), 0.0]).collect();
+        let squares = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| y * side + x));
+        let triangles: Vec<[u32; 3]> =
+            squares.flat_map(|i| [[i, i + 1, i + side], [i + 1, i + side + 1, i + side]]).collect();
+        let walk = SurfaceWalk::new(&positions, &triangles);
+        for query in [[3.2, 7.1, 0.5], [10.9, 0.4, -2.0], [0.25, 0.25, 0.0]] {
+            let (vertex, point) = walk.nearest(query, side * side - 1);
+            let rounded = query.map(f64::round);
+            assert_eq!(positions[vertex as usize][..2], rounded[..2]);
+            for axis in 0..2 {
+                let at: f64 = triangles[point.triangle as usize]
+                    .iter()
+                    .zip(point.barycentric)
+                    .map(|(&corner, weight)| f64::from(weight) * positions[corner as usize][axis])
+                    .sum();
+                assert!((at - query[axis]).abs() < 1e-5, "{query:?}: {point:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! The last refinement, on all vertices: ZoomOut whose targets are points inside triangles.
+//!
+//! Vertex targets limit the map to the sampling of the mesh; the nearest point inside a triangle of
+//! the embedded mesh does not (D. Ezuz, M. Ben-Chen, "Deblurring and Denoising of Maps between
+//! Shapes", 2017, section 4.2).
+
+use crate::base::error::Result;
+use crate::base::progress::CancelToken;
+use crate::base::threads;
+use crate::geometry::adjacency::Adjacency;
+use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
+use crate::geometry::vertex_map::VertexMap;
+use crate::refine::mesh_descent::{MeshDescent, Seeds};
+use crate::refine::vertex_rows::{Guide, VertexRows};
+use crate::search::functional_map::{Projection, project};
+use crate::spectral::eigenbasis::Eigenbasis;
+use crate::spectral::laplacian::IntrinsicSurface;
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, Par};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// A shell with what matching on all its vertices needs; clones share it.
+#[derive(Clone)]
+pub struct MatchTarget<'a> {
+    /// The surface.
+    pub surface: &'a IntrinsicSurface,
+    /// Its eigenbasis.
+    pub basis: &'a Eigenbasis,
+    /// Its vertices' rows.
+    pub rows: Arc<VertexRows>,
+    graph: Arc<Adjacency>,
+    fans: Arc<Fans>,
+    projection: Projection,
+    threads: usize,
+}
+
+impl<'a> MatchTarget<'a> {
+    /// O(triangles + vertices x eigenfunctions). Images will be sought on at most `threads` threads, and maps onto itself
+    /// be involutions.
+    pub fn new(surface: &'a IntrinsicSurface, basis: &'a Eigenbasis, threads: usize) -> Self {
+        let rows = VertexRows::new(surface, basis);
+        let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
+        let graph = Adjacency::new(surface.vertex_count(), surface.triangles.iter().flat_map(sides));
+        let fans = Fans::new(surface.vertex_count(), &surface.triangles);
+        let (rows, graph, fans) = (Arc::new(rows), Arc::new(graph), Arc::new(fans));
+        MatchTarget { surface, basis, rows, graph, fans, projection: Projection::Involution, threads }
+    }
+
+    /// The same for maps onto itself that are projected in another way.
+    pub fn with_projection(&self, projection: Projection) -> Self {
+        MatchTarget { projection, ..self.clone() }
+    }
+
+    /// What maps onto itself are projected to.
+    pub fn projection(&self) -> Projection {
+        self.projection
+    }
+
+    /// The same for another number of threads.
+    pub fn with_threads(&self, threads: usize) -> Self {
+        MatchTarget { threads, ..self.clone() }
+    }
+
+    /// Threads on which images are sought, at most.
+    pub fn threads(&self) -> usize {
+        self.threads
+    }
+
+    /// The vertices next to each.
+    pub fn graph(&self) -> &Adjacency {
+        &self.graph
+    }
+
+    /// The images of the vertices under `map` (square).
+    pub fn images(&self, map: &Mat<f64>, seeds: Seeds, guide: Guide) -> VertexMap {
+        let descent = MeshDescent {
+            graph: &self.graph,
+            triangles: &self.surface.triangles,
+            fans: &self.fans,
+            queries: &self.rows.mapped(map, self.threads),
+            targets: &self.rows,
+            columns: self.rows.columns(map.ncols(), guide),
+            threads: self.threads,
+        };
+        let answers = descent.run(&self.graph, seeds);
+        VertexMap {
+            partners: answers.iter().map(|answer| answer.vertex).collect(),
+            points: answers.iter().map(|answer| answer.point).collect(),
+        }
+    }
+
+    /// The least-squares map of `size` that sends each vertex to its image, projected as the target says.
+    ///
+    /// # Errors
+    /// [`crate::Error::Internal`] if the projection fails.
+    pub fn map_of(&self, images: &[TrianglePoint], size: usize) -> Result<Mat<f64>> {
+        let weighted = |(point, mass): (&TrianglePoint, &f64)| {
+            (self.corners(point), point.barycentric.map(|weight| weight * *mass as f32))
+        };
+        let columns = self.rows.columns(size, Guide::Eigenfunctions);
+        let points = images.iter().zip(&self.surface.lumped_mass).map(weighted);
+        let pulled = self.rows.combined(points, columns, self.threads);
+        let (from, onto) = (self.rows.functions(size), pulled.functions(size));
+        let rows = |range: Range<usize>| {
+            let mut rows = Mat::<f32>::zeros(range.len(), size);
+            let from = from.subcols(range.start, range.len()).transpose();
+            matmul(rows.as_mut(), Accum::Replace, from, onto, 1.0, Par::Seq);
+            (range.start, rows)
+        };
+        let mut map = Mat::zeros(size, size);
+        for (first, rows) in threads::map(self.threads, threads::ranges(size, self.threads), rows) {
+            let rows = Mat::from_fn(rows.nrows(), size, |i, j| f64::from(rows[(i, j)]));
+            map.subrows_mut(first, rows.nrows()).copy_from(&rows);
+        }
+        project(map, self.projection)
+    }
+
+    /// What `rows` of the vertices give at `points`.
+    pub fn rows_at(&self, rows: &VertexRows, points: &[TrianglePoint]) -> VertexRows {
+        let points = points.iter().map(|point| (self.corners(point), point.barycentric));
+        rows.combined(points, 0..rows.width(), 1)
+    }
+
+    /// The corners of `point`'s triangle.
+    fn corners(&self, point: &TrianglePoint) -> [u32; 3] {
+        self.surface.triangles[point.triangle as usize]
+    }
+}
+
+/// Refines the map with the given `images` through growing `sizes`.
+///
+/// Returns the last map and its images. O(vertices x size^2) a step.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+pub fn refine(
+    shell: &MatchTarget,
+    mut images: VertexMap,
+    sizes: &[usize],
+    guide: Guide,
+    token: &CancelToken,
+) -> Result<(Mat<f64>, VertexMap)> {
+    let mut map = Mat::zeros(0, 0);
+    for &size in sizes {
+        token.check()?;
+        map = shell.map_of(&images.points, size.min(shell.basis.count()))?;
+        images = shell.images(&map, Seeds::Points(&images.points), guide);
+    }
+    Ok((map, images))
+}

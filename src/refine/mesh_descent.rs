@@ -1,0 +1,316 @@
+//! Nearest points of a mesh in the spectral embedding, by descent along the mesh.
+//!
+//! Images of neighbouring vertices are near each other, so a vertex starts from its neighbour's
+//! answer and walks downhill along edges: linear in the vertices, where a search among all of them
+//! is quadratic. From there it walks on from triangle to triangle as long as their points get nearer; where a point
+//! is known from a similar map, the walk starts in its triangle. Either can stop in a local minimum; one sweep over the
+//! neighbours' answers repairs nearly all of those.
+
+use crate::base::threads;
+use crate::geometry::adjacency::Adjacency;
+use crate::geometry::embedded_triangles::{Fans, TrianglePoint, TriangleProducts, nearest_in_triangle};
+use crate::mesh::NONE;
+use crate::refine::vertex_rows::{Products, SquaredDistance, VertexRows};
+use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
+
+/// Work for which a thread is started.
+const LEAST_PER_THREAD: usize = 500;
+
+/// What is nearest to a source.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Answer {
+    /// Nearest vertex, or [`NONE`].
+    pub vertex: u32,
+    /// Squared distance of that vertex.
+    vertex_distance: f32,
+    /// Nearest point.
+    pub point: TrianglePoint,
+    /// Its squared distance.
+    distance: f32,
+}
+
+const UNREACHED: Answer = Answer {
+    vertex: NONE,
+    vertex_distance: f32::MAX,
+    point: TrianglePoint { triangle: 0, barycentric: [1.0, 0.0, 0.0] },
+    distance: f32::MAX,
+};
+
+/// Nearest point of every source by descent along the mesh.
+pub struct MeshDescent<'a> {
+    /// Adjacency of the target mesh.
+    pub graph: &'a Adjacency,
+    /// Its triangles.
+    pub triangles: &'a [[u32; 3]],
+    /// Those around each vertex and behind each edge.
+    pub fans: &'a Fans,
+    /// Images of the sources under the map.
+    pub queries: &'a VertexRows,
+    /// The target vertices' rows.
+    pub targets: &'a VertexRows,
+    /// Columns of the rows in which distances are measured.
+    pub columns: Range<usize>,
+    /// Threads to use at most.
+    pub threads: usize,
+}
+
+/// Where the search starts.
+#[derive(Clone, Copy)]
+pub enum Seeds<'a> {
+    /// Pairs (source, target vertex) near the truth, at least one per connected part.
+    Vertices(&'a [(u32, u32)]),
+    /// A point for every source, which is nearly the nearest.
+    Points(&'a [TrianglePoint]),
+}
+
+impl MeshDescent<'_> {
+    /// Searches from the seeds, then each source also tries its neighbours' answers.
+    ///
+    /// Sources not reached from a seed keep [`NONE`].
+    pub fn run(&self, sources: &Adjacency, seeds: Seeds) -> Vec<Answer> {
+        let answers = match seeds {
+            Seeds::Vertices(pairs) => self.spread(sources, pairs),
+            Seeds::Points(points) => self.in_parallel(points.len(), |range| Task::Walk(range, points)),
+        };
+        let sweep = Sweep { sources, answers: &answers };
+        self.in_parallel(answers.len(), |range| Task::Sweep(range, &sweep))
+    }
+
+    /// From pairs (source, guess) breadth first over the sources.
+    fn spread(&self, sources: &Adjacency, seeds: &[(u32, u32)]) -> Vec<Answer> {
+        let mut answers = vec![UNREACHED; sources.count()];
+        let mut front = Vec::with_capacity(seeds.len());
+        let mut queued = vec![false; sources.count()];
+        for &(source, guess) in seeds {
+            if !std::mem::replace(&mut queued[source as usize], true) {
+                front.push((source, guess));
+            }
+        }
+        while !front.is_empty() {
+            let found = self.in_parallel(front.len(), |range| Task::Descend(&front[range]));
+            let mut next = Vec::new();
+            for (&(source, _), answer) in front.iter().zip(found) {
+                answers[source as usize] = answer;
+                for &to in sources.of(source as usize) {
+                    if !std::mem::replace(&mut queued[to as usize], true) {
+                        next.push((to, answer.vertex));
+                    }
+                }
+            }
+            front = next;
+        }
+        answers
+    }
+
+    /// The answers of `0..count` in order.
+    fn in_parallel<'b>(&self, count: usize, task: impl Fn(Range<usize>) -> Task<'b> + Sync) -> Vec<Answer> {
+        let threads = self.threads.min(count / LEAST_PER_THREAD).max(1);
+        let parts = threads::map(threads, threads::ranges(count, 4 * threads), |range| {
+            Arch::new().dispatch(Work { descent: self, task: task(range) })
+        });
+        parts.into_iter().flatten().collect()
+    }
+}
+
+/// What a sweep looks at.
+struct Sweep<'a> {
+    sources: &'a Adjacency,
+    /// Answers before it.
+    answers: &'a [Answer],
+}
+
+enum Task<'a> {
+    /// Descend from each pair (source, guess).
+    Descend(&'a [(u32, u32)]),
+    /// Walk from the point of each source.
+    Walk(Range<usize>, &'a [TrianglePoint]),
+    /// Try the neighbours' answers of some sources.
+    Sweep(Range<usize>, &'a Sweep<'a>),
+}
+
+/// A task as an operation that is compiled for each instruction set and chosen at run time.
+struct Work<'a> {
+    descent: &'a MeshDescent<'a>,
+    task: Task<'a>,
+}
+
+impl WithSimd for Work<'_> {
+    type Output = Vec<Answer>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Vec<Answer> {
+        let search = Search { simd, of: self.descent };
+        // Loops: a closure would be compiled apart, for any processor.
+        let mut answers = Vec::new();
+        match self.task {
+            Task::Descend(pairs) => {
+                for &(source, guess) in pairs {
+                    answers.push(search.near_vertex(source as usize, guess));
+                }
+            }
+            Task::Walk(range, points) => {
+                for source in range {
+                    answers.push(search.near_triangle(source, points[source].triangle));
+                }
+            }
+            Task::Sweep(range, sweep) => {
+                for source in range {
+                    answers.push(search.best_of_neighbours(source, sweep));
+                }
+            }
+        }
+        answers
+    }
+}
+
+/// The search of one source at a time.
+struct Search<'a, S> {
+    simd: S,
+    of: &'a MeshDescent<'a>,
+}
+
+impl<S: Simd> Search<'_, S> {
+    /// The source's answer, or where its neighbours' answers lead if that is nearer.
+    ///
+    /// An answer next to the source's own is not tried.
+    #[inline(always)]
+    fn best_of_neighbours(&self, source: usize, sweep: &Sweep) -> Answer {
+        let mut best = sweep.answers[source];
+        for &neighbour in sweep.sources.of(source) {
+            let guess = sweep.answers[neighbour as usize].vertex;
+            if guess == NONE || guess == best.vertex {
+                continue;
+            }
+            let next = best.vertex != NONE && self.of.graph.of(best.vertex as usize).contains(&guess);
+            if !next && self.distance(source, guess) < best.vertex_distance {
+                best = self.near_vertex(source, guess);
+            }
+        }
+        best
+    }
+
+    /// Where the walk from a triangle ends, or the one from the vertex where the descent from there ends.
+    #[inline(always)]
+    fn near_triangle(&self, source: usize, triangle: u32) -> Answer {
+        let answer = self.walk(source, self.nearest_in(source, triangle));
+        let (vertex, distance) = self.descend(source, answer.vertex, answer.vertex_distance);
+        if vertex == answer.vertex {
+            return answer;
+        }
+        let other = self.around_vertex(source, vertex, distance);
+        let nearer = if other.distance < answer.distance { other } else { answer };
+        Answer { vertex: other.vertex, vertex_distance: other.vertex_distance, ..nearer }
+    }
+
+    /// Where the walk from the vertex ends to which the descent from `guess` leads.
+    #[inline(always)]
+    fn near_vertex(&self, source: usize, guess: u32) -> Answer {
+        let (vertex, distance) = self.descend(source, guess, self.distance(source, guess));
+        self.around_vertex(source, vertex, distance)
+    }
+
+    /// Where the walk from the triangles around `vertex` ends.
+    #[inline(always)]
+    fn around_vertex(&self, source: usize, vertex: u32, distance: f32) -> Answer {
+        let answer = self.walk(source, self.nearest_around(source, vertex, UNREACHED));
+        if distance < answer.vertex_distance {
+            return Answer { vertex, vertex_distance: distance, ..answer };
+        }
+        answer
+    }
+
+    /// A vertex that is as near as all its neighbours, and its squared distance; `distance` is the squared one of `guess`.
+    #[inline(always)]
+    fn descend(&self, source: usize, guess: u32, mut distance: f32) -> (u32, f32) {
+        let mut current = guess;
+        loop {
+            let start = current;
+            for &next in self.of.graph.of(start as usize) {
+                let candidate = self.distance(source, next);
+                if candidate < distance {
+                    (current, distance) = (next, candidate);
+                }
+            }
+            if current == start {
+                return (current, distance);
+            }
+        }
+    }
+
+    /// From triangle to triangle as long as the nearest point gets nearer: over the edge that the point lies on, or
+    /// to those around its corner.
+    #[inline(always)]
+    fn walk(&self, source: usize, start: Answer) -> Answer {
+        let mut best = start;
+        loop {
+            let (triangle, weights) = (best.point.triangle as usize, best.point.barycentric);
+            let mut found = best;
+            for corner in 0..3 {
+                if weights[corner] == 1.0 {
+                    found = self.nearest_around(source, self.of.triangles[triangle][corner], found);
+                } else if weights[corner] == 0.0
+                    && weights[(corner + 1) % 3] < 1.0
+                    && weights[(corner + 2) % 3] < 1.0
+                    && self.of.fans.behind[triangle][corner] != NONE
+                {
+                    let other = self.nearest_in(source, self.of.fans.behind[triangle][corner]);
+                    found = if other.distance < found.distance { other } else { found };
+                }
+            }
+            if found.distance >= best.distance {
+                return best;
+            }
+            best = found;
+        }
+    }
+
+    /// The nearest of `best` and what the triangles around `vertex` hold.
+    #[inline(always)]
+    fn nearest_around(&self, source: usize, vertex: u32, best: Answer) -> Answer {
+        let mut best = best;
+        for &triangle in self.of.fans.of(vertex) {
+            let other = self.nearest_in(source, triangle);
+            best = if other.distance < best.distance { other } else { best };
+        }
+        best
+    }
+
+    /// The point of a triangle that is nearest to the source, and the nearest corner.
+    #[inline(always)]
+    fn nearest_in(&self, source: usize, triangle: u32) -> Answer {
+        let [a, b, c] = self.of.triangles[triangle as usize];
+        let products = Products {
+            query: self.columns(self.of.queries, source as u32),
+            corners: [
+                self.columns(self.of.targets, a),
+                self.columns(self.of.targets, b),
+                self.columns(self.of.targets, c),
+            ],
+        }
+        .with_simd(self.simd);
+        let (barycentric, distance) = nearest_in_triangle(products);
+        let TriangleProducts { own, along, edges } = products;
+        let (to_b, to_c) = (own - 2.0 * along[0] + edges[0], own - 2.0 * along[1] + edges[2]);
+        let (vertex, vertex_distance) = if own <= to_b && own <= to_c {
+            (a, own)
+        } else if to_b <= to_c {
+            (b, to_b)
+        } else {
+            (c, to_c)
+        };
+        Answer { vertex, vertex_distance, point: TrianglePoint { triangle, barycentric }, distance }
+    }
+
+    #[inline(always)]
+    fn distance(&self, source: usize, vertex: u32) -> f32 {
+        let left = self.columns(self.of.queries, source as u32);
+        let right = self.columns(self.of.targets, vertex);
+        SquaredDistance { left, right }.with_simd(self.simd)
+    }
+
+    #[inline(always)]
+    fn columns<'b>(&self, rows: &'b VertexRows, row: u32) -> &'b [f32] {
+        &rows.row(row as usize)[self.of.columns.clone()]
+    }
+}

@@ -1,0 +1,318 @@
+//! Parity of the first eigenfunctions without a network: a beam search over their images.
+//!
+//! Under a reflection every eigenfunction with a simple eigenvalue is even (+1) or odd (-1)
+//! (M. Ovsjanikov, J. Sun, L. Guibas, "Global Intrinsic Symmetries of Shapes", 2008). Where two
+//! eigenvalues nearly coincide, noise mixes their functions, and the reflection acts on the pair by
+//! any 2 x 2 reflection; a few angles of it are tried beside the four sign pairs. A start (a block
+//! diagonal matrix S) is judged by how near the transformed embedding comes to the embedding itself:
+//! `mean over x of min over y |phi(x) S - phi(y)|^2`, which is extended one block at a time.
+//!
+//! Under a rotation of order n a pair of equal eigenvalues turns by a multiple of 360 / n degrees, whatever its basis; the
+//! same search with these blocks finds starts of rotations.
+
+use crate::spectral::sampling::Samples;
+use faer::Mat;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Samples whose image is sought, and samples among which it is sought.
+const SOURCES: usize = 300;
+const TARGETS: usize = 600;
+/// Eigenvalues closer than this ratio are taken as a pair that may mix.
+const NEAR_RATIO: f64 = 1.2;
+/// Angles tried for a mixed pair, besides those of the sign pairs, in degrees.
+const MIXED_ANGLES: [f64; 6] = [45.0, 90.0, 135.0, 225.0, 270.0, 315.0];
+
+/// The three lowest eigenvalues of a shape as symmetric as a cube differ by no more than this ratio.
+const TRIPLE_RATIO: f64 = 1.05;
+/// Directions tried for their reflections: no direction is farther from one of them, or from its opposite, than some 15
+/// degrees.
+const DIRECTIONS: usize = 64;
+
+/// How one block of eigenfunctions is transformed: 1 x 1 or 2 x 2, row by row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Block {
+    Single(f32),
+    Pair([[f32; 2]; 2]),
+}
+
+/// What starts are sought.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sought {
+    /// Maps that are their own inverses.
+    Involutions,
+    /// Rotations of this order, or of one that divides it.
+    Rotations(usize),
+}
+
+struct Beam {
+    blocks: Vec<Block>,
+    /// sources x targets: squared distances so far.
+    distances: Vec<f32>,
+}
+
+/// Columns of a block at the targets, and their transformed values at the sources.
+struct Step<'a> {
+    columns: &'a [Vec<f32>],
+    block: Block,
+}
+
+/// The best starts at each length of `lengths` (ascending), best first, `width` of each.
+///
+/// A start may be one longer than asked for, where a mixed pair straddles the length.
+/// Cost: O(width x longest x SOURCES x TARGETS).
+pub fn search(
+    samples: &Samples,
+    eigenvalues: &[f64],
+    sought: Sought,
+    lengths: &[usize],
+    width: usize,
+) -> Vec<Vec<Mat<f64>>> {
+    let longest = lengths.last().copied().unwrap_or(0).min(samples.rows.ncols());
+    let (sources, targets) = (samples.len().min(SOURCES), samples.len().min(TARGETS));
+    let mut beams = vec![Beam { blocks: Vec::new(), distances: vec![0.0; sources * targets] }];
+    let mut found = Vec::new();
+    let mut index = 0;
+    while index < longest {
+        let size = if is_pair(&eigenvalues[index..samples.rows.ncols()], sought) { 2 } else { 1 };
+        let columns: Vec<Vec<f32>> = (index..index + size)
+            .map(|j| (0..targets).map(|i| samples.rows[(i, j)] as f32).collect())
+            .collect();
+        beams = extend_all(&beams, &columns, &block_options(size, sought), sources, width);
+        for _ in lengths.iter().filter(|length| index < **length && **length <= index + size) {
+            found.push(beams.iter().map(|beam| matrix(&beam.blocks)).collect());
+        }
+        index += size;
+    }
+    found
+}
+
+/// Whether the first two of these functions form a block.
+///
+/// Under a rotation the pairs have equal eigenvalues but for noise, and functions between them stand alone: the second may
+/// belong to the third.
+fn is_pair(eigenvalues: &[f64], sought: Sought) -> bool {
+    match (eigenvalues, sought) {
+        ([first, second, third, ..], Sought::Rotations(_)) if third / second < second / first => false,
+        ([first, second, ..], _) => *second < NEAR_RATIO * first,
+        _ => false,
+    }
+}
+
+/// Reflections in planes of all directions, and half turns about them, of the three lowest eigenfunctions, if their eigenvalues
+/// nearly coincide, as those of the regular solids do; else none.
+pub fn involutions_of_three(eigenvalues: &[f64]) -> Vec<Mat<f64>> {
+    let householder = |n: [f64; 3], sign: f64| {
+        Mat::from_fn(3, 3, |i, j| sign * (if i == j { 1.0 } else { 0.0 } - 2.0 * n[i] * n[j]))
+    };
+    directions_of_three(eigenvalues).flat_map(|n| [householder(n, 1.0), householder(n, -1.0)]).collect()
+}
+
+/// Rotations about axes of all directions, by 120, 90 and 72 degrees, of the three lowest eigenfunctions, if their eigenvalues
+/// nearly coincide; else none.
+pub fn rotations_of_three(eigenvalues: &[f64]) -> Vec<Mat<f64>> {
+    let rotation = |n: [f64; 3], order: f64| {
+        let (sine, cosine) = (std::f64::consts::TAU / order).sin_cos();
+        let cross = [[0.0, -n[2], n[1]], [n[2], 0.0, -n[0]], [-n[1], n[0], 0.0]];
+        Mat::from_fn(3, 3, |i, j| {
+            let same = if i == j { cosine } else { 0.0 };
+            same + sine * cross[i][j] + (1.0 - cosine) * n[i] * n[j]
+        })
+    };
+    directions_of_three(eigenvalues).flat_map(|n| [3.0, 4.0, 5.0].map(|order| rotation(n, order))).collect()
+}
+
+/// Directions in the space of the three lowest eigenfunctions, all over a half sphere, if their eigenvalues nearly coincide;
+/// else none.
+fn directions_of_three(eigenvalues: &[f64]) -> impl Iterator<Item = [f64; 3]> {
+    let is_triple = matches!(eigenvalues, [first, _, third, ..] if *third < TRIPLE_RATIO * first);
+    // A spiral of equal areas down the hemisphere; the golden angle keeps its turns apart.
+    let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
+    let direction = move |index: usize| {
+        let height = 1.0 - (index as f64 + 0.5) / DIRECTIONS as f64;
+        let (sine, cosine) = (golden * index as f64).sin_cos();
+        let radius = (1.0 - height * height).sqrt();
+        [radius * cosine, radius * sine, height]
+    };
+    (0..if is_triple { DIRECTIONS } else { 0 }).map(direction)
+}
+
+fn extend_all(
+    beams: &[Beam],
+    columns: &[Vec<f32>],
+    options: &[Block],
+    sources: usize,
+    width: usize,
+) -> Vec<Beam> {
+    let mut ranked: Vec<(f32, usize, Block)> = Vec::with_capacity(options.len() * beams.len());
+    // Energies of the best `width` so far, ascending: what exceeds them all need not be known exactly.
+    let mut best = Vec::with_capacity(width + 1);
+    for (parent, beam) in beams.iter().enumerate() {
+        for &block in options {
+            let bound = if best.len() < width { f32::MAX } else { best[width - 1] };
+            let energy = extended_energy(beam, &Step { columns, block }, sources, bound);
+            best.insert(best.partition_point(|other| *other <= energy), energy);
+            best.truncate(width);
+            ranked.push((energy, parent, block));
+        }
+    }
+    ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+    ranked.truncate(width);
+    let extend_one =
+        |&(_, parent, block): &(f32, usize, Block)| extend(&beams[parent], &Step { columns, block }, sources);
+    ranked.iter().map(extend_one).collect()
+}
+
+fn block_options(size: usize, sought: Sought) -> Vec<Block> {
+    match (size, sought) {
+        (1, Sought::Rotations(order)) if !order.is_multiple_of(2) => vec![Block::Single(1.0)],
+        (1, _) => vec![Block::Single(1.0), Block::Single(-1.0)],
+        (_, Sought::Involutions) => involutions_of_pair(),
+        (_, Sought::Rotations(order)) => rotations_of_pair(order),
+    }
+}
+
+/// By all multiples of 360 / `order` degrees; and two functions that are no pair, but happen to lie near each other.
+fn rotations_of_pair(order: usize) -> Vec<Block> {
+    let rotation = |times: usize| {
+        let (sine, cosine) = (std::f64::consts::TAU * times as f64 / order as f64).sin_cos();
+        Block::Pair([[cosine as f32, sine as f32], [-sine as f32, cosine as f32]])
+    };
+    let mut options: Vec<Block> = (0..order).map(rotation).collect();
+    if order.is_multiple_of(2) {
+        options.extend([1.0, -1.0].map(|sign| Block::Pair([[sign, 0.0], [0.0, -sign]])));
+    }
+    options
+}
+
+fn involutions_of_pair() -> Vec<Block> {
+    let reflection = |degrees: f64| {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        Block::Pair([[cosine as f32, sine as f32], [sine as f32, -cosine as f32]])
+    };
+    let same = [1.0, -1.0].map(|sign| Block::Pair([[sign, 0.0], [0.0, sign]]));
+    same.into_iter().chain([0.0, 180.0].into_iter().chain(MIXED_ANGLES).map(reflection)).collect()
+}
+
+fn matrix(blocks: &[Block]) -> Mat<f64> {
+    let size = |block: &Block| if matches!(block, Block::Single(_)) { 1 } else { 2 };
+    let total = blocks.iter().map(size).sum();
+    let mut out = Mat::zeros(total, total);
+    let mut at = 0;
+    for block in blocks {
+        match block {
+            Block::Single(sign) => out[(at, at)] = f64::from(*sign),
+            Block::Pair(rows) => {
+                for (i, row) in rows.iter().enumerate() {
+                    for (j, value) in row.iter().enumerate() {
+                        out[(at + i, at + j)] = f64::from(*value);
+                    }
+                }
+            }
+        }
+        at += size(block);
+    }
+    out
+}
+
+impl Step<'_> {
+    /// The block's coordinates of the image of `source`.
+    #[inline(always)]
+    fn image(&self, source: usize) -> [f32; 2] {
+        match self.block {
+            Block::Single(sign) => [sign * self.columns[0][source], 0.0],
+            Block::Pair([[a, b], [c, d]]) => {
+                let (x, y) = (self.columns[0][source], self.columns[1][source]);
+                [x * a + y * c, x * b + y * d]
+            }
+        }
+    }
+}
+
+/// The mean over the sources of the smallest extended distance; infinite if it is above `bound`.
+fn extended_energy(beam: &Beam, step: &Step, sources: usize, bound: f32) -> f32 {
+    Arch::new().dispatch(ExtendedEnergy { beam, step, sources, bound })
+}
+
+/// [`extended_energy`] as an operation that is compiled for each instruction set and chosen at run time.
+struct ExtendedEnergy<'a> {
+    beam: &'a Beam,
+    step: &'a Step<'a>,
+    sources: usize,
+    bound: f32,
+}
+
+impl WithSimd for ExtendedEnergy<'_> {
+    type Output = f32;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> f32 {
+        let targets = self.step.columns[0].len();
+        let mut total = 0.0;
+        for (source, row) in self.beam.distances.chunks_exact(targets).enumerate().take(self.sources) {
+            let image = self.step.image(source);
+            total += match self.step.columns {
+                [single] => smallest(row, single, image[0]),
+                [first, second] => smallest_of_pair(row, first, second, image),
+                _ => unreachable!("a block has one or two columns"),
+            };
+            // Sums only grow, so the rounded mean does too.
+            if total / self.sources as f32 > self.bound {
+                return f32::INFINITY;
+            }
+        }
+        total / self.sources as f32
+    }
+}
+
+/// `min over y of row[y] + (value - column[y])^2`, in lanes that the compiler vectorises.
+#[inline(always)]
+fn smallest(row: &[f32], column: &[f32], value: f32) -> f32 {
+    const LANES: usize = 16;
+    let mut lanes = [f32::MAX; LANES];
+    let (row_chunks, row_rest) = row.as_chunks::<LANES>();
+    let (column_chunks, column_rest) = column.as_chunks::<LANES>();
+    for (distances, entries) in row_chunks.iter().zip(column_chunks) {
+        for lane in 0..LANES {
+            let difference = value - entries[lane];
+            let candidate = difference * difference + distances[lane];
+            lanes[lane] = if candidate < lanes[lane] { candidate } else { lanes[lane] };
+        }
+    }
+    let rest = row_rest.iter().zip(column_rest).map(|(distance, entry)| distance + (value - entry).powi(2));
+    lanes.into_iter().chain(rest).fold(f32::MAX, f32::min)
+}
+
+/// The same for two columns.
+#[inline(always)]
+fn smallest_of_pair(row: &[f32], first: &[f32], second: &[f32], image: [f32; 2]) -> f32 {
+    const LANES: usize = 16;
+    let mut lanes = [f32::MAX; LANES];
+    let (row_chunks, row_rest) = row.as_chunks::<LANES>();
+    let ((a_chunks, a_rest), (b_chunks, b_rest)) = (first.as_chunks::<LANES>(), second.as_chunks::<LANES>());
+    for ((distances, a), b) in row_chunks.iter().zip(a_chunks).zip(b_chunks) {
+        for lane in 0..LANES {
+            let (u, v) = (image[0] - a[lane], image[1] - b[lane]);
+            let candidate = u * u + v * v + distances[lane];
+            lanes[lane] = if candidate < lanes[lane] { candidate } else { lanes[lane] };
+        }
+    }
+    let rest = row_rest.iter().zip(a_rest).zip(b_rest);
+    let rest = rest.map(|((distance, a), b)| distance + (image[0] - a).powi(2) + (image[1] - b).powi(2));
+    lanes.into_iter().chain(rest).fold(f32::MAX, f32::min)
+}
+
+fn extend(beam: &Beam, step: &Step, sources: usize) -> Beam {
+    let mut distances = beam.distances.clone();
+    let targets = step.columns[0].len();
+    for (source, row) in distances.chunks_exact_mut(targets).enumerate().take(sources) {
+        let image = step.image(source);
+        for (column, value) in step.columns.iter().zip(image) {
+            for (distance, entry) in row.iter_mut().zip(column) {
+                *distance += (value - entry) * (value - entry);
+            }
+        }
+    }
+    let mut blocks = beam.blocks.clone();
+    blocks.push(step.block);
+    Beam { blocks, distances }
+}

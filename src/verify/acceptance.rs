@@ -1,0 +1,136 @@
+//! Whether a finished map is a symmetry at all: "none" is an answer too.
+//!
+//! A logistic model of three measures of the map that need no truth, and of two more once its rigid parts are fitted. The weights are
+//! fitted on generated shapes with and without a symmetry (`docs/method.md`).
+
+use crate::refine::rigid_parts::Rigidity;
+use crate::search::candidate_score::Score;
+
+/// Weights of the logistic model: constant, then those of [`Judgement::features`].
+const WEIGHTS: [f64; 4] = [-14.2018, -2.3760, -5.8793, 3.9466];
+/// The same for reflections once rigid parts are fitted.
+const WEIGHTS_WITH_PARTS: [f64; 6] = [-32.0808, -2.0594, -4.6257, 5.1475, -4.8258, -49.3234];
+
+/// Of maps as plausible as this, the score tells which is best.
+const SURE: f64 = 0.95;
+
+/// No map comes to count whose plausibility, by the three measures, is less than this share of what is asked (`docs/notebook/2026-11-25-method.md`).
+const HOPELESS: f64 = 0.04;
+
+/// What a finished map was judged by, and the verdict.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+pub struct Judgement {
+    /// [`Score::isometry`] of the candidate that was finished: lower is better.
+    pub isometry_score: f64,
+    /// Mean difference of the heat kernel signatures of partners: 0 for an isometry.
+    pub signature_mismatch: f64,
+    /// [`crate::spectral::displacement::mean_displacement`] of the finished map: 0 for the identity.
+    pub displacement: f64,
+    /// That of [`Rigidity`]; `None` where no parts are fitted, and for half turns and rotations.
+    pub disagreement: Option<f64>,
+    /// That of [`Rigidity`], likewise.
+    pub scatter: Option<f64>,
+    /// Probability, 0..=1, that a map of these measures is a symmetry: of a reflection with its rigid parts where one of four shapes
+    /// has one, of other maps where two of five have.
+    pub plausibility: f64,
+}
+
+impl Judgement {
+    /// Judges a map by the score of its candidate, the mismatch of the coarse map and the displacement of the finished
+    /// one.
+    pub fn new(score: &Score, signature_mismatch: f64, displacement: f64) -> Judgement {
+        let isometry_score = score.isometry();
+        let unjudged = Judgement {
+            isometry_score,
+            signature_mismatch,
+            displacement,
+            disagreement: None,
+            scatter: None,
+            plausibility: 0.0,
+        };
+        unjudged.by_three_measures()
+    }
+
+    /// Judges the map anew where its images have moved since.
+    pub fn with_displacement(self, displacement: f64) -> Judgement {
+        Judgement { displacement, ..self }.by_three_measures()
+    }
+
+    fn by_three_measures(self) -> Judgement {
+        Judgement { plausibility: probability(&WEIGHTS, &self.features()), ..self }
+    }
+
+    /// Judges a reflection anew by what its rigid parts say, too, if any were fitted.
+    pub fn with_parts(self, rigidity: Option<Rigidity>) -> Judgement {
+        let Some(Rigidity { disagreement, scatter }) = rigidity else { return self };
+        let [score, mismatch, displacement] = self.features();
+        let features = [score, mismatch, displacement, (disagreement + 0.0005).ln(), scatter];
+        Judgement {
+            disagreement: Some(disagreement),
+            scatter: Some(scatter),
+            plausibility: probability(&WEIGHTS_WITH_PARTS, &features),
+            ..self
+        }
+    }
+
+    /// The columns of the model without rigid parts.
+    fn features(&self) -> [f64; WEIGHTS.len() - 1] {
+        let (mismatch, displacement) = (self.signature_mismatch + 0.002, self.displacement + 0.05);
+        [self.isometry_score, mismatch.ln(), displacement.ln()]
+    }
+
+    /// Whether a map judged without its rigid parts is too far from counting, for who asks for at least `percent` of plausibility, to come
+    /// to count when they are fitted.
+    pub fn is_hopeless(&self, percent: usize) -> bool {
+        100.0 * self.plausibility < HOPELESS * percent as f64
+    }
+
+    /// Whether the map counts as a symmetry for who asks for at least `percent` of plausibility.
+    pub fn accepted(&self, percent: usize) -> bool {
+        100.0 * self.plausibility >= percent as f64
+    }
+}
+
+/// How much less plausible a map is than one that is a symmetry for sure: the greater, the later in a list. 0 for those.
+pub fn doubt(plausibility: f64) -> f64 {
+    SURE - plausibility.min(SURE)
+}
+
+/// That of the logistic model: `weights` are the constant's, then those of the features.
+fn probability(weights: &[f64], features: &[f64]) -> f64 {
+    let terms = features.iter().zip(&weights[1..]);
+    let logit = weights[0] + terms.map(|(feature, weight)| feature * weight).sum::<f64>();
+    1.0 / (1.0 + (-logit).exp())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCORE: Score =
+        Score { commutator: 0.05, orientation: -1.0, fixed: 0.1, disagreement: 0.0, trace: 0.0 };
+
+    #[test]
+    fn parts_that_agree_speak_for_a_reflection_and_others_against_it() {
+        let judged = Judgement::new(&SCORE, 0.3, 0.7);
+        let by_parts =
+            |disagreement, scatter| judged.with_parts(Some(Rigidity { disagreement, scatter })).plausibility;
+        assert!(by_parts(0.003, 0.01) > 0.9 && by_parts(0.03, 0.01) < 0.1);
+        assert!(by_parts(0.008, 0.0) > 0.9 && by_parts(0.008, 0.04) < 0.7);
+        assert_eq!(judged.with_parts(None), judged);
+    }
+
+    #[test]
+    fn no_map_is_hopeless_for_who_takes_any() {
+        let poor = Judgement::new(&SCORE, 1.5, 0.2);
+        assert!(poor.is_hopeless(50) && !poor.is_hopeless(0), "{poor:?}");
+        assert!(!Judgement::new(&SCORE, 0.3, 0.7).is_hopeless(50));
+    }
+
+    #[test]
+    fn a_map_that_comes_to_rest_is_none() {
+        let judged = Judgement::new(&SCORE, 0.1, 0.7);
+        assert!(judged.accepted(50) && !judged.with_displacement(0.01).accepted(50));
+        assert_eq!(judged.with_displacement(0.7), judged);
+    }
+}
