@@ -103,7 +103,7 @@ def _matching(pattern: str, query: str) -> Iterator[MeshFile]:
     start = place_of(f"{beginning}?{query}" if query else beginning)
     rest = pattern[len(fixed) :].lstrip("/")
     expression = re.compile(re.escape(start.path.rstrip("/")) + "/" + _expression(rest))
-    for mesh in _files(start, recursive="/" in rest):
+    for mesh in _files(start, recursive="/" in rest or "**" in rest):
         if expression.fullmatch(mesh.place.path):
             yield mesh
 
