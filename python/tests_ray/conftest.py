@@ -10,6 +10,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -32,7 +33,10 @@ from hooks import FOLDER, said  # noqa: E402
 from ray.cluster_utils import Cluster  # noqa: E402
 
 from evaluation.lobed import lobed, write_ply  # noqa: E402
+from intrinsym.ray._command import main  # noqa: E402
 
+#: Options of every run here.
+FAST = ("--effort", "fast")
 #: Seconds that anything may take before a test gives up.
 PATIENCE = 90.0
 #: Columns that two runs of the same meshes need not share.
@@ -83,7 +87,7 @@ def cluster(signals: Path) -> Iterator[Cluster]:
     made.shutdown()
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def connected(cluster: Cluster) -> Iterator[Cluster]:
     """The cluster, with this process as a driver."""
     ray.init(address=cluster.address, log_to_driver=False, logging_level="error")
@@ -115,23 +119,35 @@ def gated(tmp_path: Path, meshes: Path) -> Path:
     return write_mesh(meshes / name, 100, rows=12)
 
 
-@pytest.fixture
-def batch(cluster: Cluster) -> Callable[..., subprocess.CompletedProcess[str]]:
-    """Runs intrinsym-batch on the cluster, as a process of its own."""
+class Done(NamedTuple):
+    """What intrinsym-batch left."""
 
-    def run(*words: object, status: int = 0) -> subprocess.CompletedProcess[str]:
-        done = subprocess.run(batch_command(cluster, *words), capture_output=True, text=True)
-        assert done.returncode == status, done.stderr + done.stdout
+    stdout: str
+    stderr: str
+
+
+@pytest.fixture
+def batch(connected: Cluster, capfd: pytest.CaptureFixture[str]) -> Callable[..., Done]:
+    """Runs intrinsym-batch in this process, which is a driver already."""
+
+    def run(*words: object, status: int = 0) -> Done:
+        capfd.readouterr()
+        try:
+            ended = main([*map(str, words), *FAST])
+        except SystemExit as stop:
+            ended = stop.code
+        done = Done(*capfd.readouterr())
+        assert ended == status, done
         return done
 
     return run
 
 
 def batch_command(cluster: Cluster, *words: object) -> list[str]:
-    """The words of intrinsym-batch."""
+    """The words of intrinsym-batch as a process of its own."""
     given = [str(word) for word in words]
     address = [] if "--address" in given else ["--address", cluster.address]
-    return [sys.executable, "-m", "intrinsym.ray", *given, *address, "--effort", "fast"]
+    return [sys.executable, "-m", "intrinsym.ray", *given, *address, *FAST]
 
 
 def rows_in(output: Path) -> dict[str, dict]:
@@ -163,7 +179,7 @@ def command_line(tmp_path: Path) -> Callable[[list[Path]], Path]:
         if not BINARY.is_file():
             pytest.fail(f"{BINARY} is missing: cargo build --release --bin intrinsym")
         folder = tmp_path / "command_line"
-        words = [BINARY, "detect", *paths, "--output-dir", folder, "--effort", "fast", "--quiet"]
+        words = [BINARY, "detect", *paths, "--output-dir", folder, *FAST, "--quiet"]
         subprocess.run([str(word) for word in words], capture_output=True)
         return folder
 

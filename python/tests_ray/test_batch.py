@@ -100,16 +100,16 @@ def test_poison_takes_nothing_with_it(batch, meshes, tmp_path):
     assert without_times(rows_in(output)).keys() == rows.keys()
 
 
-def test_a_killed_worker_loses_nothing(cluster, meshes, gated, tmp_path):
+def test_a_killed_worker_loses_nothing(cluster, batch, meshes, gated, tmp_path):
     output = tmp_path / "out"
     with running(batch_command(cluster, meshes, "--output", output)) as process:
         os.kill(worker_at(gated), signal.SIGKILL)
         open_gate(gated)
         assert process.wait(90) == 0
-    assert_undisturbed(cluster, meshes, output, tmp_path)
+    assert_undisturbed(batch, meshes, output, tmp_path)
 
 
-def test_a_killed_node_loses_nothing(cluster, meshes, gated, tmp_path):
+def test_a_killed_node_loses_nothing(cluster, batch, meshes, gated, tmp_path):
     output = tmp_path / "out"
     with running(batch_command(cluster, meshes, "--output", output)) as process:
         raylet = parent_of(worker_at(gated))
@@ -119,7 +119,7 @@ def test_a_killed_node_loses_nothing(cluster, meshes, gated, tmp_path):
         assert process.wait(90) == 0
     cluster.add_node(num_cpus=1)
     cluster.wait_for_nodes()
-    assert_undisturbed(cluster, meshes, output, tmp_path)
+    assert_undisturbed(batch, meshes, output, tmp_path)
 
 
 def test_a_killed_driver_is_resumed(cluster, batch, meshes, gated, tmp_path):
@@ -133,16 +133,17 @@ def test_a_killed_driver_is_resumed(cluster, batch, meshes, gated, tmp_path):
     before = rows_in(output)
     wait_for(lambda: not Path(f"/proc/{worker}").exists(), "Ray has ended the driver's workers")
     open_gate(gated)
-    done = batch(meshes, "--output", output)
+    command = batch_command(cluster, meshes, "--output", output)
+    done = subprocess.run(command, check=True, capture_output=True, text=True)
     after = rows_in(output)
-    assert f"{len(after) - len(before)} new rows" in done.stdout
+    assert f"{len(after) - len(before)} new rows" in done.stdout and done.stderr == ""
     assert {name: after[name] for name in before} == before
-    assert_undisturbed(cluster, meshes, output, tmp_path)
+    assert_undisturbed(batch, meshes, output, tmp_path)
 
 
-def assert_undisturbed(cluster, meshes: Path, output: Path, tmp_path: Path) -> None:
+def assert_undisturbed(batch, meshes: Path, output: Path, tmp_path: Path) -> None:
     """The rows are those of a run in which nothing was killed."""
-    subprocess.run(batch_command(cluster, meshes, "--output", tmp_path / "calm"), check=True, capture_output=True)
+    batch(meshes, "--output", tmp_path / "calm")
     rows = rows_in(output)
     assert len(rows) == 13
     assert without_times(rows) == without_times(rows_in(tmp_path / "calm"))
@@ -196,10 +197,14 @@ def test_a_second_command_keeps_off(cluster, batch, meshes, gated, tmp_path):
     assert len(rows_in(output)) == 13
 
 
-def test_through_a_ray_client(batch, meshes, tmp_path):
-    done = batch(meshes, "--output", tmp_path / "out", "--address", "ray://127.0.0.1:25001")
+def test_through_a_ray_client(cluster, meshes, tmp_path):
+    words = batch_command(cluster, meshes, "--output", tmp_path / "out", "--address", "ray://127.0.0.1:25001")
+    done = subprocess.run(words, capture_output=True, text=True)
+    assert done.returncode == 0 and done.stderr == ""
     assert "12 new rows" in done.stdout
     assert len(rows_in(tmp_path / "out")) == 12
+    none = subprocess.run([*words, "--samples", "7"], capture_output=True, text=True)
+    assert none.returncode == 2 and none.stderr.startswith("intrinsym-batch: option samples")
 
 
 @pytest.mark.parametrize(

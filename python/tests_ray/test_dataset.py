@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from pathlib import Path
 
+import pyarrow as pa
 import pytest
 import ray
 from conftest import assert_same_as_command_line, by_name, copy_examples, without_times, write_mesh
@@ -12,7 +13,7 @@ from conftest import assert_same_as_command_line, by_name, copy_examples, withou
 import intrinsym
 from intrinsym.ray import SCHEMA, detect_dataset
 from intrinsym.ray._dataset import BLOCK_BYTES, BLOCK_MESHES, blocks_of
-from intrinsym.ray._inputs import MeshFile, find_meshes, place_of
+from intrinsym.ray._inputs import MeshFile, place_of
 
 FAST = {"effort": "fast"}
 
@@ -20,31 +21,26 @@ FAST = {"effort": "fast"}
 def test_rows_are_what_the_command_line_says(connected, meshes, command_line):
     examples = copy_examples(meshes)
     paths = sorted(meshes.iterdir())
-    rows = detect_dataset(str(meshes), FAST).to_pandas().to_dict("records")
-    assert sorted(row["path"] for row in rows) == [str(path) for path in paths]
+    rows = rows_of(detect_dataset(str(meshes), FAST))
+    assert sorted(row["path"] for row in rows.values()) == [str(path) for path in paths]
     folder = command_line(paths)
-    for row in (by_name(dataset_table(meshes)) | {}).values():
+    for row in rows.values():
         assert_same_as_command_line(row, folder)
         assert row["content_hash"] == hashlib.sha256(Path(row["path"]).read_bytes()).hexdigest()
         assert row["error"] is None and row["seconds"] > 0
-    assert {row["outcome"] for row in rows} == {"found", "none"}
+    assert {row["outcome"] for row in rows.values()} == {"found", "none"}
     assert len(rows) == 12 + len(examples)
 
 
-def dataset_table(meshes: Path):
-    import pyarrow as pa
-
-    return pa.concat_tables(ray.get(detect_dataset(str(meshes), FAST).to_arrow_refs()))
+def rows_of(dataset: ray.data.Dataset) -> dict[str, dict]:
+    return by_name(pa.concat_tables(ray.get(dataset.to_arrow_refs())))
 
 
 def test_a_dataset_of_bytes_gives_the_same_rows(connected, meshes):
     given = ray.data.read_binary_files(str(meshes), include_paths=True)
-    rows = detect_dataset(given, FAST)
-    paths = detect_dataset(given.select_columns(["path"]), FAST)
-    expected = without_times(by_name(dataset_table(meshes)))
-    for found in (rows, paths):
-        table = by_name(found.to_arrow_refs() and __import__("pyarrow").concat_tables(ray.get(found.to_arrow_refs())))
-        assert without_times(table) == expected
+    expected = without_times(rows_of(detect_dataset(str(meshes), FAST)))
+    for dataset in (given, given.select_columns(["path"])):
+        assert without_times(rows_of(detect_dataset(dataset, FAST))) == expected
 
 
 def test_further_symmetries_are_there_when_asked_for(connected, tmp_path):
@@ -81,4 +77,3 @@ def node_of(batch):
 
 def test_columns_are_those_of_the_schema(connected, meshes):
     assert detect_dataset(str(meshes), FAST).schema().base_schema.equals(SCHEMA)
-    assert len(find_meshes([str(meshes)])) == 12
