@@ -35,9 +35,9 @@ from .program import identity, write_results
 #: Rings and columns of the small meshes of 128 vertices, and of those of 12,476.
 SMALL, LARGE = (10, 14), (100, 126)
 #: Small meshes that are timed, large ones, and how often each.
-TIMED_SMALL, TIMED_LARGE, REPEATS = 1500, 60, 2
-#: Shares of the rows that are there when the first and the second run are killed.
-KILLED_AT = (0.3, 0.65)
+TIMED_SMALL, TIMED_LARGE, REPEATS = 1000, 40, 2
+#: What is killed in each run, and the share of the rows that are there by then.
+KILLS = ([(0.25, "driver")], [(0.45, "node"), (0.65, "driver")], [])
 OPTIONS = ["--effort", "fast"]
 TICK = os.sysconf("SC_CLK_TCK")
 
@@ -108,38 +108,51 @@ def overhead(program: Path, meshes: list[Path], work: Path) -> dict:
     return {"meshes": len(meshes), "overhead": ratio, "medians": middle, "runs": runs}
 
 
-def rows_in(folder: Path, columns: list[str] | None = None) -> Iterator[dict]:
+def rows_in(folder: Path) -> Iterator[dict]:
     """The rows that are committed."""
     for part in sorted(folder.glob("rows/options=*/*.parquet")):
-        yield from pq.ParquetFile(part).read(columns).to_pylist()
+        yield from pq.ParquetFile(part).read().to_pylist()
 
 
 def killed_twice(cluster: Cluster, meshes: Path, count: int, folder: Path) -> list[dict]:
-    """Runs intrinsym-batch as a process three times: the first time the driver is killed, the second time a node and
-    then the driver. What each run left."""
+    """Runs intrinsym-batch as a process once for each of KILLS; what each run did."""
     shutil.rmtree(folder, ignore_errors=True)
     words = [sys.executable, "-m", "intrinsym.ray", meshes, "--output", folder, "--address", cluster.address, *OPTIONS]
     history = []
-    for share in (*KILLED_AT, None):
-        before, start = sum(1 for _ in rows_in(folder, ["path"])), time.perf_counter()
+    for kills in KILLS:
+        before, start = count_rows(folder), time.perf_counter()
         process = subprocess.Popen(list(map(str, words)))
-        while share is not None and sum(1 for _ in rows_in(folder, ["path"])) < share * count:
-            if process.poll() is not None:
-                raise RuntimeError(f"intrinsym-batch ended with {process.returncode} before it was killed")
-            time.sleep(0.5)
-        if share == KILLED_AT[1]:
-            cluster.remove_node(cluster.worker_nodes[0], allow_graceful=False)
-            time.sleep(5)
-        if share is not None:
-            process.send_signal(signal.SIGKILL)
+        for share, victim in kills:
+            wait_for_rows(process, folder, int(share * count))
+            if victim == "node":
+                replace_node(cluster)
+            else:
+                process.send_signal(signal.SIGKILL)
         status = process.wait()
-        rows = sum(1 for _ in rows_in(folder, ["path"]))
         seconds = round(time.perf_counter() - start, 1)
-        history.append({"rows_before": before, "rows_after": rows, "status": status, "seconds": seconds})
-        if share == KILLED_AT[1]:
-            cluster.add_node(num_cpus=1)
-            cluster.wait_for_nodes()
+        done = {"killed": kills, "rows_before": before, "rows_after": count_rows(folder)}
+        history.append(done | {"status": status, "seconds": seconds})
     return history
+
+
+def count_rows(folder: Path) -> int:
+    """How many rows are committed."""
+    return sum(pq.read_metadata(part).num_rows for part in folder.glob("rows/options=*/*.parquet"))
+
+
+def wait_for_rows(process: subprocess.Popen, folder: Path, count: int) -> None:
+    """Waits until so many rows are committed. Raises RuntimeError if the process ends before."""
+    while count_rows(folder) < count:
+        if process.poll() is not None:
+            raise RuntimeError(f"intrinsym-batch ended with {process.returncode} before it was killed")
+        time.sleep(2)
+
+
+def replace_node(cluster: Cluster) -> None:
+    """Kills a node with all that runs on it, and starts another one."""
+    cluster.remove_node(next(iter(cluster.worker_nodes)), allow_graceful=False)
+    cluster.add_node(num_cpus=1)
+    cluster.wait_for_nodes()
 
 
 def compare(folder: Path, answers: Path, meshes: list[Path]) -> dict[str, int]:
