@@ -1,6 +1,6 @@
 """Many small meshes through two nodes of Ray, killed twice and resumed: `make evaluate-ray`.
 
-    python -m evaluation.many_meshes --program target/release/intrinsym --out RESULTS.json --work FOLDER
+    python -m evaluation.many_meshes [--program target/release/intrinsym] --out RESULTS.json --work FOLDER
 
 Counts rows, compares each with what the command line says of its mesh, and measures what Ray costs beside the
 command line with two jobs. The nodes are processes of this machine. Overhead is given in wall time, and in CPU
@@ -226,7 +226,7 @@ def measure(program: Path, work: Path, count: int) -> dict:
 def main() -> int:
     """Command line entry; 1 if a row was lost, doubled or unlike the command line's."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", type=Path, required=True, help="the command line")
+    parser.add_argument("--program", type=Path, default=Path("target/release/intrinsym"))
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--work", type=Path, required=True)
     parser.add_argument("--meshes", type=int, default=10_000)

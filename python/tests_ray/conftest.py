@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import time
@@ -71,12 +72,19 @@ def signals(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def free_port() -> int:
+    """A port of this machine that nobody listens to."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
 @pytest.fixture(scope="session")
 def cluster(signals: Path) -> Iterator[Cluster]:
     """A head without CPUs and two nodes with one each."""
     head = {
         "num_cpus": 0,
-        "ray_client_server_port": 25001,
+        "ray_client_server_port": free_port(),
         "_system_config": {"health_check_period_ms": 1000, "health_check_failure_threshold": 3},
     }
     made = Cluster(initialize_head=True, head_node_args=head)

@@ -38,7 +38,7 @@ def test_rows_maps_and_summary(batch, meshes, tmp_path, command_line):
     summary = json.loads((output / "summary.json").read_text())
     assert summary["meshes"] == summary["new_rows"] == len(paths) == sum(summary["outcomes"].values())
     assert summary["errors"] == {} and 0 < summary["seconds"]["p50"] <= summary["seconds"]["p100"]
-    assert f"{len(paths)} meshes: " in done.stdout
+    assert f"{len(paths)} meshes: " in done.stdout and Path(summary["rows"]).is_dir()
     assert list((output / ".staging").iterdir()) == []
 
 
@@ -74,7 +74,7 @@ def test_two_runs_give_the_same_rows(batch, meshes, tmp_path):
 
 
 def test_poison_takes_nothing_with_it(batch, meshes, tmp_path):
-    """All in one block with the good ones, on both nodes."""
+    """Crashes, hangs, too much memory, a broken file and a missing one are rows, and stay so."""
     for word in ("crash", "hang", "hungry"):
         write_mesh(meshes / f"{word}-1.ply", 2)
     (meshes / "broken.off").write_text("OFF\n3 1 0\n0 0 0\n")
@@ -198,7 +198,8 @@ def test_a_second_command_keeps_off(cluster, batch, meshes, gated, tmp_path):
 
 
 def test_through_a_ray_client(cluster, meshes, tmp_path):
-    words = batch_command(cluster, meshes, "--output", tmp_path / "out", "--address", "ray://127.0.0.1:25001")
+    port = cluster.head_node._ray_params.ray_client_server_port
+    words = batch_command(cluster, meshes, "--output", tmp_path / "out", "--address", f"ray://127.0.0.1:{port}")
     done = subprocess.run(words, capture_output=True, text=True)
     assert done.returncode == 0 and done.stderr == ""
     assert "12 new rows" in done.stdout

@@ -12,7 +12,7 @@ from conftest import assert_same_as_command_line, by_name, copy_examples, withou
 
 import intrinsym
 from intrinsym.ray import SCHEMA, detect_dataset
-from intrinsym.ray._dataset import BLOCK_BYTES, BLOCK_MESHES, blocks_of
+from intrinsym.ray._dataset import BATCH_MESHES, BLOCK_BYTES, BLOCK_MESHES, blocks_of
 from intrinsym.ray._inputs import MeshFile, place_of
 
 FAST = {"effort": "fast"}
@@ -41,6 +41,16 @@ def test_a_dataset_of_bytes_gives_the_same_rows(connected, meshes):
     expected = without_times(rows_of(detect_dataset(str(meshes), FAST)))
     for dataset in (given, given.select_columns(["path"])):
         assert without_times(rows_of(detect_dataset(dataset, FAST))) == expected
+
+
+def test_poison_leaves_the_rows_of_its_own_block(connected, meshes):
+    write_mesh(meshes / "crash-1.ply", 2)
+    paths = sorted(meshes.iterdir(), key=lambda path: (path.name < "lobed-3", path.name))
+    assert 0 < [path.name for path in paths].index("crash-1.ply") < len(paths) - 1 < BATCH_MESHES
+    one_block = ray.data.from_items([{"path": str(path)} for path in paths], override_num_blocks=1)
+    rows = rows_of(detect_dataset(one_block, FAST))
+    assert len(rows) == 13
+    assert [name for name, row in rows.items() if row["outcome"] == "error"] == ["crash-1.ply"]
 
 
 def test_further_symmetries_are_there_when_asked_for(connected, tmp_path):

@@ -40,7 +40,7 @@ def main(words: Sequence[str] | None = None) -> int:
         print("intrinsym-batch: interrupted; the same command goes on", file=sys.stderr)
         return 130
     if not arguments.quiet:
-        print(_described(summary, arguments.output))
+        print(_described(summary))
     return 0
 
 
@@ -145,11 +145,14 @@ def _progress_line(meshes: int) -> Callable[[int, int], None]:
     return show
 
 
-def _described(summary: dict[str, Any], output: str) -> str:
+def _described(summary: dict[str, Any]) -> str:
+    """What was done, in two or three lines."""
     outcomes = ", ".join(f"{count} {outcome}" for outcome, count in summary["outcomes"].items())
     errors = ", ".join(f"{count} {kind}" for kind, count in summary["errors"].items())
-    lines = [f"{summary['meshes']} meshes: {outcomes}", f"  {summary['new_rows']} new rows in {output}/{summary['rows']}"]
-    return "\n".join(lines[:1] + [f"  errors: {errors}"] * bool(errors) + lines[1:])
+    lines = [f"{summary['meshes']} meshes: {outcomes}"]
+    if errors:
+        lines.append(f"  errors: {errors}")
+    return "\n".join([*lines, f"  {summary['new_rows']} new rows in {summary['rows']}"])
 
 
 def _text_of(error: BaseException) -> str:

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator
 from itertools import groupby
 from typing import NamedTuple
-from urllib.parse import unquote, urlsplit
+from urllib.parse import quote, unquote, urlsplit
 
 from pyarrow import fs
 
@@ -29,7 +29,7 @@ class Place(NamedTuple):
     @property
     def name(self) -> str:
         """The path as a person writes it: absolute on this machine, a URI elsewhere."""
-        return self.root + self.path
+        return self.root + quote(self.path) if self.root else self.path
 
     def at(self, path: str) -> Place:
         """Another path of the same filesystem."""

@@ -114,7 +114,7 @@ def summary_of(plan: Plan, meshes: Sequence[MeshFile]) -> dict[str, Any]:
     return {
         "version": library_version(),
         "options": plan.job.options,
-        "rows": f"rows/options={plan.store.key}",
+        "rows": plan.store.folder.at(plan.store.rows).name,
         "meshes": len(meshes),
         "outcomes": dict(Counter(rows["outcome"].to_pylist()).most_common()),
         "errors": dict(Counter(kinds).most_common()),
