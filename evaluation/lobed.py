@@ -37,12 +37,14 @@ def _faces(rows: int, columns: int) -> np.ndarray:
     first, last = np.arange(columns), count - columns + np.arange(columns)
     own = np.arange(count - columns)
     following = own // columns * columns + (own + 1) % columns
-    return np.concatenate([
-        np.stack([own, own + columns, following], axis=1),
-        np.stack([following, own + columns, following + columns], axis=1),
-        np.stack([first, np.roll(first, -1), np.full(columns, count)], axis=1),
-        np.stack([np.roll(last, -1), last, np.full(columns, count + 1)], axis=1),
-    ])
+    return np.concatenate(
+        [
+            np.stack([own, own + columns, following], axis=1),
+            np.stack([following, own + columns, following + columns], axis=1),
+            np.stack([first, np.roll(first, -1), np.full(columns, count)], axis=1),
+            np.stack([np.roll(last, -1), last, np.full(columns, count + 1)], axis=1),
+        ]
+    )
 
 
 def write_ply(path: Path, vertices: np.ndarray, faces: np.ndarray) -> None:

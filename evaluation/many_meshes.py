@@ -70,7 +70,19 @@ def cpu_seconds() -> float:
 def command_line(program: Path, meshes: list[Path], folder: Path) -> dict[str, float]:
     """Runs the command line over meshes with two jobs; wall and CPU seconds."""
     shutil.rmtree(folder, ignore_errors=True)
-    words = [program, "detect", *meshes, "--output-dir", folder, "--write", "map,json", "--jobs", "2", "--quiet", *OPTIONS]
+    words = [
+        program,
+        "detect",
+        *meshes,
+        "--output-dir",
+        folder,
+        "--write",
+        "map,json",
+        "--jobs",
+        "2",
+        "--quiet",
+        *OPTIONS,
+    ]
     wall, cpu = time.perf_counter(), cpu_seconds()
     status = subprocess.run(list(map(str, words))).returncode
     if status not in (0, 1):

@@ -169,7 +169,9 @@ def rows_in(output: Path) -> dict[str, dict]:
 
 def without_times(rows: dict[str, dict]) -> dict[str, dict]:
     """Rows without the columns of TIMES."""
-    return {name: {key: value for key, value in row.items() if key not in TIMES} for name, row in rows.items()}
+    return {
+        name: {key: value for key, value in row.items() if key not in TIMES} for name, row in rows.items()
+    }
 
 
 def by_name(table: pa.Table) -> dict[str, dict]:
@@ -213,4 +215,6 @@ def assert_same_as_command_line(row: dict, folder: Path) -> None:
 
 def copy_examples(folder: Path) -> list[Path]:
     """The example meshes with symmetries, without and with several shells."""
-    return [Path(shutil.copy(EXAMPLES / f"{name}.ply", folder)) for name in ("human_shells", "quadruped", "blob")]
+    return [
+        Path(shutil.copy(EXAMPLES / f"{name}.ply", folder)) for name in ("human_shells", "quadruped", "blob")
+    ]

@@ -199,7 +199,9 @@ def test_a_second_command_keeps_off(cluster, batch, meshes, gated, tmp_path):
 
 def test_through_a_ray_client(cluster, meshes, tmp_path):
     port = cluster.head_node._ray_params.ray_client_server_port
-    words = batch_command(cluster, meshes, "--output", tmp_path / "out", "--address", f"ray://127.0.0.1:{port}")
+    words = batch_command(
+        cluster, meshes, "--output", tmp_path / "out", "--address", f"ray://127.0.0.1:{port}"
+    )
     done = subprocess.run(words, capture_output=True, text=True)
     assert done.returncode == 0 and done.stderr == ""
     assert "12 new rows" in done.stdout
@@ -232,7 +234,10 @@ sys.exit(main())
 def test_without_ray_it_says_what_to_install():
     done = subprocess.run([sys.executable, "-c", NO_RAY], capture_output=True, text=True)
     assert done.returncode == 2
-    assert done.stderr == 'intrinsym-batch: intrinsym.ray needs Ray, which is not installed: pip install "intrinsym[ray]"\n'
+    assert (
+        done.stderr
+        == 'intrinsym-batch: intrinsym.ray needs Ray, which is not installed: pip install "intrinsym[ray]"\n'
+    )
 
 
 def running(command: list[str]) -> subprocess.Popen[bytes]:

@@ -71,7 +71,9 @@ def test_large_meshes_are_alone_and_small_ones_in_blocks_that_shrink(connected):
     meshes = [MeshFile(place.at(f"/{index}"), size) for index, size in enumerate(sizes)]
     blocks = blocks_of(meshes[::-1], 1)
     counts = [len(block) for block in blocks]
-    assert sorted(mesh.place.path for block in blocks for mesh in block) == sorted(mesh.place.path for mesh in meshes)
+    assert sorted(mesh.place.path for block in blocks for mesh in block) == sorted(
+        mesh.place.path for mesh in meshes
+    )
     assert counts[:3] == [1, 1, BLOCK_MESHES] and counts[-1] == 1
     assert counts[2:] == sorted(counts[2:], reverse=True)
 
@@ -82,7 +84,9 @@ def test_two_nodes_share_the_work(connected, meshes):
 
 
 def node_of(batch):
-    return batch.select(["path"]).append_column("node", [[ray.get_runtime_context().get_node_id()] * len(batch)])
+    return batch.select(["path"]).append_column(
+        "node", [[ray.get_runtime_context().get_node_id()] * len(batch)]
+    )
 
 
 def test_columns_are_those_of_the_schema(connected, meshes):

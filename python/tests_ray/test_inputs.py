@@ -55,7 +55,9 @@ def test_a_list_holds_paths_and_uris_and_keeps_what_is_missing(folder, monkeypat
     monkeypatch.chdir(folder)
     (folder / "list.txt").write_text(f"a.ply\n\nfile://{folder}/deep/er/d.stl\nnone.ply\n{folder}/a.ply\n")
     meshes = find_meshes(["list.txt"])
-    assert [mesh.place.name for mesh in meshes] == [f"{folder}/{name}" for name in ("a.ply", "deep/er/d.stl", "none.ply")]
+    assert [mesh.place.name for mesh in meshes] == [
+        f"{folder}/{name}" for name in ("a.ply", "deep/er/d.stl", "none.ply")
+    ]
     assert [mesh.size for mesh in meshes] == [5, 13, 0]
 
 

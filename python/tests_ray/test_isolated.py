@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import subprocess
 import sys
@@ -46,6 +45,7 @@ def test_a_death_is_a_row_and_the_next_mesh_is_answered(process, tmp_path, word,
 def test_a_hang_is_ended(tmp_path):
     process = MeshProcess(Limits(seconds=0.5, memory=500))
     found = row(process, write_mesh(tmp_path / "hang.ply", 1))
+    assert process._process is None
     assert (found["error_kind"], found["error"]) == ("Timeout", "no answer within 0.5 s")
 
 
@@ -60,6 +60,14 @@ def test_a_process_that_somebody_kills_is_tried_again(process, tmp_path, signals
     path = write_mesh(tmp_path / f"killed-{tmp_path.name}.ply", 2)
     assert row(process, path)["outcome"] == "found"
     assert said(str(path), "killed").exists()
+
+
+def test_a_process_that_ends_between_meshes_is_nobodys_fault(process, tmp_path):
+    path = write_mesh(tmp_path / "fine.ply", 2)
+    assert row(process, path)["outcome"] == "found"
+    process._process.send_signal(signal.SIGTERM)
+    process._process.wait()
+    assert row(process, path)["outcome"] == "found"
 
 
 def test_the_answer_is_that_of_a_plain_call(process, tmp_path):
@@ -103,4 +111,3 @@ def test_a_library_that_is_missing_is_said(tmp_path, monkeypatch):
     monkeypatch.setenv("INTRINSYM_LIBRARY", str(tmp_path / "none.so"))
     with pytest.raises(RuntimeError, match="none.so"):
         row(MeshProcess(Limits(20, 500)), write_mesh(tmp_path / "fine.ply", 2))
-    assert "INTRINSYM_LIBRARY" in os.environ

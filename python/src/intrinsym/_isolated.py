@@ -14,7 +14,7 @@ import sys
 import tempfile
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, Pipe
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NoReturn
 
 from ._mesh_row import Row, error_row
 
@@ -62,15 +62,18 @@ class MeshProcess:
         if answer is None:
             # Somebody else killed it, such as the system for memory that another process took: once more.
             answer = self._ask(request)
-        return answer or error_row("Killed", "the process of the mesh was killed twice; the system may lack memory")
+        return answer or error_row(
+            "Killed", "the process of the mesh was killed twice; the system may lack memory"
+        )
 
     def _ask(self, request: tuple[str, str, dict[str, Any], tuple[str, ...]]) -> Row | None:
         """The row; None if the process was killed, and not by us."""
+        if self._process is not None and self._process.poll() is not None:
+            self.stop()  # it ended between two meshes, which is neither's fault
         if self._process is None:
             self._start()
         try:
-            self._connection.send(request)
-            return self._receive(self.limits.seconds)
+            return self._exchange(request)
         except TimeoutError:
             self.stop()
             return error_row("Timeout", f"no answer within {self.limits.seconds:g} s")
@@ -81,7 +84,13 @@ class MeshProcess:
     def _start(self) -> None:
         self._connection, theirs = Pipe()
         self._errors = tempfile.TemporaryFile()
-        command = [sys.executable, "-m", "intrinsym._isolated_main", str(theirs.fileno()), str(self.limits.memory)]
+        command = [
+            sys.executable,
+            "-m",
+            "intrinsym._isolated_main",
+            str(theirs.fileno()),
+            str(self.limits.memory),
+        ]
         with theirs:
             self._process = subprocess.Popen(
                 command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, stderr=self._errors
@@ -92,6 +101,14 @@ class MeshProcess:
             self.stop()
             raise RuntimeError(f"the library of intrinsym does not start: {error}") from error
 
+    def _exchange(self, request: tuple[str, str, dict[str, Any], tuple[str, ...]]) -> Row:
+        """The answer to a request. Raises TimeoutError, Died."""
+        try:
+            self._connection.send(request)
+        except ConnectionError:
+            self._died()
+        return self._receive(self.limits.seconds)
+
     def _receive(self, seconds: float) -> Any:
         """The process' next answer. Raises TimeoutError, or Died when it has ended."""
         try:
@@ -99,11 +116,14 @@ class MeshProcess:
                 raise TimeoutError(f"no answer within {seconds:g} s")
             return self._connection.recv()
         except (EOFError, ConnectionError):
-            status = self._process.wait()
-            self._errors.seek(0)
-            said = self._errors.read()[-2000:].decode(errors="replace").strip()
-            self.stop()
-            raise Died(status, said) from None
+            self._died()
+
+    def _died(self) -> NoReturn:
+        status = self._process.wait()
+        self._errors.seek(0)
+        said = self._errors.read()[-2000:].decode(errors="replace").strip()
+        self.stop()
+        raise Died(status, said) from None
 
     def stop(self) -> None:
         """Ends the process; the next mesh gets a new one."""

@@ -109,7 +109,9 @@ def _ply(mesh: Mesh, found: Detection) -> bytes:
             ("int", f"sym_side{_suffix(index)}", symmetry.side),
         ]
     if found:
-        columns += [("uchar", name, values) for name, values in zip(("red", "green", "blue"), _colours(mesh, found).T)]
+        columns += [
+            ("uchar", name, values) for name, values in zip(("red", "green", "blue"), _colours(mesh, found).T)
+        ]
     types = {"double": "<f8", "float": "<f4", "int": "<i4", "uchar": "u1"}
     table = np.empty(mesh.vertex_count, [(name, types[kind]) for kind, name, _ in columns])
     for _, name, values in columns:

@@ -11,7 +11,9 @@ try:
     import ray as _ray  # noqa: F401
     import ray.data as _ray_data  # noqa: F401
 except ImportError as error:
-    raise ImportError('intrinsym.ray needs Ray, which is not installed: pip install "intrinsym[ray]"') from error
+    raise ImportError(
+        'intrinsym.ray needs Ray, which is not installed: pip install "intrinsym[ray]"'
+    ) from error
 
 from ._dataset import detect_dataset
 from ._rows import SCHEMA

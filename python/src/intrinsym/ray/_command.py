@@ -13,6 +13,7 @@ from typing import Any
 
 import ray
 import ray.data
+import ray.exceptions
 
 from .._library import library_version
 from .._mesh_row import FILE_KINDS
@@ -33,7 +34,7 @@ def main(words: Sequence[str] | None = None) -> int:
     arguments = parser().parse_args(words)
     try:
         summary = _run_where_asked(arguments)
-    except (IntrinsymError, ValueError, OSError, Busy) as error:
+    except (IntrinsymError, ValueError, OSError, Busy, ray.exceptions.RayError) as error:
         print(f"intrinsym-batch: {_text_of(error)}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
@@ -53,9 +54,23 @@ def parser() -> argparse.ArgumentParser:
     add("--version", action="version", version=f"%(prog)s {library_version()}")
     add("inputs", nargs="+", metavar="INPUTS",
         help="folders, patterns, text files (.txt) with one path a line, mesh files; paths, or URIs such as s3://")  # fmt: skip
-    add("--output", required=True, metavar="DIR", help="folder of the results, a path or URI that all machines see")
-    add("--address", help="a running Ray: auto, HOST:PORT or ray://HOST:PORT (default: $RAY_ADDRESS, or start one here)")
-    add("--cpus-per-mesh", type=_positive(float), default=1.0, metavar="N", help="CPUs for each mesh (default: 1)")
+    add(
+        "--output",
+        required=True,
+        metavar="DIR",
+        help="folder of the results, a path or URI that all machines see",
+    )
+    add(
+        "--address",
+        help="a running Ray: auto, HOST:PORT or ray://HOST:PORT (default: $RAY_ADDRESS, or start one here)",
+    )
+    add(
+        "--cpus-per-mesh",
+        type=_positive(float),
+        default=1.0,
+        metavar="N",
+        help="CPUs for each mesh (default: 1)",
+    )
     add("--timeout", type=_positive(float), default=TIMEOUT, metavar="S",
         help=f"wall seconds for one mesh, after which it is an error (default: {TIMEOUT:g})")  # fmt: skip
     add("--memory", type=_positive(int), metavar="MB",
@@ -68,7 +83,9 @@ def parser() -> argparse.ArgumentParser:
     method = made.add_argument_group("the method, as in `intrinsym detect`")
     for spec in option_specs():
         if spec.name not in OWN_OPTIONS:
-            kind: dict[str, Any] = {"choices": spec.choices} if spec.choices else {"type": int, "metavar": "N"}
+            kind: dict[str, Any] = (
+                {"choices": spec.choices} if spec.choices else {"type": int, "metavar": "N"}
+            )
             method.add_argument(f"--{spec.name.replace('_', '-')}", help=spec.help.replace("%", "%%"), **kind)
     return made
 

@@ -59,7 +59,11 @@ def detect_dataset(
 
 
 def job_of(
-    options: dict[str, Any], cpus_per_mesh: float, timeout: float, memory: int | None, write: tuple[str, ...] = ()
+    options: dict[str, Any],
+    cpus_per_mesh: float,
+    timeout: float,
+    memory: int | None,
+    write: tuple[str, ...] = (),
 ) -> Job:
     """The job, with threads and the library's own limit of memory where the options say nothing of them.
 

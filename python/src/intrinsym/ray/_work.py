@@ -58,7 +58,11 @@ def run(plan: Plan, meshes: Sequence[MeshFile], report: Callable[[int, int], obj
     for batch in blocks.iter_batches(batch_size=None, batch_format="pyarrow", prefetch_batches=0):
         for block in batch.to_pylist():
             _commit(plan.store, known, block)
-            looked_at, new, errors = looked_at + block["meshes"], new + len(block["paths"]), errors + block["errors"]
+            looked_at, new, errors = (
+                looked_at + block["meshes"],
+                new + len(block["paths"]),
+                errors + block["errors"],
+            )
             report(looked_at, errors)
     summary = summary_of(plan, meshes)
     return summary | {"new_rows": new, "wall_seconds": round(time.perf_counter() - start, 3)}
@@ -91,7 +95,11 @@ def _new_row(task: Task, plan: Plan) -> Row | None:
 
 
 def _is_done(task: Task, content: Content, plan: Plan) -> bool:
-    if task.on_record is None or content.bytes is None or hash_of(content.bytes) != task.on_record.content_hash:
+    if (
+        task.on_record is None
+        or content.bytes is None
+        or hash_of(content.bytes) != task.on_record.content_hash
+    ):
         return False
     return task.on_record.error_kind is not None or plan.store.has_files(task.place, plan.job.write)
 
@@ -118,6 +126,8 @@ def summary_of(plan: Plan, meshes: Sequence[MeshFile]) -> dict[str, Any]:
         "meshes": len(meshes),
         "outcomes": dict(Counter(rows["outcome"].to_pylist()).most_common()),
         "errors": dict(Counter(kinds).most_common()),
-        "seconds": {f"p{share}": value and round(float(value), 4) for share, value in zip(PERCENTILES, shares)},
+        "seconds": {
+            f"p{share}": value and round(float(value), 4) for share, value in zip(PERCENTILES, shares)
+        },
         "total_seconds": round(float(seconds.sum()), 3),
     }
