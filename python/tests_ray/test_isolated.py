@@ -45,7 +45,7 @@ def test_a_death_is_a_row_and_the_next_mesh_is_answered(process, tmp_path, word,
 def test_a_hang_is_ended(tmp_path):
     process = MeshProcess(Limits(seconds=0.5, memory=500))
     found = row(process, write_mesh(tmp_path / "hang.ply", 1))
-    assert process._process is None
+    assert process._running is None
     assert (found["error_kind"], found["error"]) == ("Timeout", "no answer within 0.5 s")
 
 
@@ -65,8 +65,8 @@ def test_a_process_that_somebody_kills_is_tried_again(process, tmp_path, signals
 def test_a_process_that_ends_between_meshes_is_nobodys_fault(process, tmp_path):
     path = write_mesh(tmp_path / "fine.ply", 2)
     assert row(process, path)["outcome"] == "found"
-    process._process.send_signal(signal.SIGTERM)
-    process._process.wait()
+    process._running._process.terminate()
+    process._running._process.wait()
     assert row(process, path)["outcome"] == "found"
 
 

@@ -13,8 +13,8 @@ import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
-from multiprocessing.connection import Connection, Pipe
-from typing import Any, BinaryIO, NoReturn
+from multiprocessing.connection import Pipe
+from typing import Any
 
 from ._mesh_row import Row, error_row
 
@@ -22,6 +22,9 @@ from ._mesh_row import Row, error_row
 START_SECONDS = 120.0
 #: What Rust, C++ and Python say when they get no more memory.
 SIGNS_OF_MEMORY = ("memory allocation of", "bad_alloc", "MemoryError")
+
+#: Arguments of :meth:`MeshProcess.row`.
+Request = tuple[str, str, dict[str, Any], tuple[str, ...]]
 
 
 @dataclass(frozen=True)
@@ -48,9 +51,7 @@ class MeshProcess:
 
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
-        self._process: subprocess.Popen[bytes] | None = None
-        self._connection: Connection | None = None
-        self._errors: BinaryIO | None = None
+        self._running: _Running | None = None
 
     def row(self, path: str, name: str, options: dict[str, Any], write: tuple[str, ...] = ()) -> Row:
         """As :func:`intrinsym._mesh_row.row_of_file`; a crash, a timeout and too much memory are rows, too.
@@ -62,35 +63,39 @@ class MeshProcess:
         if answer is None:
             # Somebody else killed it, such as the system for memory that another process took: once more.
             answer = self._ask(request)
-        return answer or error_row(
-            "Killed", "the process of the mesh was killed twice; the system may lack memory"
-        )
+        text = "the process of the mesh was killed twice; the system may lack memory"
+        return answer or error_row("Killed", text)
 
-    def _ask(self, request: tuple[str, str, dict[str, Any], tuple[str, ...]]) -> Row | None:
+    def _ask(self, request: Request) -> Row | None:
         """The row; None if the process was killed, and not by us."""
-        if self._process is not None and self._process.poll() is not None:
-            self.stop()  # it ended between two meshes, which is neither's fault
-        if self._process is None:
-            self._start()
+        if self._running is not None and self._running.has_ended():
+            self.stop()  # between two meshes, which is neither's fault
+        if self._running is None:
+            self._running = _Running(self.limits.memory)
         try:
-            return self._exchange(request)
-        except TimeoutError:
+            return self._running.answer(request, self.limits.seconds)
+        except TimeoutError as error:
             self.stop()
-            return error_row("Timeout", f"no answer within {self.limits.seconds:g} s")
+            return error_row("Timeout", str(error))
         except Died as death:
+            self.stop()
             sys.stderr.write(f"{request[1]}: {death}\n")
             return None if death.status == -signal.SIGKILL else _row_of_death(death)
 
-    def _start(self) -> None:
+    def stop(self) -> None:
+        """Ends the process; the next mesh gets a new one."""
+        if self._running is not None:
+            self._running.stop()
+            self._running = None
+
+
+class _Running:
+    """A process that has loaded the library."""
+
+    def __init__(self, memory: int) -> None:
         self._connection, theirs = Pipe()
         self._errors = tempfile.TemporaryFile()
-        command = [
-            sys.executable,
-            "-m",
-            "intrinsym._isolated_main",
-            str(theirs.fileno()),
-            str(self.limits.memory),
-        ]
+        command = [sys.executable, "-m", "intrinsym._isolated_main", str(theirs.fileno()), str(memory)]
         with theirs:
             self._process = subprocess.Popen(
                 command, pass_fds=[theirs.fileno()], stdin=subprocess.DEVNULL, stderr=self._errors
@@ -101,39 +106,35 @@ class MeshProcess:
             self.stop()
             raise RuntimeError(f"the library of intrinsym does not start: {error}") from error
 
-    def _exchange(self, request: tuple[str, str, dict[str, Any], tuple[str, ...]]) -> Row:
-        """The answer to a request. Raises TimeoutError, Died."""
+    def has_ended(self) -> bool:
+        return self._process.poll() is not None
+
+    def answer(self, request: Request, seconds: float) -> Row:
+        """The row for a request. Raises TimeoutError; Died if the process ends over it."""
         try:
             self._connection.send(request)
         except ConnectionError:
-            self._died()
-        return self._receive(self.limits.seconds)
+            raise self._death() from None
+        return self._receive(seconds)
 
     def _receive(self, seconds: float) -> Any:
-        """The process' next answer. Raises TimeoutError, or Died when it has ended."""
         try:
             if not self._connection.poll(seconds):
                 raise TimeoutError(f"no answer within {seconds:g} s")
             return self._connection.recv()
         except (EOFError, ConnectionError):
-            self._died()
+            raise self._death() from None
 
-    def _died(self) -> NoReturn:
+    def _death(self) -> Died:
         status = self._process.wait()
         self._errors.seek(0)
-        said = self._errors.read()[-2000:].decode(errors="replace").strip()
-        self.stop()
-        raise Died(status, said) from None
+        return Died(status, self._errors.read()[-2000:].decode(errors="replace").strip())
 
     def stop(self) -> None:
-        """Ends the process; the next mesh gets a new one."""
-        if self._process is None:
-            return
         self._process.kill()
         self._process.wait()
         self._connection.close()
         self._errors.close()
-        self._process = None
 
 
 def _row_of_death(death: Died) -> Row:

@@ -116,8 +116,8 @@ def _ply(mesh: Mesh, found: Detection) -> bytes:
     table = np.empty(mesh.vertex_count, [(name, types[kind]) for kind, name, _ in columns])
     for _, name, values in columns:
         table[name] = values
-    offsets, corners = mesh.polygons
-    faces = np.insert(corners.astype("<i4"), offsets[:-1].astype(np.int64), np.diff(offsets))
+    offsets, corners = (np.asarray(array, np.int64) for array in mesh.polygons)
+    faces = np.insert(corners, offsets[:-1], np.diff(offsets))
     properties = "".join(f"property {kind} {name}\n" for kind, name, _ in columns)
     header = (
         f"ply\nformat binary_little_endian 1.0\nelement vertex {mesh.vertex_count}\n{properties}"

@@ -127,8 +127,9 @@ def _rows_of_places(places: list[Place], job: Job) -> pa.Table:
 def _rows_of_batch(batch: pa.Table, job: Job) -> pa.Table:
     """The rows of a caller's batch with the column ``path``, and ``bytes`` if it has them."""
     paths = batch["path"].to_pylist()
-    if "bytes" in batch.column_names:
-        contents = map(Content, paths, batch["bytes"].to_pylist())
-    else:
-        contents = (read(place_of(path)) for path in paths)
-    return table_of(row_of(content, job) for content in contents)
+    has_bytes = "bytes" in batch.column_names
+    contents = batch["bytes"].to_pylist() if has_bytes else [None] * len(paths)
+    return table_of(
+        row_of(Content(path, content) if has_bytes else read(place_of(path)), job)
+        for path, content in zip(paths, contents)
+    )
