@@ -63,9 +63,9 @@ evaluate-symmetries: train-setup ## Measure how many symmetries of solids are li
 	cargo build --release --locked --bin intrinsym
 	$(EVALUATE_PYTHON) evaluation.several_symmetries --work $(EVALUATE_DATA)/symmetries
 
-evaluate-ray: ray-setup ## Ten thousand small meshes through two nodes of Ray, killed twice and resumed: rows, overhead
+evaluate-ray: ray-setup train-setup ## Ten thousand small meshes through two nodes of Ray, killed twice and resumed: rows, overhead
 	$(RAY_VENV)/bin/python -m evaluation.many_meshes --out docs/results/$(EVALUATE_DATE)-ray.json --work $(EVALUATE_DATA)/ray
-	$(RAY_VENV)/bin/python -m evaluation.pages
+	$(EVALUATE_PYTHON) evaluation.pages
 
 ablate: train-setup ## Measure the program with one thing changed at a time: docs/ablation.md (ABLATE_FLAGS=--test: the test sets, too)
 	cargo build --release --locked --bin intrinsym --example ablate

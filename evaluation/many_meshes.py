@@ -20,6 +20,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from datetime import date
 from pathlib import Path
 
 import numpy as np
@@ -27,7 +28,9 @@ import pyarrow.parquet as pq
 import ray
 from ray.cluster_utils import Cluster
 
+from intrinsym._isolated import Limits, MeshProcess
 from intrinsym.ray._command import main as batch
+from intrinsym.ray._rows import table_of
 
 from .lobed import write_lobed
 from .program import identity, write_results
@@ -38,6 +41,8 @@ SMALL, LARGE = (10, 14), (100, 126)
 TIMED_SMALL, TIMED_LARGE, REPEATS = 1000, 40, 2
 #: What is killed in each run, and the share of the rows that are there by then.
 KILLS = ([(0.25, "driver")], [(0.45, "node"), (0.65, "driver")], [])
+#: Meshes whose costs are measured one by one.
+COSTED = 20
 OPTIONS = ["--effort", "fast"]
 TICK = os.sysconf("SC_CLK_TCK")
 
@@ -206,16 +211,43 @@ def start_seconds(work: Path, mesh: Path) -> float:
     return time.perf_counter() - start
 
 
+def costs(meshes: list[Path], work: Path) -> dict:
+    """What a mesh takes in a worker's process, on one thread: CPU seconds by effort, bytes of Parquet for a vertex, MB of
+    the process at its largest."""
+    found: dict = {"meshes": len(meshes), "cpu_seconds": {}}
+    for effort in ("fast", "default"):
+        process = MeshProcess(Limits(600, 4000))
+        job = {"threads": 1, "effort": effort}
+        process.row(str(meshes[0]), "", job)
+        cpu = cpu_seconds()
+        rows = [process.row(str(mesh), mesh.name, job) for mesh in meshes]
+        found["cpu_seconds"][effort] = (cpu_seconds() - cpu) / len(meshes)
+        found["process_megabytes"] = peak_megabytes(process)
+        process.stop()
+        pq.write_table(table_of(rows), work / "costs.parquet", compression="zstd")
+    found["vertices"] = rows[0]["vertices"]
+    found["bytes_for_a_vertex"] = (work / "costs.parquet").stat().st_size / sum(row["vertices"] for row in rows)
+    return found
+
+
+def peak_megabytes(process: MeshProcess) -> float:
+    """The most memory that the process had, in MB; all of it counts, what it shares with others too."""
+    status = Path(f"/proc/{process._running._process.pid}/status").read_text()
+    return next(int(line.split()[1]) for line in status.splitlines() if line.startswith("VmHWM:")) * 1024 / 1e6
+
+
 def measure(program: Path, work: Path, count: int) -> dict:
     """Everything, in order; the nodes are ended at the end."""
     small = write_lobed(work / "small", count, *SMALL)
     large = write_lobed(work / "large", TIMED_LARGE, *LARGE)
     result: dict = {
+        "date": str(date.today()),
         "program": identity(str(program)),
         "ray": ray.__version__,
         "machine": f"{platform.machine()}, {os.cpu_count()} CPUs, Python {platform.python_version()}",
         "options": OPTIONS,
         "start_seconds": start_seconds(work, small[0]),
+        "costs": [costs(small[:COSTED], work), costs(large[:COSTED], work)],
     }
     print("the command line over all meshes", flush=True)
     result["command_line"] = command_line(program, small, work / "answers")
