@@ -38,7 +38,7 @@ from .program import identity, write_results
 #: Rings and columns of the small meshes of 128 vertices, and of those of 12,476.
 SMALL, LARGE = (10, 14), (100, 126)
 #: Small meshes that are timed, large ones, and how often each.
-TIMED_SMALL, TIMED_LARGE, REPEATS = 1000, 40, 2
+TIMED_SMALL, TIMED_LARGE, REPEATS = 1000, 120, 2
 #: What is killed in each run, and the share of the rows that are there by then.
 KILLS = ([(0.25, "driver")], [(0.45, "node"), (0.65, "driver")], [])
 #: Meshes whose costs are measured one by one.
