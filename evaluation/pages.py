@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from . import ablate_tables, princeton_tables, remeshed, robustness_tables, synthetic_tables, watertight
+from . import ablate_tables, many_meshes_tables, princeton_tables, remeshed, robustness_tables, synthetic_tables, watertight
 from .markdown import filled
 
 ROOT = Path(__file__).parent.parent
-PAGES = ("README.md", "docs/results.md", "docs/robustness.md", "docs/ablation.md")
+PAGES = ("README.md", "docs/results.md", "docs/robustness.md", "docs/ablation.md", "docs/ray.md")
 # The parts of pages, the result file they are made from (docs/results/DATE-KIND.json), and by what.
 PARTS = {
     "princeton-short": ("princeton", princeton_tables.short_report),
@@ -20,6 +20,8 @@ PARTS = {
     "watertight": ("watertight", watertight.report),
     "robustness": ("robustness", robustness_tables.report),
     "ablation": ("ablation", ablate_tables.report),
+    "ray": ("ray", many_meshes_tables.report),
+    "ray-bill": ("ray", many_meshes_tables.bill),
 }
 
 

@@ -74,6 +74,9 @@ def test_the_wheel_works_in_a_clean_environment(tmp_path):
     count, library = run.stdout.split()
     assert count == "3398"
     assert Path(library).is_relative_to(tmp_path)
+    batch = tmp_path / "venv" / "bin" / "intrinsym-batch"
+    run = subprocess.run([batch, "x", "--output", "y"], env=environment, capture_output=True, text=True)
+    assert run.returncode == 2 and 'pip install "intrinsym[ray]"' in run.stderr
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads the loader's table of Linux")
