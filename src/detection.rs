@@ -104,6 +104,29 @@ pub struct Detection {
     pub judging: Option<Arc<JudgingMesh>>,
 }
 
+/// Least mean confidence of a symmetry of the whole mesh.
+const LEAST_CONFIDENCE: f64 = 0.05;
+
+impl Detection {
+    /// Without symmetries that say nothing of nearly the whole surface, as that of one of ten thousand loose parts does, unless whoever
+    /// asks takes any map: a plausibility from `least` percent on.
+    pub(crate) fn without_empty(mut self, least: usize) -> Detection {
+        let confident = |symmetry: &Symmetry| symmetry.mean_confidence >= LEAST_CONFIDENCE;
+        if least == 0 || self.symmetries.iter().all(confident) {
+            return self;
+        }
+        let highest = self.symmetries.iter().map(|symmetry| symmetry.mean_confidence).fold(0.0, f64::max);
+        self.symmetries.retain(confident);
+        if self.symmetries.is_empty() {
+            (self.outcome, self.judging) = (Outcome::None, None);
+            self.report.evidence += &format!(
+                "; but over the whole surface its mean confidence is {highest:.3}, so that it is no symmetry of the mesh (from {LEAST_CONFIDENCE})"
+            );
+        }
+        self
+    }
+}
+
 /// How the best map was judged, and that in words.
 pub(crate) fn verdict(best: Option<&ShellSymmetry>, least: usize) -> (Option<Judgement>, String) {
     match best {

@@ -68,7 +68,7 @@ pub fn detect_by(mesh: &Mesh, options: &Options, plans: &[Plan], progress: &Prog
         clock.lap("correspondence");
         progress.report("done", 1.0)?;
         exact.report.seconds = clock.laps;
-        return Ok(exact);
+        return Ok(exact.without_empty(options.plausibility));
     }
     let (mut best, mut solved): (Option<Detection>, _) = (None, None);
     for plan in plans {
@@ -94,7 +94,7 @@ pub fn detect_by(mesh: &Mesh, options: &Options, plans: &[Plan], progress: &Prog
     progress.report("done", 1.0)?;
     let mut best = best.expect("a plan");
     best.report.seconds = clock.laps;
-    Ok(best)
+    Ok(best.without_empty(options.plausibility))
 }
 
 impl Detection {

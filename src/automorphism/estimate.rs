@@ -161,6 +161,9 @@ impl Rings {
             if visit(vertex, distance) {
                 return;
             }
+            if self.queue.len() >= most {
+                continue;
+            }
             for half_edge in half_edges.outgoing_of(vertex) {
                 let neighbour = half_edges.to_vertex[half_edge as usize];
                 if self.queue.len() < most && self.seen[neighbour as usize] != self.search {
