@@ -92,3 +92,34 @@ fn tangents(mesh: &Mesh) -> Vec<[Vector; 2]> {
     };
     normals.iter().map(frame).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::limits::Limits;
+    use crate::mesh::PolygonMesh;
+
+    /// A cone of `count` triangles around its tip.
+    fn cone(count: u32) -> Mesh {
+        let angle = |i: u32| f64::from(i) * std::f64::consts::TAU / f64::from(count);
+        let rim = (0..count).map(|i| [angle(i).cos(), angle(i).sin(), 0.0]);
+        let polygons = PolygonMesh {
+            positions: std::iter::once([0.0, 0.0, 1.0]).chain(rim).collect(),
+            face_offsets: (0..=count).map(|face| 3 * face).collect(),
+            face_vertices: (0..count).flat_map(|i| [0, 1 + i, 1 + (i + 1) % count]).collect(),
+        };
+        Mesh::new(&polygons, &Limits::default()).unwrap()
+    }
+
+    /// The votes of a pair are as many as the points close to one times those close to the other.
+    #[test]
+    fn a_hub_has_no_votes_and_leaves_no_more_to_others_whatever_its_degree() {
+        let most_close = |count: u32| {
+            let mesh = cone(count);
+            let around = Surroundings::new(&mesh, &Fans::new(mesh.positions.len(), &mesh.triangles));
+            (0..mesh.positions.len()).map(|point| around.close.of(point).len()).max().unwrap()
+        };
+        assert_eq!(most_close(HUB as u32 - 1), HUB - 1);
+        assert_eq!([48, 1000, 20_000].map(most_close), [4, 4, 4]);
+    }
+}
