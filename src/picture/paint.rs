@@ -30,7 +30,7 @@ pub fn paint(surface: &Surface, views: &[View; 2]) -> Result<Pixmap> {
         let scale = scale * OVERSAMPLING;
         let origin = [centre[0] - scale * frame.centre[0], centre[1] + scale * frame.centre[1]];
         let (triangles, strokes) = surface.seen(view, &Placement { scale, origin });
-        large.draw(triangles, brightness);
+        large.draw(&triangles, brightness);
         draw_curve(&strokes, &mut large);
     }
     reduce(&large.pixmap, 2.0 * panel[0], panel[1])
