@@ -3,5 +3,5 @@
 
 FUZZ_SECONDS ?= 60
 
-fuzz: setup ## Fuzz the readers, raw arrays and C calls, FUZZ_SECONDS each
+fuzz: setup ## Fuzz the readers, raw arrays, the detector and C calls, FUZZ_SECONDS each
 	@fuzz/run.sh $(FUZZ_SECONDS)

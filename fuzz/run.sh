@@ -11,7 +11,7 @@ SECONDS_EACH=${1:-60}
 SECONDS_PER_INPUT=30
 shift || true
 TARGETS=("$@")
-[ ${#TARGETS[@]} != 0 ] || TARGETS=(read_ply read_obj read_off read_stl arrays c_calls)
+[ ${#TARGETS[@]} != 0 ] || TARGETS=(read_ply read_obj read_off read_stl arrays detector c_calls)
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-../target}/fuzz
 export RUSTC_WRAPPER=$PWD/with_counters.sh
 

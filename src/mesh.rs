@@ -12,6 +12,7 @@ mod orient;
 mod polygons;
 pub mod rotation;
 mod shells;
+mod split_hubs;
 mod triangulate;
 mod validate;
 pub mod vector;
@@ -28,6 +29,7 @@ pub use attachment::anchors;
 pub use connectivity_hash::connectivity_hash;
 pub use polygons::bucket;
 pub use shells::Shell;
+pub use split_hubs::SplitHubs;
 
 /// Marks "no such element" in index arrays.
 pub const NONE: u32 = u32::MAX;

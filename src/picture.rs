@@ -1,9 +1,8 @@
 //! A picture of a symmetry: the mesh from two opposite sides, pairs in matching colours, the fixed curve drawn.
 //!
-//! Triangles and pieces of the curve are sorted by depth and painted from back to front (M. E. Newell,
-//! R. G. Newell, T. L. Sancha, "A solution to the hidden surface problem", 1972, without its splitting of
-//! overlapping polygons: large triangles are divided instead).
+//! Only what is visible is drawn ([`canvas`]); the curve is drawn over it where nothing hides it.
 
+mod canvas;
 mod facets;
 mod paint;
 mod view;
@@ -14,11 +13,15 @@ use crate::base::error::{Error, Result};
 use crate::detect::correspondence::Symmetry;
 use crate::mesh::Mesh;
 use facets::Surface;
+use tiny_skia::Pixmap;
 use view::View;
+
+/// What the bytes of every picture hold near their start.
+pub const PNG_MARK: &str = "tEXtSoftware\0Intrinsym";
 
 /// The picture as a PNG file's bytes: two views side by side, at most 1800 x 1000 pixels.
 ///
-/// Cost: O(n log n) in the triangles; about 0.3 s for 50,000 vertices.
+/// Cost: O(n log n) in the triangles, and the pixels of what is visible.
 ///
 /// # Errors
 /// [`Error::Internal`] if the PNG cannot be encoded.
@@ -26,5 +29,17 @@ pub fn png(mesh: &Mesh, symmetry: &Symmetry, up: Up) -> Result<Vec<u8>> {
     let surface = Surface::new(mesh, symmetry);
     let views = View::front_and_back(mesh, symmetry, up);
     let pixmap = paint::paint(&surface, &views)?;
-    pixmap.encode_png().map_err(|error| Error::Internal(format!("the picture cannot be encoded: {error}")))
+    let failed = |error| Error::Internal(format!("the picture cannot be encoded: {error}"));
+    encode(&pixmap).map_err(failed)
+}
+
+/// An opaque picture as a PNG file's bytes, with a mark of this program.
+fn encode(pixmap: &Pixmap) -> Result<Vec<u8>, png::EncodingError> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, pixmap.width(), pixmap.height());
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.add_text_chunk("Software".into(), "Intrinsym".into())?;
+    encoder.write_header()?.write_image_data(pixmap.data())?;
+    Ok(bytes)
 }

@@ -50,6 +50,8 @@ fn numbers(path: &Path) -> Vec<i64> {
 
 #[path = "command_line/detect.rs"]
 mod detect;
+#[path = "command_line/files.rs"]
+mod files;
 #[path = "command_line/info_and_eigen.rs"]
 mod info_and_eigen;
 #[path = "command_line/mistakes.rs"]

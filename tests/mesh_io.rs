@@ -86,6 +86,13 @@ fn written(name: &str, file: &MeshFile, attributes: &[VertexAttribute]) -> Vec<u
     bytes
 }
 
+/// The bytes of a PLY with the line that says who wrote it.
+fn with_mark(bytes: &[u8]) -> Vec<u8> {
+    let start = b"ply\nformat binary_little_endian 1.0\n";
+    [start, b"comment written by intrinsym\n".as_slice(), bytes.strip_prefix(start.as_slice()).unwrap()]
+        .concat()
+}
+
 fn temporary(name: &str) -> PathBuf {
     std::env::temp_dir().join(format!("intrinsym-{}-{name}", std::process::id()))
 }
@@ -111,7 +118,8 @@ fn the_encodings_of_ply_say_the_same() {
 fn a_ply_is_written_back_untouched() {
     for (name, input) in [("a", ascii()), ("l", binary(false)), ("b", binary(true))] {
         let output = written(&format!("untouched-{name}.ply"), &parse("a.ply", &input), &[]);
-        assert!(output == binary(false), "{name}: {}", header_of(&output));
+        let expected = with_mark(&binary(false));
+        assert!(output == expected, "{name}: {}", header_of(&output));
     }
 }
 
@@ -215,4 +223,27 @@ fn limits_are_checked_before_anything_is_allocated() {
     let result = io::read(&path, &Limits { file_bytes: 9, ..Limits::default() });
     assert!(matches!(result, Err(Error::Limit { found: 10, limit: 9, .. })));
     std::fs::remove_file(path).unwrap();
+}
+
+/// The system says that a pipe has no bytes, so its size shows only as it is read.
+#[cfg(unix)]
+#[test]
+fn a_pipe_is_read_up_to_the_limit_of_a_file() {
+    let pipe = temporary("pipe.off");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status().unwrap();
+    assert!(made.success());
+    let text = "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n".to_string() + &"# more\n".repeat(100);
+    let read = |file_bytes: u64| {
+        let (path, text) = (pipe.clone(), text.clone());
+        let writer = std::thread::spawn(move || std::fs::write(path, text));
+        let found = io::read(&pipe, &Limits { file_bytes, ..Limits::default() });
+        // A reader that stops early may leave the writer with a closed pipe.
+        let _ = writer.join().unwrap();
+        found
+    };
+    let size = text.len() as u64;
+    assert_eq!(read(size).unwrap().polygons.positions.len(), 3);
+    let error = read(size - 1).unwrap_err().to_string();
+    std::fs::remove_file(&pipe).unwrap();
+    assert!(error.starts_with(&format!("the file's size in bytes {size} exceeds the limit")), "{error}");
 }

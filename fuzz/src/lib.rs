@@ -1,5 +1,8 @@
 //! What the targets share.
 
+#[path = "../../tests/support/hostile.rs"]
+pub mod hostile;
+
 use intrinsym::base::limits::Limits;
 use intrinsym::mesh::{Mesh, PolygonMesh, io};
 use std::path::Path;

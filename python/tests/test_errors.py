@@ -45,6 +45,10 @@ def test_meshes(vertices, faces, error, text):
         ({"samples": 7}, OptionError, "option samples"),
         ({"samples": 200.5}, OptionError, "not a whole number"),
         ({"samples": "many"}, OptionError, "'many' is not a number"),
+        ({"threads": "two"}, OptionError, "option threads: 'two' is not a number"),
+        ({"threads": None}, OptionError, "option threads: None is not a number"),
+        ({"threads": [2]}, OptionError, "is not a number"),
+        ({"threads": 10**400}, OptionError, "is not a number"),
         ({"effort": "hard"}, OptionError, "one of fast, default, thorough"),
         ({"known_signs": [1, 2]}, OptionError, "known_signs"),
         ({"known_signs": [1, 300]}, ArgumentError, "known_signs"),
@@ -54,6 +58,20 @@ def test_meshes(vertices, faces, error, text):
 def test_options(quadruped, arguments, error, text):
     with pytest.raises(error, match=text):
         quadruped.detect(**arguments)
+
+
+def test_masked_arrays(symmetry):
+    masked = np.ma.masked_invalid(POINTS * [1, np.nan, 1])
+    with pytest.raises(ArgumentError, match="vertices has 4 masked entries; fill or remove them"):
+        intrinsym.Mesh(masked, FACES)
+    with pytest.raises(ArgumentError, match="face has 1 masked entries"):
+        intrinsym.Mesh(POINTS, np.ma.masked_equal(FACES, 3))
+    weights = np.ma.masked_equal(np.arange(3398), 7)
+    for tool in (symmetry.mirror_values, symmetry.mirror_selection, symmetry.mirror_face_selection):
+        with pytest.raises(ArgumentError, match="1 masked entries"):
+            tool(weights)
+    assert intrinsym.Mesh(masked.filled(0.5), FACES).vertices[0, 1] == 0.5
+    assert intrinsym.Mesh(np.ma.masked_array(POINTS), np.ma.masked_array(FACES)).face_count == 2
 
 
 def test_files(tmp_path):

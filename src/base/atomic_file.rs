@@ -127,6 +127,26 @@ mod tests {
         fs::remove_dir_all(folder).unwrap();
     }
 
+    #[cfg(unix)]
+    #[test]
+    fn a_replaced_file_keeps_its_permissions_and_a_new_one_gets_the_usual() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = folder("permissions");
+        let mode = |name: &str| fs::metadata(folder.join(name)).unwrap().permissions().mode() & 0o777;
+        fs::write(folder.join("usual"), "").unwrap();
+        write_atomically(&folder.join("new"), |out| out.write_all(b"new")).unwrap();
+        assert_eq!(mode("new"), mode("usual"));
+        for wanted in [0o600, 0o640, 0o444] {
+            let target = folder.join("kept");
+            fs::write(&target, "old").unwrap();
+            fs::set_permissions(&target, fs::Permissions::from_mode(wanted)).unwrap();
+            write_atomically(&target, |out| out.write_all(b"new")).unwrap();
+            assert_eq!((mode("kept"), fs::read(&target).unwrap()), (wanted, b"new".to_vec()));
+            fs::remove_file(target).unwrap();
+        }
+        fs::remove_dir_all(folder).unwrap();
+    }
+
     #[test]
     fn a_missing_folder_is_named() {
         let error = write_atomically(Path::new("no/such/folder/map"), |_| Ok(())).unwrap_err();

@@ -328,7 +328,8 @@ pub fn mean_over_surface(mesh: &Mesh, values: &[f32]) -> f64 {
         total += area * f64::from(sum) / 3.0;
         weight += area;
     }
-    if weight > 0.0 { total / weight } else { 0.0 }
+    // Rounding may leave the range of the values.
+    if weight > 0.0 { (total / weight).min(1.0) } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -12,6 +12,9 @@ use crate::mesh::{Mesh, Shell};
 use crate::refine::rigid_parts::Carrier;
 use crate::search::refinement::nearest;
 use faer::Mat;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+use std::collections::BTreeMap;
 
 /// Points of a shell that are compared when shells are paired.
 const PAIRING_POINTS: usize = 64;
@@ -111,22 +114,59 @@ impl Places {
     }
 }
 
+/// Shells by their size and place.
+struct Alike {
+    /// Logarithm of the area of each shell.
+    sizes: Vec<f64>,
+    /// Middles of the shells whose sizes are from n to n + 1 times the tolerance, by n.
+    trees: BTreeMap<i64, RTree<GeomWithData<Vector, usize>>>,
+}
+
+impl Alike {
+    /// Shells looked at in each tree: of them about a half are of the size that is wanted.
+    const LOOKS: usize = 64;
+    /// Shells tried as partners of one.
+    const TRIED: usize = 4;
+
+    fn new(shells: &[Shell], middles: &[Vector], others: impl Iterator<Item = usize>) -> Alike {
+        let sizes: Vec<f64> = shells.iter().map(|shell| shell.area().max(f64::MIN_POSITIVE).ln()).collect();
+        let mut leaves: BTreeMap<i64, Vec<_>> = BTreeMap::new();
+        for shell in others {
+            let leaf = GeomWithData::new(middles[shell], shell);
+            leaves.entry(Alike::class(sizes[shell])).or_default().push(leaf);
+        }
+        let trees = leaves.into_iter().map(|(class, leaves)| (class, RTree::bulk_load(leaves))).collect();
+        Alike { sizes, trees }
+    }
+
+    fn class(size: f64) -> i64 {
+        (size / AREA_TOLERANCE).floor() as i64
+    }
+
+    /// Shells as large as `source` whose middles are nearest to `place`, the nearest first. O(log shells).
+    fn nearest(&self, source: usize, place: Vector) -> impl Iterator<Item = usize> {
+        let is_alike = |target: usize| (self.sizes[source] - self.sizes[target]).abs() < AREA_TOLERANCE;
+        let class = Alike::class(self.sizes[source]);
+        let mut near: Vec<(f64, usize)> = Vec::new();
+        for (_, tree) in self.trees.range(class - 1..=class + 1) {
+            let looks = tree.nearest_neighbor_iter(place).take(Alike::LOOKS);
+            let wanted = looks.filter(|leaf| is_alike(leaf.data)).take(2 * Alike::TRIED);
+            near.extend(wanted.map(|leaf| (squared_norm(subtract(place, *leaf.geom())), leaf.data)));
+        }
+        near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        near.into_iter().take(Alike::TRIED).map(|(_, target)| target)
+    }
+}
+
 /// Pairs of shells (equal where a shell mirrors onto itself) with their mismatch, best first.
 fn pair_shells(shells: &[Shell], places: &Places, primary: usize) -> Vec<(usize, usize, f32)> {
     let middles = |of: &[Vec<Vector>]| -> Vec<Vector> { of.iter().map(|points| mean(points)).collect() };
     let (mirrored, own) = (middles(&places.mirrored), middles(&places.own));
-    let others: Vec<usize> = (0..shells.len()).filter(|&shell| shell != primary).collect();
-    let area = |shell: usize| shells[shell].area().max(f64::MIN_POSITIVE).ln();
+    let others = (0..shells.len()).filter(|&shell| shell != primary);
+    let alike = Alike::new(shells, &own, others.clone());
     let mut options = Vec::new();
-    for &source in &others {
-        let alike = |target: &&usize| (area(source) - area(**target)).abs() < AREA_TOLERANCE;
-        let mut near: Vec<(f64, usize)> = others
-            .iter()
-            .filter(alike)
-            .map(|&target| (squared_norm(subtract(mirrored[source], own[target])), target))
-            .collect();
-        near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        for &(_, target) in near.iter().take(4) {
+    for source in others {
+        for target in alike.nearest(source, mirrored[source]) {
             let both = 0.5 * (places.mismatch(source, target) + places.mismatch(target, source));
             options.push((both, source.min(target), source.max(target)));
         }

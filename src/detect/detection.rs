@@ -105,6 +105,33 @@ pub struct Detection {
     pub judging: Option<Arc<JudgingMesh>>,
 }
 
+/// Least mean confidence of a symmetry, and of one that leaves most vertices without a partner.
+const LEAST_CONFIDENCE: f64 = 0.01;
+const LEAST_CONFIDENCE_OF_FEW: f64 = 0.05;
+
+impl Detection {
+    /// Without symmetries that say nothing of nearly the whole surface, as that of one of ten thousand loose parts does, unless whoever
+    /// asks takes any map: a plausibility from `least` percent on.
+    pub(crate) fn without_empty(mut self, least: usize) -> Detection {
+        let found = self.symmetries.len();
+        let highest = self.symmetries.iter().map(|symmetry| symmetry.mean_confidence).fold(0.0, f64::max);
+        self.symmetries.retain(|symmetry| least == 0 || !is_empty(symmetry));
+        if found > 0 && self.symmetries.is_empty() {
+            (self.outcome, self.judging) = (Outcome::None, None);
+            self.report.evidence += &format!(
+                "; but over the whole surface its mean confidence is {highest:.3}: it is no symmetry of the mesh"
+            );
+        }
+        self
+    }
+}
+
+fn is_empty(symmetry: &Symmetry) -> bool {
+    let paired = symmetry.partner.iter().filter(|&&partner| partner >= 0).count();
+    let are_few = 2 * paired < symmetry.partner.len();
+    symmetry.mean_confidence < if are_few { LEAST_CONFIDENCE_OF_FEW } else { LEAST_CONFIDENCE }
+}
+
 /// How the best map was judged, and that in words.
 pub(crate) fn verdict(best: Option<&Hypothesis>, least: usize) -> (Option<Judgement>, String) {
     match best {

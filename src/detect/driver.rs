@@ -88,7 +88,7 @@ pub fn detect_by(
         clock.lap("correspondence");
         progress.report("done", 1.0)?;
         exact.report.seconds = clock.laps;
-        return Ok(exact);
+        return Ok(exact.without_empty(options.plausibility));
     }
     let (mut best, mut solved): (Option<Detection>, _) = (None, None);
     // Maps finished on what is solved.
@@ -119,7 +119,7 @@ pub fn detect_by(
     progress.report("done", 1.0)?;
     let mut best = best.expect("a plan");
     best.report.seconds = clock.laps;
-    Ok(best)
+    Ok(best.without_empty(options.plausibility))
 }
 
 impl Detection {

@@ -13,7 +13,7 @@ use crate::geometry::embedded_triangles::TrianglePoint;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{Vector, point_areas, squared_norm, subtract};
-use crate::mesh::{NONE, Shell};
+use crate::mesh::{NONE, Shell, SplitHubs};
 use meshopt::{SimplifyOptions, VertexDataAdapter, simplify};
 use std::sync::OnceLock;
 
@@ -157,21 +157,22 @@ impl<'a> Proxy<'a> {
 
 /// Triangles over the vertices of `fine`.
 fn simplified(fine: &Shell, wanted: usize) -> Option<Vec<[u32; 3]>> {
-    let coordinates = fine.positions.iter().flatten();
+    let split = SplitHubs::new(&fine.positions, &fine.triangles);
+    let coordinates = split.positions.iter().flatten();
     let bytes: Vec<u8> = coordinates.flat_map(|&value| (value as f32).to_ne_bytes()).collect();
     let vertices = VertexDataAdapter::new(&bytes, 3 * size_of::<f32>(), 0).ok()?;
     // A closed surface has about twice as many triangles as vertices; one with long boundaries has fewer, and keeps its share.
     let (closed, here) = (2 * wanted, fine.triangles.len());
     let kept = if closed < here { closed } else { here * wanted / fine.positions.len() };
     let left = simplify(
-        fine.triangles.as_flattened(),
+        split.triangles.as_flattened(),
         &vertices,
         3 * kept,
         f32::MAX,
         SimplifyOptions::Regularize,
         None,
     );
-    let triangles: Vec<[u32; 3]> = left.as_chunks().0.to_vec();
+    let triangles = split.joined(left.as_chunks().0);
     (!triangles.is_empty()).then_some(triangles)
 }
 

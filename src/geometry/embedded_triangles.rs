@@ -64,6 +64,9 @@ impl Fans {
         let mut fans = Fans { offsets, triangles: around, behind: Vec::with_capacity(triangles.len()) };
         for (index, &[a, b, c]) in (0..).zip(triangles) {
             let behind = |from: u32, to: u32| {
+                // Around the end that has fewer, lest hubs cost the square of their degree.
+                let (from, to) =
+                    if fans.of(to).len() < fans.of(from).len() { (to, from) } else { (from, to) };
                 let shared = |other: &&u32| **other != index && triangles[**other as usize].contains(&to);
                 fans.of(from).iter().find(shared).copied().unwrap_or(NONE)
             };

@@ -5,8 +5,12 @@
 
 use crate::geometry::adjacency::Adjacency;
 use crate::geometry::embedded_triangles::{TrianglePoint, TriangleProducts, nearest_in_triangle};
-use crate::mesh::bucket;
 use crate::mesh::vector::{Vector, dot, squared_norm, subtract};
+use crate::mesh::{NONE, bucket};
+
+/// Triangles around a vertex up to which all are looked at. At a hub, such as the middle of a cap, so many are, evenly chosen, and
+/// the walk goes on from the best of them: a step costs the same at any vertex.
+const LOOKS: usize = 64;
 
 /// A triangle surface to walk on.
 #[derive(Debug)]
@@ -38,6 +42,11 @@ impl<'a> SurfaceWalk<'a> {
         self.graph.of(vertex as usize).iter().copied()
     }
 
+    /// Those to which a walk looks on: all but at hubs.
+    pub fn ahead(&self, vertex: u32) -> impl Iterator<Item = u32> + '_ {
+        some(self.graph.of(vertex as usize))
+    }
+
     /// The one of two vertices that is nearer to `query`, the first if they are equally near.
     pub fn nearer(&self, query: Vector, first: u32, second: u32) -> u32 {
         if self.distance(query, second) < self.distance(query, first) { second } else { first }
@@ -51,11 +60,16 @@ impl<'a> SurfaceWalk<'a> {
 
     /// Downhill from `start` along edges to a vertex that is nearer to `query` than its neighbours.
     pub fn nearest_vertex(&self, query: Vector, start: u32) -> u32 {
+        self.nearest_vertex_but(NONE, query, start)
+    }
+
+    /// The same without stepping on the vertex `barred`.
+    fn nearest_vertex_but(&self, barred: u32, query: Vector, start: u32) -> u32 {
         let mut vertex = start;
         let mut distance = self.distance(query, start);
         loop {
             let from = vertex;
-            for next in self.around(from) {
+            for next in self.ahead(from).filter(|&next| next != barred) {
                 let candidate = self.distance(query, next);
                 if candidate < distance {
                     (vertex, distance) = (next, candidate);
@@ -67,10 +81,23 @@ impl<'a> SurfaceWalk<'a> {
         }
     }
 
-    /// The nearest point of the triangles around `vertex`.
+    /// The nearest point of the triangles around `vertex`; at a hub, of those around the neighbour to which a walk round it leads.
     pub fn nearest_beside(&self, query: Vector, vertex: u32) -> TrianglePoint {
+        let best = self.nearest_in(query, some(self.triangles_of(vertex)));
+        if self.triangles_of(vertex).len() <= LOOKS {
+            return best.0;
+        }
+        let corners = self.triangles[best.0.triangle as usize].into_iter().filter(|&corner| corner != vertex);
+        let start = corners.reduce(|first, second| self.nearer(query, first, second)).unwrap_or(vertex);
+        let beside = self.nearest_vertex_but(vertex, query, start);
+        let other = self.nearest_in(query, some(self.triangles_of(beside)));
+        if other.1 < best.1 { other.0 } else { best.0 }
+    }
+
+    /// The nearest point of some triangles, the first of equals, and its squared distance.
+    fn nearest_in(&self, query: Vector, triangles: impl Iterator<Item = u32>) -> (TrianglePoint, f32) {
         let mut best = (TrianglePoint { triangle: 0, barycentric: [1.0, 0.0, 0.0] }, f32::MAX);
-        for &triangle in self.triangles_of(vertex) {
+        for triangle in triangles {
             let corners = self.triangles[triangle as usize];
             let [a, b, c] = corners.map(|corner| self.positions[corner as usize]);
             let [to_query, to_b, to_c] = [query, b, c].map(|place| subtract(place, a));
@@ -84,7 +111,7 @@ impl<'a> SurfaceWalk<'a> {
                 best = (TrianglePoint { triangle, barycentric }, squared);
             }
         }
-        best.0
+        best
     }
 
     fn distance(&self, query: Vector, vertex: u32) -> f64 {
@@ -95,6 +122,11 @@ impl<'a> SurfaceWalk<'a> {
         &self.triangles_around
             [self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize]
     }
+}
+
+/// At most [`LOOKS`] of what is around a vertex.
+fn some(all: &[u32]) -> impl Iterator<Item = u32> + '_ {
+    all.iter().copied().step_by(all.len().div_ceil(LOOKS).max(1))
 }
 
 #[cfg(test)]
@@ -122,6 +154,22 @@ mod tests {
                     .sum();
                 assert!((at - query[axis]).abs() < 1e-5, "{query:?}: {point:?}");
             }
+        }
+    }
+
+    #[test]
+    fn the_point_beside_a_hub_is_found_without_looking_at_all_its_triangles() {
+        let count = 1000u32;
+        let rim = (0..count).map(|i| f64::from(i) * std::f64::consts::TAU / f64::from(count));
+        let positions: Vec<Vector> =
+            [[0.0; 3]].into_iter().chain(rim.map(|angle| [angle.cos(), angle.sin(), 0.0])).collect();
+        let triangles: Vec<[u32; 3]> = (0..count).map(|i| [0, 1 + i, 1 + (i + 1) % count]).collect();
+        let walk = SurfaceWalk::new(&positions, &triangles);
+        assert!(walk.ahead(0).count() <= LOOKS && walk.around(0).count() == 1000);
+        for angle in [0.1, 2.0, 4.4f64] {
+            let point = walk.nearest_beside([0.3 * angle.cos(), 0.3 * angle.sin(), 0.1], 0);
+            let wanted = (angle / std::f64::consts::TAU * f64::from(count)) as u32;
+            assert_eq!(point.triangle, wanted, "{point:?}");
         }
     }
 }

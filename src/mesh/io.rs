@@ -13,6 +13,7 @@ use super::PolygonMesh;
 use crate::base::atomic_file::write_atomically;
 use crate::base::error::{Error, Result};
 use crate::base::limits::Limits;
+pub use ply::PLY_MARK;
 use ply::PlyFile;
 use scanner::Fault;
 use std::fs::File;
@@ -194,12 +195,25 @@ fn close_face(polygons: &mut PolygonMesh) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Whether the bytes are text of two bytes a letter: by their mark, or since every other one of the first letters is 0.
+fn is_wide_text(bytes: &[u8]) -> bool {
+    let start = &bytes[..bytes.len().min(16)];
+    let half = |offset: usize| start.iter().skip(offset).step_by(2);
+    let alternates = |low: usize| {
+        start.len() > 4 && half(1 - low).all(|&byte| byte == 0) && half(low).all(|&byte| byte != 0)
+    };
+    start.starts_with(&[0xff, 0xfe]) || start.starts_with(&[0xfe, 0xff]) || alternates(0) || alternates(1)
+}
+
 fn choose_format(path: &Path, bytes: &[u8]) -> Result<(Format, Option<String>), Fault> {
     if bytes.is_empty() {
         return Err(Fault::new("the file is empty; export it again"));
     }
     if bytes.starts_with(&[0x1f, 0x8b]) || bytes.starts_with(b"PK\x03\x04") {
         return Err(Fault::new("the file is compressed; unpack it first"));
+    }
+    if is_wide_text(bytes) {
+        return Err(Fault::new("the file is UTF-16 text; save it as UTF-8 or plain ASCII"));
     }
     match (Format::of_extension(path), Format::of_content(bytes)) {
         (Some(named), Some(found)) if named != found => {

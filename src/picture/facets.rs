@@ -1,15 +1,14 @@
-//! The surface as small flat facets of one colour each, and the pieces of the fixed curve, seen in a view.
+//! The surface and the fixed curve as they are seen in a view.
 
+use super::canvas::Corner;
 use super::view::View;
 use crate::detect::correspondence::{EdgePoint, Symmetry};
 use crate::mesh::vector::{cross, dot, subtract};
 use crate::mesh::{Mesh, NONE};
 use crate::mirror::pair_colour::pair_colours;
 
-/// Longest edge of a facet in pixels: longer ones are halved, for smooth colours and correct order.
+/// Longest part of the fixed curve that is hidden or seen as a whole, in pixels, and the largest edge that counts as typical.
 const LONGEST_EDGE: f32 = 18.0;
-/// Most halvings of one triangle.
-const DEEPEST: u32 = 6;
 /// Light from the upper left, in front: right, up, towards the eye.
 const LIGHT: [f32; 3] = [-0.41, 0.53, 0.74];
 /// Light that falls everywhere.
@@ -23,22 +22,13 @@ pub struct Surface<'a> {
     curve: Vec<[EdgePoint; 2]>,
 }
 
-/// One thing to paint. Positions in pixels of the panel.
+/// A short straight part of the fixed curve.
 #[derive(Debug, Clone, Copy)]
-pub struct Item {
-    /// Distance towards the eye; items are painted from small to large.
-    pub depth: f32,
-    /// Corners of a triangle, or both ends of a line (and the second one again).
-    pub corners: [[f32; 2]; 3],
-    /// Colour of a facet; `None` for a piece of the fixed curve.
-    pub colour: Option<[u8; 3]>,
-}
-
-#[derive(Clone, Copy)]
-struct Corner {
-    place: [f32; 3],
-    normal: [f32; 3],
-    colour: [f32; 3],
+pub struct Stroke {
+    /// Its ends, in pixels.
+    pub ends: [[f32; 2]; 2],
+    /// Its middle, lifted off the surface: in pixels, and the distance towards the eye.
+    pub middle: [f32; 3],
 }
 
 /// From the mesh's coordinates to a panel's pixels.
@@ -75,18 +65,15 @@ impl<'a> Surface<'a> {
         })
     }
 
-    /// Everything to paint, from back to front.
-    pub fn items(&self, view: &View, placement: &Placement) -> Vec<Item> {
+    /// All triangles, and the parts of the fixed curve on the side that is seen.
+    pub fn seen(&self, view: &View, placement: &Placement) -> (Vec<[Corner; 3]>, Vec<Stroke>) {
         let corners: Vec<Corner> =
             (0..self.mesh.positions.len()).map(|point| self.corner(point, view, placement)).collect();
-        let mut items = Vec::with_capacity(self.mesh.triangles.len() + self.curve.len());
-        for triangle in &self.mesh.triangles {
-            divide(triangle.map(|point| corners[point as usize]), 0, &mut items);
-        }
-        let lift = 1.5 * typical_edge(&self.mesh.triangles, &corners);
-        items.extend(self.curve.iter().filter_map(|piece| self.piece(piece, &corners, lift)));
-        items.sort_by(|a, b| a.depth.total_cmp(&b.depth));
-        items
+        let of_triangle = |triangle: &[u32; 3]| triangle.map(|point| corners[point as usize]);
+        let triangles: Vec<[Corner; 3]> = self.mesh.triangles.iter().map(of_triangle).collect();
+        let lift = 1.5 * typical_edge(&triangles);
+        let strokes = self.curve.iter().flat_map(|piece| self.strokes(piece, &corners, lift)).collect();
+        (triangles, strokes)
     }
 
     fn corner(&self, point: usize, view: &View, placement: &Placement) -> Corner {
@@ -105,13 +92,21 @@ impl<'a> Surface<'a> {
     }
 
     /// A piece of the fixed curve, lifted off the surface; none on the far side.
-    fn piece(&self, piece: &[EdgePoint; 2], corners: &[Corner], lift: f32) -> Option<Item> {
-        let [first, last] = piece.map(|end| self.on_edge(&end, corners));
-        let (first, last) = (first?, last?);
-        let facing = first.normal[2] + last.normal[2];
-        let depth = (first.place[2] + last.place[2]) / 2.0 + lift;
-        let corners = [first, last, last].map(|corner| [corner.place[0], corner.place[1]]);
-        (facing > -0.6).then_some(Item { depth, corners, colour: None })
+    fn strokes(&self, piece: &[EdgePoint; 2], corners: &[Corner], lift: f32) -> Vec<Stroke> {
+        let [Some(first), Some(last)] = piece.map(|end| self.on_edge(&end, corners)) else {
+            return Vec::new();
+        };
+        if first.normal[2] + last.normal[2] <= -0.6 {
+            return Vec::new();
+        }
+        let count = (length(&first, &last) / LONGEST_EDGE).ceil().clamp(1.0, 256.0);
+        let at = |part: f32| between(&first, &last, part / count).place;
+        let stroke = |part: u16| {
+            let [from, to] = [at(part.into()), at(f32::from(part) + 1.0)].map(|[x, y, _]| [x, y]);
+            let [x, y, toward] = at(f32::from(part) + 0.5);
+            Stroke { ends: [from, to], middle: [x, y, toward + lift] }
+        };
+        (0..count as u16).map(stroke).collect()
     }
 
     fn on_edge(&self, point: &EdgePoint, corners: &[Corner]) -> Option<Corner> {
@@ -147,32 +142,17 @@ fn point_normals(mesh: &Mesh) -> Vec<[f64; 3]> {
 }
 
 /// Median of the triangles' longest projected edges, in pixels.
-fn typical_edge(triangles: &[[u32; 3]], corners: &[Corner]) -> f32 {
-    let mut lengths: Vec<f32> = triangles
-        .iter()
-        .map(|triangle| longest_edge(&triangle.map(|point| corners[point as usize])).min(LONGEST_EDGE))
-        .collect();
+fn typical_edge(triangles: &[[Corner; 3]]) -> f32 {
+    let longest =
+        |[a, b, c]: &[Corner; 3]| length(a, b).max(length(b, c)).max(length(c, a)).min(LONGEST_EDGE);
+    let mut lengths: Vec<f32> = triangles.iter().map(longest).collect();
     let middle = lengths.len() / 2;
     *lengths.select_nth_unstable_by(middle, f32::total_cmp).1
 }
 
-fn longest_edge(corners: &[Corner; 3]) -> f32 {
-    let length = |a: &Corner, b: &Corner| (a.place[0] - b.place[0]).hypot(a.place[1] - b.place[1]);
-    let [a, b, c] = corners;
-    length(a, b).max(length(b, c)).max(length(c, a))
-}
-
-/// Adds the triangle, halved along all edges while it is large.
-fn divide(corners: [Corner; 3], depth: u32, items: &mut Vec<Item>) {
-    if depth >= DEEPEST || longest_edge(&corners) <= LONGEST_EDGE {
-        items.push(facet(&corners));
-        return;
-    }
-    let [a, b, c] = corners;
-    let [ab, bc, ca] = [between(&a, &b, 0.5), between(&b, &c, 0.5), between(&c, &a, 0.5)];
-    for part in [[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]] {
-        divide(part, depth + 1, items);
-    }
+/// Distance in the picture, in pixels.
+fn length(a: &Corner, b: &Corner) -> f32 {
+    (a.place[0] - b.place[0]).hypot(a.place[1] - b.place[1])
 }
 
 fn between(a: &Corner, b: &Corner, t: f32) -> Corner {
@@ -184,22 +164,8 @@ fn between(a: &Corner, b: &Corner, t: f32) -> Corner {
     }
 }
 
-fn facet(corners: &[Corner; 3]) -> Item {
-    let mean = |of: fn(&Corner) -> [f32; 3]| -> [f32; 3] {
-        std::array::from_fn(|k| corners.iter().map(|corner| of(corner)[k]).sum::<f32>() / 3.0)
-    };
-    let place = mean(|corner| corner.place);
-    let brightness = brightness(mean(|corner| corner.normal));
-    let colour = mean(|corner| corner.colour).map(|value| (value * brightness).clamp(0.0, 255.0) as u8);
-    Item {
-        depth: place[2],
-        corners: corners.map(|corner| [corner.place[0], corner.place[1]]),
-        colour: Some(colour),
-    }
-}
-
 /// Diffuse light on both sides of the surface: the inside of an open mesh is lit as well.
-fn brightness(normal: [f32; 3]) -> f32 {
+pub fn brightness(normal: [f32; 3]) -> f32 {
     let length = normal.iter().map(|value| value * value).sum::<f32>().sqrt().max(f32::MIN_POSITIVE);
     let toward_eye = if normal[2] < 0.0 { -length } else { length };
     let lit: f32 = (0..3).map(|k| LIGHT[k] * normal[k] / toward_eye).sum();

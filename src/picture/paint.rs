@@ -1,11 +1,10 @@
 //! Two panels side by side, drawn at twice the size and reduced.
 
-use super::facets::{Item, Placement, Surface};
+use super::canvas::Canvas;
+use super::facets::{self, Placement, Surface, brightness};
 use super::view::View;
-use crate::base::error::{Error, Result};
-use tiny_skia::{
-    Color, FillRule, FilterQuality, LineCap, Paint, PathBuilder, Pixmap, PixmapPaint, Stroke, Transform,
-};
+use crate::base::error::Result;
+use tiny_skia::{FilterQuality, LineCap, Paint, PathBuilder, Pixmap, PixmapPaint, Stroke, Transform};
 
 /// Largest width of one panel and height of the picture, in pixels.
 const PANEL: [f64; 2] = [900.0, 1000.0];
@@ -25,14 +24,16 @@ pub fn paint(surface: &Surface, views: &[View; 2]) -> Result<Pixmap> {
     let scale = (free[0] / width).min(free[1] / height);
     let panel =
         [width * scale + 2.0 * MARGIN, height * scale + 2.0 * MARGIN].map(|side| side.ceil().max(64.0));
-    let mut large = canvas(2.0 * panel[0] * OVERSAMPLING, panel[1] * OVERSAMPLING)?;
+    let mut large = Canvas::new(2.0 * panel[0] * OVERSAMPLING, panel[1] * OVERSAMPLING)?;
     for (index, (view, frame)) in views.iter().zip(&frames).enumerate() {
         let centre = [panel[0] * (index as f64 + 0.5), panel[1] / 2.0].map(|pixel| pixel * OVERSAMPLING);
         let scale = scale * OVERSAMPLING;
         let origin = [centre[0] - scale * frame.centre[0], centre[1] + scale * frame.centre[1]];
-        paint_items(&surface.items(view, &Placement { scale, origin }), &mut large);
+        let (triangles, strokes) = surface.seen(view, &Placement { scale, origin });
+        large.draw(&triangles, brightness);
+        draw_curve(&strokes, &mut large);
     }
-    reduce(&large, 2.0 * panel[0], panel[1])
+    reduce(&large.pixmap, 2.0 * panel[0], panel[1])
 }
 
 /// The rectangle that holds a view.
@@ -55,44 +56,25 @@ impl Frame {
     }
 }
 
-fn canvas(width: f64, height: f64) -> Result<Pixmap> {
-    let mut pixmap = Pixmap::new(width as u32, height as u32)
-        .ok_or_else(|| Error::Internal(format!("no canvas of {width} x {height} pixels")))?;
-    pixmap.fill(Color::WHITE);
-    Ok(pixmap)
-}
-
-fn paint_items(items: &[Item], pixmap: &mut Pixmap) {
-    let mut builder = PathBuilder::new();
-    let mut fill = Paint { anti_alias: false, ..Paint::default() };
+/// Draws the parts of the fixed curve that nothing hides.
+fn draw_curve(strokes: &[facets::Stroke], canvas: &mut Canvas) {
     let mut ink = Paint::default();
     ink.set_color_rgba8(20, 20, 24, 255);
-    let stroke =
-        Stroke { width: (CURVE_WIDTH * OVERSAMPLING) as f32, line_cap: LineCap::Round, ..Stroke::default() };
-    for item in items {
-        let [a, b, c] = item.corners;
-        builder.move_to(a[0], a[1]);
-        builder.line_to(b[0], b[1]);
-        if item.colour.is_some() {
-            builder.line_to(c[0], c[1]);
-            builder.close();
+    let width = (CURVE_WIDTH * OVERSAMPLING) as f32;
+    let pen = Stroke { width, line_cap: LineCap::Round, ..Stroke::default() };
+    for stroke in strokes {
+        let [[x, y], [to_x, to_y]] = stroke.ends;
+        let mut line = PathBuilder::new();
+        line.move_to(x, y);
+        line.line_to(to_x, to_y);
+        if let Some(path) = line.finish().filter(|_| canvas.is_visible(stroke.middle)) {
+            canvas.pixmap.stroke_path(&path, &ink, &pen, Transform::identity(), None);
         }
-        let Some(path) = builder.finish() else {
-            builder = PathBuilder::new();
-            continue;
-        };
-        if let Some([red, green, blue]) = item.colour {
-            fill.set_color_rgba8(red, green, blue, 255);
-            pixmap.fill_path(&path, &fill, FillRule::Winding, Transform::identity(), None);
-        } else {
-            pixmap.stroke_path(&path, &ink, &stroke, Transform::identity(), None);
-        }
-        builder = path.clear();
     }
 }
 
 fn reduce(large: &Pixmap, width: f64, height: f64) -> Result<Pixmap> {
-    let mut small = canvas(width, height)?;
+    let mut small = Canvas::new(width, height)?.pixmap;
     let paint = PixmapPaint { quality: FilterQuality::Bilinear, ..PixmapPaint::default() };
     let factor = (1.0 / OVERSAMPLING) as f32;
     small.draw_pixmap(0, 0, large.as_ref(), &paint, Transform::from_scale(factor, factor), None);

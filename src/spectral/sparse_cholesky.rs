@@ -30,6 +30,9 @@ pub struct Analysis {
     pub order: Vec<u32>,
 }
 
+/// Units in its last place by which a diagonal is raised, one after the other.
+const RAISED: [f64; 3] = [16.0, 256.0, 4096.0];
+
 /// Single or double precision.
 pub trait Scalar: RealField + Copy + bytemuck::Pod {}
 
@@ -86,6 +89,9 @@ impl Analysis {
 
     /// Factorises `D^-1 matrix D^-1 + shift` with the diagonal D of `scale`; the sparsity is the one analysed.
     ///
+    /// Where edges are 10^5 times as long as others, rounding may make a pivot negative. The diagonal is then raised by
+    /// some units in its last places, as few as do.
+    ///
     /// # Errors
     /// [`Error::Internal`] if the sum is not positive definite.
     pub fn factorise<T: Scalar>(
@@ -94,35 +100,54 @@ impl Analysis {
         shift: f64,
         scale: &[f64],
     ) -> Result<Factor<'_, T>> {
+        let rounding = T::epsilon_impl();
+        let raised =
+            |units: f64| self.factorise_raised(matrix, shift, scale, T::from_f64_impl(units) * rounding);
+        RAISED.into_iter().fold(raised(0.0), |found, units| found.or_else(|_| raised(units)))
+    }
+
+    /// The same with the diagonal raised by a share of itself.
+    fn factorise_raised<T: Scalar>(
+        &self,
+        matrix: &SymmetricSparse,
+        shift: f64,
+        scale: &[f64],
+        raise: T,
+    ) -> Result<Factor<'_, T>> {
         let size = self.size();
         let mut values = Vec::with_capacity(self.rows.len());
         for i in 0..size {
             let lower = matrix.row(i).filter(|(j, _)| *j <= i);
             values.extend(lower.map(|(j, value)| {
                 let value = value / (scale[i] * scale[j]);
-                T::from_f64_impl(if i == j { value + shift } else { value })
+                let entry = T::from_f64_impl(if i == j { value + shift } else { value });
+                if i == j { entry + raise * entry } else { entry }
             }));
         }
+        let mut factor = Factor { analysis: self, panels: self.panels(&values)? };
+        factor.turn_panels();
+        Ok(factor)
+    }
+
+    /// The supernodes of L, column by column, of a matrix with these values.
+    fn panels<T: Scalar>(&self, values: &[T]) -> Result<Vec<T>> {
+        let size = self.size();
         let pattern =
             SymbolicSparseColMatRef::new_checked(size, size, &self.column_offsets, None, &self.rows);
-        let sparse = SparseColMatRef::new(pattern, values.as_slice());
         let mut panels = vec![T::zero_impl(); self.symbolic.len_val()];
         let scratch = self.symbolic.factorize_numeric_llt_scratch::<T>(Par::Seq, Default::default());
         let mut memory = MemBuffer::new(scratch);
-        self.symbolic
-            .factorize_numeric_llt(
-                &mut panels,
-                sparse,
-                Side::Upper,
-                LltRegularization::default(),
-                Par::Seq,
-                MemStack::new(&mut memory),
-                Default::default(),
-            )
-            .map_err(|error| Error::Internal(format!("factorising a sparse matrix: {error:?}")))?;
-        let mut factor = Factor { analysis: self, panels };
-        factor.turn_panels();
-        Ok(factor)
+        let factorised = self.symbolic.factorize_numeric_llt(
+            &mut panels,
+            SparseColMatRef::new(pattern, values),
+            Side::Upper,
+            LltRegularization::default(),
+            Par::Seq,
+            MemStack::new(&mut memory),
+            Default::default(),
+        );
+        factorised.map_err(|error| Error::Internal(format!("factorising a sparse matrix: {error:?}")))?;
+        Ok(panels)
     }
 
     /// Entries of L in each of its columns, the diagonal included.

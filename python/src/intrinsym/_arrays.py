@@ -12,9 +12,17 @@ from .errors import ERROR_INDEX, ERROR_LENGTH, ERROR_MESH, ERROR_VALUE, Argument
 _LARGEST_INDEX = 2**32 - 2
 
 
+def plain(values: ArrayLike, name: str) -> np.ndarray:
+    """An array without a mask. One of which entries are masked is refused: what lies under a mask has no meaning."""
+    if np.ma.is_masked(values):
+        text = f"{name} has {np.ma.count_masked(values)} masked entries; fill or remove them, for instance with filled()"
+        raise ArgumentError(text, ERROR_VALUE)
+    return np.asarray(values)
+
+
 def points(values: ArrayLike, name: str) -> np.ndarray:
     """An (n, 3) array of float32, if it was one, or float64."""
-    array = np.asarray(values)
+    array = plain(values, name)
     if array.ndim != 2 or array.shape[1] != 3:
         raise ArgumentError(f"{name} has the shape {array.shape}; (vertices, 3) is needed", ERROR_LENGTH)
     return np.ascontiguousarray(array, np.float32 if array.dtype == np.float32 else _real(array, name))
@@ -22,7 +30,7 @@ def points(values: ArrayLike, name: str) -> np.ndarray:
 
 def values_of(values: ArrayLike, rows: int, name: str) -> np.ndarray:
     """A (rows, ...) array of float64."""
-    array = np.asarray(values)
+    array = plain(values, name)
     if array.ndim == 0 or array.shape[0] != rows:
         text = f"{name} has the shape {array.shape}; one row for each of {rows} vertices is needed"
         raise ArgumentError(text, ERROR_LENGTH)
@@ -45,7 +53,7 @@ def _real(array: np.ndarray, name: str) -> type:
 
 def indices(values: ArrayLike, name: str) -> np.ndarray:
     """An array of uint32 of the same shape; names the first entry that is none."""
-    array = np.asarray(values)
+    array = plain(values, name)
     if array.size == 0:
         return np.zeros(array.shape, np.uint32)
     if array.dtype.kind not in "iu":
@@ -67,7 +75,7 @@ def count(value: int, name: str) -> int:
 
 def exactly(values: ArrayLike, shape: tuple[int, ...], kind: type, name: str) -> np.ndarray:
     """An array of this shape and kind, from one whose values all fit into it."""
-    array = np.asarray(values)
+    array = plain(values, name)
     if array.shape != shape:
         raise ArgumentError(f"{name} has the shape {array.shape}; {shape} is needed", ERROR_LENGTH)
     converted: np.ndarray = np.ascontiguousarray(array, kind)

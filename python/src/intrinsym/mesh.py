@@ -50,7 +50,8 @@ class Mesh:
     ``vertices``: (n, 3) numbers in any unit. ``faces``: see :data:`Faces`. Both are copied. Non-manifold edges,
     several shells, boundaries, inconsistent orientation, duplicate and degenerate faces and unreferenced vertices
     are accepted. Raises MeshError for numbers that are not finite, indices past the end, and a mesh without any
-    area; LimitError above 5 million vertices or 10 million triangles; ArgumentError for arrays of another shape.
+    area; LimitError above 5 million vertices or 10 million triangles; ArgumentError for arrays of another shape, and
+    for masked ones of which entries are masked. A mesh can be pickled.
     """
 
     def __init__(self, vertices: ArrayLike, faces: Faces) -> None:
@@ -66,6 +67,9 @@ class Mesh:
         self._own(
             new_handle("mesh", function, points, len(points), offsets, face_count, corners, len(corners))
         )
+
+    def __reduce__(self) -> tuple:
+        return Mesh, (self.vertices, self.polygons)
 
     def _own(self, handle: Handle) -> None:
         sizes = [ctypes.c_size_t() for _ in range(3)]
@@ -130,14 +134,15 @@ class Mesh:
         Raises OptionError, ModelError, CancelledError; ArgumentError for a ``previous`` of another connectivity.
         """
         chosen = options_handle(options, model, known_signs)
-        function = LIBRARY.isym_mesh_detect if previous is None else LIBRARY.isym_mesh_detect_again
-        earlier = [] if previous is None else [previous._result.pointer]
+        known = None if previous is None else previous._result
+        function = LIBRARY.isym_mesh_detect if known is None else LIBRARY.isym_mesh_detect_again
+        earlier = [] if known is None else [known.pointer]
         result = progress_of(progress).run(
             lambda pointer: new_handle(
                 "result", function, self._handle.pointer, *earlier, chosen.pointer, pointer
             )
         )
-        return Detection(result, self.vertex_count)
+        return Detection(result, self)
 
     def eigen(self, count: int, *, progress: ProgressLike = None) -> Eigenpairs:
         """The ``count`` lowest eigenpairs, 1 to 1000, on the mesh's largest shell; fewer on a tiny mesh.
@@ -182,7 +187,7 @@ class Mesh:
         ]
         restore = LIBRARY.isym_result_restore
         result = new_handle("result", restore, self._handle.pointer, int(kind), *arrays, count)
-        return Symmetry(result, 0, count)
+        return Symmetry(result, 0, self)
 
 
 def _flat(array: np.ndarray) -> np.ndarray:

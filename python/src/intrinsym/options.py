@@ -56,8 +56,11 @@ def _describe(index: int) -> OptionSpec:
 
 def _number(name: str, value: float | str) -> float:
     """A value, or the number of a choice that is named."""
-    if not isinstance(value, str):
-        return float(value)
+    try:
+        if not isinstance(value, str):
+            return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise OptionError(f"option {name}: {value!r} is not a number", ERROR_OPTION) from None
     choices = next((spec.choices for spec in option_specs() if spec.name == name), ())
     if value not in choices:
         known = f"one of {', '.join(choices)}" if choices else "a number"
@@ -77,7 +80,7 @@ def options_handle(
     if model is not None:
         LIBRARY.isym_options_set_model(handle.pointer, os.fsencode(model))
     if known_signs is not None:
-        signs = np.asarray(known_signs)
+        signs = _arrays.plain(known_signs, "known_signs")
         signs = _arrays.exactly(signs, (signs.size,), np.int8, "known_signs")
         LIBRARY.isym_options_set_known_signs(handle.pointer, signs, signs.size)
     return handle

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,9 @@ from . import _arrays
 from ._handles import Handle
 from ._library import LIBRARY, Mirroring, Summary
 from .progress import ProgressLike, progress_of
+
+if TYPE_CHECKING:
+    from .mesh import Mesh
 
 #: Entry of unsigned index arrays that stands for "none".
 NONE = 2**32 - 1
@@ -61,7 +64,7 @@ class SurfacePoints:
 
     def positions(self, vertices: ArrayLike) -> NDArray[np.float64]:
         """(vertices, 3) positions of the images, for (vertices, 3) positions; NaN without partner."""
-        points = np.asarray(vertices, np.float64)
+        points = _arrays.plain(vertices, "vertices").astype(np.float64)
         found = np.not_equal(self.faces, NONE)
         images: NDArray[np.float64] = np.full((len(self.faces), 3), np.nan)
         weights, corners = self.barycentrics[found], self.corners[found]
@@ -82,7 +85,7 @@ class CurveLine:
 
     def positions(self, vertices: ArrayLike) -> NDArray[np.float64]:
         """(points, 3) positions, for (vertices, 3) positions of the mesh."""
-        ends: NDArray[np.float64] = np.asarray(vertices, np.float64)[self.edges]
+        ends: NDArray[np.float64] = _arrays.plain(vertices, "vertices").astype(np.float64)[self.edges]
         t: NDArray[np.float64] = self.parameters[:, None].astype(np.float64)
         return np.add((1 - t) * ends[:, 0], t * ends[:, 1])
 
@@ -90,13 +93,37 @@ class CurveLine:
 class Symmetry:
     """One symmetry of a mesh. All arrays have one row for each vertex of the mesh that was given.
 
-    The arrays are read when first asked for, and kept.
+    The arrays are read when first asked for, and kept. It can be pickled, together with its mesh, and so cross to another process:
+    there all values are the same, and the tools that mirror work as on a restored symmetry (:meth:`intrinsym.Mesh.restore`).
     """
 
-    def __init__(self, result: Handle, index: int, vertex_count: int) -> None:
+    #: What a pickle holds.
+    _STORED = (
+        "_summary",
+        "order",
+        "plausibility",
+        "partner",
+        "confidence",
+        "side",
+        "surface_points",
+        "fixed_curve",
+    )
+
+    def __init__(self, result: Handle, index: int, mesh: Mesh) -> None:
         self._result = result
         self._index = index
-        self._vertex_count = vertex_count
+        self._mesh = mesh
+        self._vertex_count = mesh.vertex_count
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = {name: getattr(self, name) for name in self._STORED}
+        return state | {"_index": 0, "_mesh": self._mesh, "_vertex_count": self._vertex_count}
+
+    @cached_property
+    def _result(self) -> Handle:
+        """The library's object; that of one which came from another process is made anew."""
+        arrays = (self.partner, self.confidence, self.side, self.surface_points)
+        return self._mesh.restore(self.kind, *arrays)._result
 
     def __repr__(self) -> str:
         kind = self.kind.name.lower().replace("_", " ")
@@ -113,14 +140,14 @@ class Symmetry:
         """Reflection, half turn or rotation."""
         return SymmetryKind(self._summary.kind)
 
-    @property
+    @cached_property
     def order(self) -> int:
         """After how many times it is the identity: 2, or 3 and more for a rotation (experimental)."""
         order = ctypes.c_size_t()
         LIBRARY.isym_result_order(self._result.pointer, self._index, ctypes.byref(order))
         return order.value
 
-    @property
+    @cached_property
     def plausibility(self) -> float:
         """How plausible it is, 0..1, that it is a symmetry of the shape at all. A restored one has 1."""
         plausibility = ctypes.c_double()
@@ -217,7 +244,7 @@ class Symmetry:
         all its corners are in the mirror image of the selected faces' corners. Faces with a corner of less confidence
         are not selected. Raises ArgumentError, OptionError.
         """
-        given = np.asarray(selected)
+        given = _arrays.plain(selected, "selected")
         chosen = _arrays.exactly(given != 0, (given.size,), np.uint8, "selected")
         mirrored = np.empty_like(chosen)
         LIBRARY.isym_result_mirror_face_selection(
@@ -305,14 +332,22 @@ def _mirroring(merge: Merge, minimum_confidence: float, weight_by_confidence: bo
 class Detection(Sequence[Symmetry]):
     """The symmetries that were found, the best first; empty, and false, where there are none.
 
-    Finding none is an answer and no error: :attr:`report` says why.
+    Finding none is an answer and no error: :attr:`report` says why. It can be pickled, with the mesh, as its symmetries can.
     """
 
-    def __init__(self, result: Handle, vertex_count: int) -> None:
+    def __init__(self, result: Handle, mesh: Mesh) -> None:
         count = ctypes.c_size_t()
         LIBRARY.isym_result_symmetry_count(result.pointer, ctypes.byref(count))
         self._result = result
-        self._symmetries = [Symmetry(result, index, vertex_count) for index in range(count.value)]
+        self._symmetries = [Symmetry(result, index, mesh) for index in range(count.value)]
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: getattr(self, name) for name in ("_symmetries", "continuous_family", "report")}
+
+    @cached_property
+    def _result(self) -> Handle | None:
+        """The library's object; that of one which came from another process is its best symmetry's."""
+        return self._symmetries[0]._result if self._symmetries else None
 
     def __len__(self) -> int:
         return len(self._symmetries)
@@ -326,7 +361,7 @@ class Detection(Sequence[Symmetry]):
     def __repr__(self) -> str:
         return f"<Detection {self._symmetries!r}>"
 
-    @property
+    @cached_property
     def continuous_family(self) -> bool:
         """Whether the mesh has infinitely many symmetries, as a sphere, a torus or a vase has.
 

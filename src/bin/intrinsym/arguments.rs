@@ -1,6 +1,6 @@
 //! What may be typed. Numeric options come from the table that every host shares.
 
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command as ClapCommand, FromArgMatches, Parser, Subcommand};
 use intrinsym::base::limits::Limits;
@@ -8,7 +8,7 @@ use intrinsym::base::options::{OPTIONS, OptionSpec, Options};
 use intrinsym::picture::Up;
 use std::path::PathBuf;
 
-const EXIT_STATUS: &str = "Exit status: 0 found (or done), 1 no symmetry found, 2 error, 130 interrupted.";
+const EXIT_STATUS: &str = "Exit status: 0 found (or done), 1 no symmetry found, 2 error, 130 interrupted, 141 nobody reads standard output.";
 
 /// Finds the intrinsic mirror symmetry of a surface mesh, whatever its pose.
 #[derive(Debug, Parser)]
@@ -39,7 +39,8 @@ pub struct Detect {
     pub inputs: Vec<PathBuf>,
 
     /// Write the mesh with its attributes, and sym_vertex, sym_confidence, sym_side and pair colours added
-    #[arg(short, long, value_name = "OUT.ply", value_parser = ply_path)]
+    #[arg(short, long, value_name = "OUT.ply",
+        value_parser = named("ply", "the mesh is written as PLY, the one format that holds every attribute"))]
     pub output: Option<PathBuf>,
 
     /// Write one 0-based partner per line; -1 for none
@@ -61,6 +62,10 @@ pub struct Detect {
     /// With --output-dir: what to write for each input
     #[arg(long, value_delimiter = ',', default_value = "map,ply,json", requires = "output_dir")]
     pub write: Vec<Kind>,
+
+    /// Replace files that are not results of an earlier run, too; an input is never replaced
+    #[arg(long)]
+    pub force: bool,
 
     /// Meshes worked on at the same time; if more than one, each by one thread unless --threads is given
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -144,8 +149,12 @@ pub struct Eigen {
     pub count: u16,
 
     /// Write an archive for NumPy: eigenvalues (k), eigenfunctions (vertices x k) and mass (vertices)
-    #[arg(short, long, value_name = "OUT.npz", value_parser = npz_path)]
+    #[arg(short, long, value_name = "OUT.npz", value_parser = named("npz", "the arrays are written as one NumPy archive"))]
     pub output: Option<PathBuf>,
+
+    /// Replace a file that is not a result of an earlier run, too; the input is never replaced
+    #[arg(long)]
+    pub force: bool,
 
     /// What is common to all commands.
     #[command(flatten)]
@@ -159,6 +168,24 @@ impl Detect {
         let given = &self.options;
         let threads = if self.jobs > 1 && !given.threads_given { 1 } else { given.options.threads };
         Options { model: self.model.clone(), known_signs, threads, ..given.options.clone() }
+    }
+}
+
+impl Detect {
+    /// The files that flags name, in the order in which they are written.
+    pub fn named_outputs(&self) -> impl Iterator<Item = (Kind, &PathBuf)> {
+        let named = [
+            (Kind::Ply, &self.output),
+            (Kind::Map, &self.map),
+            (Kind::Png, &self.picture),
+            (Kind::Json, &self.json),
+        ];
+        named.into_iter().filter_map(|(kind, path)| Some((kind, path.as_ref()?)))
+    }
+
+    /// The most symmetries that a detection may list.
+    pub fn most_symmetries(&self) -> usize {
+        self.options.options.symmetries + self.options.options.rotations
     }
 }
 
@@ -250,20 +277,12 @@ fn number(text: &str, spec: &OptionSpec) -> Result<u64, String> {
     fits.then_some(value).ok_or_else(|| format!("{value} is not in {}..={}", spec.minimum, spec.maximum))
 }
 
-fn ply_path(text: &str) -> Result<PathBuf, String> {
-    with_extension(text, "ply", "the mesh is written as PLY, the one format that holds every attribute")
-}
-
-fn npz_path(text: &str) -> Result<PathBuf, String> {
-    with_extension(text, "npz", "the arrays are written as one NumPy archive")
-}
-
-fn with_extension(text: &str, extension: &str, reason: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    match path.extension() {
+/// A path, of any bytes that the system allows, with this extension.
+fn named(extension: &'static str, reason: &'static str) -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(move |path| match path.extension() {
         Some(found) if found.eq_ignore_ascii_case(extension) => Ok(path),
         _ => Err(format!("{reason}: name the file something.{extension}")),
-    }
+    })
 }
 
 fn signs(text: &str) -> Result<KnownSigns, String> {

@@ -3,6 +3,7 @@
 use crate::Ending;
 use crate::arguments::Eigen as Arguments;
 use crate::numpy_archive::{Array, archive};
+use crate::targets::{self, Claims};
 use crate::terminal;
 use intrinsym::base::atomic_file::write_atomically;
 use intrinsym::base::error::Result;
@@ -12,15 +13,22 @@ use intrinsym::mesh::{Mesh, io};
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, token: &CancelToken) -> Ending {
+    if let Err(message) = check_target(arguments) {
+        eprintln!("intrinsym: {message}");
+        return Ending::Failed;
+    }
     match compute(arguments, token) {
-        Ok(text) => {
-            if !arguments.common.quiet {
-                terminal::say(&text);
-            }
-            Ending::Found
-        }
+        Ok(text) => terminal::answer(&text, arguments.common.quiet),
         Err(error) => terminal::complain(&arguments.input, &error),
     }
+}
+
+/// Refuses an archive that would take the place of the input, or of a file that this program has not written.
+fn check_target(arguments: &Arguments) -> std::result::Result<(), String> {
+    let Some(path) = &arguments.output else { return Ok(()) };
+    Claims::of_inputs([&arguments.input]).claim(path, "the archive".into())?;
+    let stands = path.exists() && !arguments.force && !targets::is_our_archive(path);
+    if stands { Err(targets::exists(path)) } else { Ok(()) }
 }
 
 /// Computes, writes the archive if one was asked for, and gives back the text for stdout.

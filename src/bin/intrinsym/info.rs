@@ -18,12 +18,7 @@ const SHELLS_SHOWN: usize = 12;
 /// Runs the command.
 pub fn run(arguments: &Info) -> Ending {
     match describe(arguments) {
-        Ok(text) => {
-            if !arguments.common.quiet {
-                terminal::say(&text);
-            }
-            Ending::Found
-        }
+        Ok(text) => terminal::answer(&text, arguments.common.quiet),
         Err(error) => terminal::complain(&arguments.input, &error),
     }
 }

@@ -7,7 +7,7 @@ use intrinsym::base::error::Result;
 use intrinsym::base::progress::Progress;
 use intrinsym::detect::driver::{Detection, Outcome, detect};
 use intrinsym::mesh::{Mesh, io};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What is left of a finished job.
 pub struct Finished {
@@ -17,6 +17,10 @@ pub struct Finished {
     pub mesh: Mesh,
     /// The result.
     pub detection: Detection,
+    /// What the reader did that a user may want to know.
+    pub notes: Vec<String>,
+    /// The files that hold it.
+    pub written: Vec<PathBuf>,
 }
 
 /// Reads, detects and writes. Nothing is written unless the detection ran to its end.
@@ -31,10 +35,10 @@ pub fn run(path: &Path, outputs: &Outputs, arguments: &Detect, progress: &Progre
     let detection = detect(&mesh, &arguments.options(), progress)?;
     progress.report("writing", 1.0)?;
     let input = Input { path, file: &file, mesh: &mesh };
-    outputs.write(&input, &detection, arguments)?;
+    let written = outputs.write(&input, &detection, arguments)?;
     let ending = match detection.outcome {
         Outcome::Found => Ending::Found,
         Outcome::None => Ending::None,
     };
-    Ok(Finished { ending, mesh, detection })
+    Ok(Finished { ending, mesh, detection, notes: file.notes, written })
 }

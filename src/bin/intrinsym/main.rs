@@ -1,6 +1,6 @@
 //! Command line of Intrinsym: `detect`, `info` and `eigen`.
 //!
-//! Exit status: 0 found (or done), 1 no symmetry found, 2 error, 130 interrupted.
+//! Exit status: 0 found (or done), 1 no symmetry found, 2 error, 130 interrupted, 141 nobody reads standard output.
 
 mod arguments;
 mod detect;
@@ -11,6 +11,7 @@ mod numpy_archive;
 mod outputs;
 mod report;
 mod summary;
+mod targets;
 mod terminal;
 
 use arguments::{Arguments, Command};
@@ -28,6 +29,8 @@ pub enum Ending {
     Failed = 2,
     /// Ctrl-C.
     Interrupted = 130,
+    /// Whoever read stdout went away, as `head` does.
+    Unheard = 141,
 }
 
 fn main() -> ExitCode {

@@ -2,6 +2,7 @@
 
 use crate::arguments::{Colors, Detect, Kind};
 use crate::report;
+use crate::targets::{self, Claims, Evidence};
 use intrinsym::base::atomic_file::write_atomically;
 use intrinsym::base::error::Result;
 use intrinsym::base::symmetry_kind::SymmetryKind;
@@ -11,95 +12,147 @@ use intrinsym::mesh::Mesh;
 use intrinsym::mesh::io::{self, AttributeValues, MeshFile, VertexAttribute};
 use intrinsym::mirror::pair_colour::pair_colours;
 use intrinsym::picture;
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// The files to write for one input; `None` where none was asked for.
+/// Kinds of results in the order in which they are written: the report, which lists the others, is last.
+const KINDS: [(Kind, &str); 4] =
+    [(Kind::Ply, "ply"), (Kind::Map, "map"), (Kind::Png, "png"), (Kind::Json, "json")];
+
+/// The files to write for one input, and those that earlier runs have left in their place.
 #[derive(Debug, Clone, Default)]
 pub struct Outputs {
-    ply: Option<PathBuf>,
-    map: Option<PathBuf>,
-    json: Option<PathBuf>,
-    picture: Option<PathBuf>,
+    wanted: Vec<(Kind, PathBuf)>,
+    /// What a run into the same folder may have written that this one does not.
+    unwanted: Vec<(Kind, PathBuf)>,
+    /// Files that stood there before.
+    earlier: Vec<PathBuf>,
 }
 
 impl Outputs {
-    /// One entry per input.
+    /// One entry per input. Nothing is written.
     ///
     /// # Errors
-    /// A sentence for the user if two inputs would write the same file.
+    /// A sentence for the user if a file would be written twice, or is an input, or is not a result of an earlier run and
+    /// `--force` is not given.
     pub fn of_all(arguments: &Detect) -> Result<Vec<Outputs>, String> {
-        let Some(folder) = &arguments.output_dir else { return Outputs::named(arguments) };
-        let mut taken = BTreeSet::new();
-        let each = arguments.inputs.iter().map(|input| {
-            let stem = input.file_stem().unwrap_or(input.as_os_str());
-            if !taken.insert(stem.to_os_string()) {
-                let stem = stem.display();
-                return Err(format!(
-                    "two inputs are called {stem}: their results would overwrite each other"
-                ));
-            }
-            let file = |kind: Kind, extension: &str| {
-                arguments.write.contains(&kind).then(|| {
-                    let mut name = stem.to_os_string();
-                    name.push(extension);
-                    folder.join(name)
-                })
-            };
-            Ok(Outputs {
-                ply: file(Kind::Ply, ".ply"),
-                map: file(Kind::Map, ".map"),
-                json: file(Kind::Json, ".json"),
-                picture: file(Kind::Png, ".png"),
-            })
-        });
-        each.collect()
-    }
-
-    fn named(arguments: &Detect) -> Result<Vec<Outputs>, String> {
-        let outputs = Outputs {
-            ply: arguments.output.clone(),
-            map: arguments.map.clone(),
-            json: arguments.json.clone(),
-            picture: arguments.picture.clone(),
-        };
-        let any = outputs.files().next().is_some();
-        if any && arguments.inputs.len() > 1 {
+        let any_named = arguments.named_outputs().next().is_some();
+        if any_named && arguments.inputs.len() > 1 {
             return Err("several inputs need --output-dir DIR: one output file cannot hold them all".into());
         }
-        Ok(vec![outputs; arguments.inputs.len()])
+        let mut claims = Claims::of_inputs(arguments.inputs.iter().chain(&arguments.model));
+        let most = arguments.most_symmetries();
+        let of_input = |input: &PathBuf| {
+            let mut outputs = Outputs::of(input, arguments);
+            for (kind, path) in outputs.possible(most) {
+                claims.claim(&path, format!("the {} of {}", kind.name(), input.display()))?;
+            }
+            outputs.find_earlier(most, arguments.force)?;
+            Ok(outputs)
+        };
+        arguments.inputs.iter().map(of_input).collect()
     }
 
-    /// The files, in the order in which they are written.
-    pub fn files(&self) -> impl Iterator<Item = &Path> {
-        [&self.ply, &self.map, &self.picture, &self.json].into_iter().flatten().map(PathBuf::as_path)
+    fn of(input: &Path, arguments: &Detect) -> Outputs {
+        let Some(folder) = &arguments.output_dir else {
+            let wanted = arguments.named_outputs().map(|(kind, path)| (kind, path.clone())).collect();
+            return Outputs { wanted, ..Outputs::default() };
+        };
+        let stem = input.file_stem().unwrap_or(input.as_os_str());
+        let file = |(kind, extension): (Kind, &str)| {
+            let mut name = stem.to_os_string();
+            name.push(".");
+            name.push(extension);
+            (kind, folder.join(name))
+        };
+        let (wanted, unwanted) =
+            KINDS.into_iter().map(file).partition(|(kind, _)| arguments.write.contains(kind));
+        Outputs { wanted, unwanted, earlier: Vec::new() }
     }
 
-    /// Writes every file that was asked for. Where no symmetry was found, every vertex has the partner -1,
+    /// All files that a run with up to `most` symmetries may write.
+    fn possible(&self, most: usize) -> Vec<(Kind, PathBuf)> {
+        let numbers = |kind: Kind| 0..if kind.is_numbered() { most } else { 1 };
+        let files = self
+            .wanted
+            .iter()
+            .flat_map(|(kind, path)| numbers(*kind).map(move |index| (*kind, numbered(path, index))));
+        files.collect()
+    }
+
+    /// Enters the results of earlier runs that stand where this one may write, or beside it under further numbers.
+    fn find_earlier(&mut self, most: usize, force: bool) -> Result<(), String> {
+        let mut all = self.wanted.iter().chain(&self.unwanted);
+        let report = all.clone().find(|(kind, _)| *kind == Kind::Json).map(|(_, path)| path.as_path());
+        let evidence = Evidence::of_report(report);
+        for (kind, path) in self.possible(most) {
+            if path.exists() && !force && !evidence.is_ours(kind, &path) {
+                return Err(targets::exists(&path));
+            }
+        }
+        let found = |(kind, path): &(Kind, PathBuf)| {
+            let further = (1..).map(|index| numbered(path, index)).take_while(|path| path.is_file());
+            let further: Vec<PathBuf> = if kind.is_numbered() { further.collect() } else { Vec::new() };
+            let first = Some(path.clone()).filter(|path| path.is_file());
+            first.into_iter().chain(further).filter(|path| evidence.is_ours(*kind, path)).collect::<Vec<_>>()
+        };
+        self.earlier = all.by_ref().flat_map(found).collect();
+        Ok(())
+    }
+
+    /// Results of earlier runs that are still there, beside those just written.
+    pub fn left_over(&self, written: &[PathBuf]) -> Vec<&Path> {
+        let is_left = |path: &&PathBuf| !written.contains(path) && path.is_file();
+        self.earlier.iter().filter(is_left).map(PathBuf::as_path).collect()
+    }
+
+    /// Writes every file that was asked for; those written. Where no symmetry was found, every vertex has the partner -1,
     /// so that no result of an earlier run is taken for this one's.
     ///
     /// # Errors
     /// [`Error::File`]; each file is written whole or not at all.
-    pub fn write(&self, input: &Input, detection: &Detection, arguments: &Detect) -> Result<()> {
+    pub fn write(&self, input: &Input, detection: &Detection, arguments: &Detect) -> Result<Vec<PathBuf>> {
         let none = [no_symmetry(detection.report.vertices)];
         let symmetries = if detection.symmetries.is_empty() { &none[..] } else { &detection.symmetries[..] };
-        if let Some(path) = &self.ply {
-            io::write_ply(path, input.file, &attributes(input, symmetries, arguments.colors))?;
-        }
-        for (index, symmetry) in symmetries.iter().enumerate() {
-            if let Some(path) = &self.map {
-                io::write_map(&numbered(path, index), &symmetry.partner)?;
+        let mut written = Vec::new();
+        for (kind, path) in &self.wanted {
+            let count = if kind.is_numbered() { symmetries.len() } else { 1 };
+            for (index, symmetry) in symmetries.iter().enumerate().take(count) {
+                let path = numbered(path, index);
+                match kind {
+                    Kind::Ply => {
+                        io::write_ply(&path, input.file, &attributes(input, symmetries, arguments.colors))?
+                    }
+                    Kind::Map => io::write_map(&path, &symmetry.partner)?,
+                    Kind::Png => {
+                        let png = picture::png(input.mesh, symmetry, arguments.up)?;
+                        write_atomically(&path, |file| file.write_all(&png))?;
+                    }
+                    Kind::Json => {
+                        let report = report::json(input, detection, &arguments.options(), &written)?;
+                        write_atomically(&path, |file| file.write_all(format!("{report:#}\n").as_bytes()))?;
+                    }
+                }
+                written.push(path);
             }
-            if let Some(path) = &self.picture {
-                let png = picture::png(input.mesh, symmetry, arguments.up)?;
-                write_atomically(&numbered(path, index), |file| file.write_all(&png))?;
-            }
         }
-        if let Some(path) = &self.json {
-            let text = format!("{:#}\n", report::json(input, detection, &arguments.options())?);
-            write_atomically(path, |file| file.write_all(text.as_bytes()))?;
+        Ok(written)
+    }
+}
+
+impl Kind {
+    /// Whether each symmetry has a file of its own.
+    fn is_numbered(self) -> bool {
+        matches!(self, Kind::Map | Kind::Png)
+    }
+
+    /// As it stands in messages.
+    fn name(self) -> &'static str {
+        match self {
+            Kind::Map => "map",
+            Kind::Ply => "mesh",
+            Kind::Json => "report",
+            Kind::Png => "picture",
         }
-        Ok(())
     }
 }
 

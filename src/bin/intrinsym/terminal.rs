@@ -32,9 +32,26 @@ pub fn progress_bar(length: u64, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// Prints to stdout. A reader that went away (`| head`) is no error.
-pub fn say(text: &str) {
-    let _ = std::io::stdout().write_all(text.as_bytes());
+/// Prints to stdout.
+///
+/// # Errors
+/// How the run ends: quietly where the reader went away (`| head`), otherwise with a message on stderr.
+pub fn say(text: &str) -> Result<(), Ending> {
+    let mut out = std::io::stdout().lock();
+    let Err(error) = out.write_all(text.as_bytes()).and_then(|()| out.flush()) else { return Ok(()) };
+    if error.kind() == std::io::ErrorKind::BrokenPipe {
+        return Err(Ending::Unheard);
+    }
+    eprintln!(
+        "intrinsym: standard output cannot be written: {error}; check where it goes and the free space"
+    );
+    Err(Ending::Failed)
+}
+
+/// Prints what a command answers, unless it is to be quiet; how the command ends.
+pub fn answer(text: &str, quiet: bool) -> Ending {
+    let said = if quiet { Ok(()) } else { say(text) };
+    said.err().unwrap_or(Ending::Found)
 }
 
 /// One line on stderr that says what went wrong, and with which file.

@@ -162,8 +162,11 @@ impl Rings {
                 return;
             }
             for half_edge in half_edges.outgoing_of(vertex) {
+                if self.queue.len() >= most {
+                    break;
+                }
                 let neighbour = half_edges.to_vertex[half_edge as usize];
-                if self.queue.len() < most && self.seen[neighbour as usize] != self.search {
+                if self.seen[neighbour as usize] != self.search {
                     self.seen[neighbour as usize] = self.search;
                     self.queue.push((neighbour, distance + 1));
                 }

@@ -5,6 +5,7 @@
 
 use super::places::descend;
 use super::starts::START_MISS;
+use super::surroundings::is_hub;
 use super::{Estimate, image_position};
 use crate::geometry::adjacency::Adjacency;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
@@ -31,7 +32,7 @@ pub(super) fn meets_vertices<'a>(
     looks.iter().map(|looks| share(looks) >= MET).collect()
 }
 
-/// The edges that leave `centres` and the points within two rings of them.
+/// The edges that leave `centres` and the points within two rings of them, without those of hubs.
 fn edges_around(mesh: &Mesh, centres: impl Iterator<Item = u32>) -> Adjacency {
     let mut near = vec![false; mesh.positions.len()];
     centres.for_each(|centre| near[centre as usize] = true);
@@ -41,8 +42,12 @@ fn edges_around(mesh: &Mesh, centres: impl Iterator<Item = u32>) -> Adjacency {
             triangle.iter().for_each(|&corner| near[corner as usize] = true);
         }
     }
+    let mut triangles_around = vec![0; near.len()];
+    mesh.triangles.as_flattened().iter().for_each(|&corner| triangles_around[corner as usize] += 1);
+    let is_ordinary = |point: u32| !is_hub(triangles_around[point as usize]);
     let ends = mesh.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a), (b, a), (c, b), (a, c)]);
-    Adjacency::new(near.len(), ends.filter(|&(from, _)| near[from as usize]))
+    let wanted = |&(from, to): &(u32, u32)| near[from as usize] && is_ordinary(from) && is_ordinary(to);
+    Adjacency::new(near.len(), ends.filter(wanted))
 }
 
 /// Whether the images of the neighbours of a point are vertices, moved so that its own is one near by.
@@ -50,6 +55,9 @@ fn is_met(mesh: &Mesh, estimate: &Estimate, edges: &Adjacency, point: u32) -> bo
     let at = image_position(mesh, estimate, point);
     let near = edges.of(point as usize).iter().filter(|&&near| estimate.partner[near as usize] != NONE);
     let offsets: Vec<Vector> = near.map(|&near| subtract(image_position(mesh, estimate, near), at)).collect();
+    if offsets.is_empty() {
+        return false;
+    }
     let middle = estimate.partner[point as usize];
     let is_start = |&centre: &u32| {
         let (origin, around) = (mesh.positions[centre as usize], edges.of(centre as usize));

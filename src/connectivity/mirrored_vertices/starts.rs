@@ -77,6 +77,9 @@ fn starts_at(around: &Surroundings, places: &Places, vertex: u32) -> Vec<Start> 
     let near = around.close.of(vertex as usize).iter().filter(|&&near| places.vertex[near as usize] != NONE);
     let offsets: Vec<_> = near.map(|&near| (near, subtract(places.position[near as usize], at))).collect();
     let middle = places.vertex[vertex as usize];
+    if offsets.is_empty() {
+        return Vec::new();
+    }
     let mut found = Vec::new();
     for &centre in around.close.of(middle as usize).iter().chain([&middle]) {
         let origin = positions[centre as usize];

@@ -5,7 +5,16 @@ use crate::geometry::embedded_triangles::Fans;
 use crate::mesh::vector::{Vector, cross, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE};
 
-/// What is around the points of a mesh.
+/// Triangles around a vertex from which on it is a hub, as the middle of a cap or the pole of a lathe is. Every two points near
+/// two hubs would be a pair to vote for, and which of them belong together is seen at no hub.
+const HUB: usize = 48;
+
+/// Whether a point has so many triangles around it that it says nothing of those near it.
+pub(super) fn is_hub(triangles_around: usize) -> bool {
+    triangles_around >= HUB
+}
+
+/// What is around the points of a mesh. Hubs have nothing around them, and are around nothing.
 pub(super) struct Surroundings<'a> {
     /// The mesh.
     pub mesh: &'a Mesh,
@@ -21,14 +30,17 @@ impl<'a> Surroundings<'a> {
     /// O(points + triangles log degree).
     pub fn new(mesh: &'a Mesh, fans: &Fans) -> Self {
         let count = mesh.positions.len();
+        let is_ordinary = |point: &u32| !is_hub(fans.of(*point).len());
+        let around = |point: u32| fans.of(point).iter().filter(move |_| is_ordinary(&point));
         let edges = Adjacency::from_rows(count, |point, row| {
-            for &triangle in fans.of(point) {
-                row.extend(mesh.triangles[triangle as usize].iter().filter(|&&corner| corner != point));
+            for &triangle in around(point) {
+                let corners = mesh.triangles[triangle as usize];
+                row.extend(corners.into_iter().filter(|&corner| corner != point).filter(is_ordinary));
             }
         });
         let close = Adjacency::from_rows(count, |point, row| {
-            row.extend(edges.of(point as usize));
-            row.extend(fans.of(point).iter().filter_map(|&triangle| across(mesh, fans, triangle, point)));
+            let flipped = around(point).filter_map(|&triangle| across(mesh, fans, triangle, point));
+            row.extend(edges.of(point as usize).iter().copied().chain(flipped.filter(is_ordinary)));
         });
         Surroundings { mesh, edges, close, tangents: tangents(mesh) }
     }
@@ -79,4 +91,35 @@ fn tangents(mesh: &Mesh) -> Vec<[Vector; 2]> {
         [first, unit(cross(normal, first))]
     };
     normals.iter().map(frame).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::limits::Limits;
+    use crate::mesh::PolygonMesh;
+
+    /// A cone of `count` triangles around its tip.
+    fn cone(count: u32) -> Mesh {
+        let angle = |i: u32| f64::from(i) * std::f64::consts::TAU / f64::from(count);
+        let rim = (0..count).map(|i| [angle(i).cos(), angle(i).sin(), 0.0]);
+        let polygons = PolygonMesh {
+            positions: std::iter::once([0.0, 0.0, 1.0]).chain(rim).collect(),
+            face_offsets: (0..=count).map(|face| 3 * face).collect(),
+            face_vertices: (0..count).flat_map(|i| [0, 1 + i, 1 + (i + 1) % count]).collect(),
+        };
+        Mesh::new(&polygons, &Limits::default()).unwrap()
+    }
+
+    /// The votes of a pair are as many as the points close to one times those close to the other.
+    #[test]
+    fn a_hub_has_no_votes_and_leaves_no_more_to_others_whatever_its_degree() {
+        let most_close = |count: u32| {
+            let mesh = cone(count);
+            let around = Surroundings::new(&mesh, &Fans::new(mesh.positions.len(), &mesh.triangles));
+            (0..mesh.positions.len()).map(|point| around.close.of(point).len()).max().unwrap()
+        };
+        assert_eq!(most_close(HUB as u32 - 1), HUB - 1);
+        assert_eq!([48, 1000, 20_000].map(most_close), [4, 4, 4]);
+    }
 }

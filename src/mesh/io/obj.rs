@@ -4,14 +4,57 @@ use super::scanner::{Fault, Scanner, parse_integer, quote};
 use super::{Format, MeshFile, PolygonMesh, close_face};
 use crate::base::limits::Limits;
 
+/// Statements that say nothing of the surface, or of how it looks.
+const SKIPPED: [&[u8]; 31] = [
+    b"vt",
+    b"vn",
+    b"vp",
+    b"g",
+    b"o",
+    b"s",
+    b"mg",
+    b"mtllib",
+    b"usemtl",
+    b"maplib",
+    b"usemap",
+    b"cstype",
+    b"deg",
+    b"bmat",
+    b"step",
+    b"parm",
+    b"trim",
+    b"hole",
+    b"scrv",
+    b"sp",
+    b"end",
+    b"con",
+    b"bevel",
+    b"c_interp",
+    b"d_interp",
+    b"lod",
+    b"shadow_obj",
+    b"trace_obj",
+    b"ctech",
+    b"stech",
+    b"call",
+];
+
 /// Reads an OBJ file.
 pub fn parse(bytes: &[u8], limits: &Limits) -> Result<MeshFile, Fault> {
     let mut scanner = Scanner::new(bytes).with_comments(b'#');
+    if let Some(at) = bytes.iter().position(|&byte| byte == 0) {
+        scanner.advance(at);
+        return Err(
+            scanner.fault("a byte is 0, which no text has; the file is damaged or binary, export it again")
+        );
+    }
     let mut reader = Reader {
         polygons: PolygonMesh { face_offsets: vec![0], ..PolygonMesh::default() },
         furthest: None,
         lines: 0,
         curved: 0,
+        unknown: 0,
+        first_unknown: String::new(),
     };
     loop {
         reader.statement(&mut scanner, limits)?;
@@ -20,7 +63,10 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<MeshFile, Fault> {
         }
     }
     reader.check_furthest()?;
-    let notes = reader.notes();
+    let mut notes = reader.notes();
+    if !bytes.ends_with(b"\n") && !bytes.ends_with(b"\r") {
+        notes.push("The last line has no end: if the file was cut off, the rest is missing.".into());
+    }
     Ok(MeshFile::new(reader.polygons, Format::Obj, notes))
 }
 
@@ -30,6 +76,9 @@ struct Reader<'a> {
     furthest: Option<(u32, Scanner<'a>)>,
     lines: usize,
     curved: usize,
+    unknown: usize,
+    /// The first unknown word, and its line.
+    first_unknown: String,
 }
 
 impl<'a> Reader<'a> {
@@ -49,6 +98,13 @@ impl<'a> Reader<'a> {
             }
             Some(b"curv" | b"curv2" | b"surf") => {
                 self.curved += 1;
+                Ok(())
+            }
+            Some(word) if !SKIPPED.contains(&word) => {
+                if self.unknown == 0 {
+                    self.first_unknown = format!("{} in line {}", quote(word), scanner.line_number());
+                }
+                self.unknown += 1;
                 Ok(())
             }
             _ => Ok(()),
@@ -125,6 +181,12 @@ impl<'a> Reader<'a> {
                 self.curved
             ));
         }
+        if self.unknown > 0 {
+            notes.push(format!(
+                "{} lines begin with a word that is not known and were skipped, the first with {}.",
+                self.unknown, self.first_unknown
+            ));
+        }
         notes
     }
 }
@@ -166,6 +228,15 @@ mod tests {
     }
 
     #[test]
+    fn what_is_skipped_is_said() {
+        let file = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nF 1 2 3\nface 1 2 3\nf 1 2 3\n");
+        let expected =
+            "2 lines begin with a word that is not known and were skipped, the first with \"F\" in line 4.";
+        assert_eq!((file.polygons.face_offsets.len(), file.notes), (2, vec![expected.to_string()]));
+        assert!(read("v 0 0 0\nf 1 1 1").notes[0].starts_with("The last line has no end"));
+    }
+
+    #[test]
     fn a_bad_line_is_named() {
         let message = |text: &str| match parse(text.as_bytes(), &Limits::default()) {
             Err(Fault::Content(message)) => message,
@@ -175,6 +246,7 @@ mod tests {
         assert!(message("v 0 0\n").starts_with("line 1: vertex 1 has fewer than three coordinates"));
         assert!(message("v 0 0 0\n\nf 0 1 2\n").starts_with("line 3: face 1 refers to vertex 0;"));
         assert!(message("v 0 0 0\rf -1 -2 -1\r").starts_with("line 2: face 1 refers to vertex -2;"));
+        assert!(message("v 0 0 0\nv 1 0 0\0\nf 1 1 1\n").starts_with("line 2: a byte is 0"));
         assert!(message("f a b c").starts_with("line 1: face 1 has \"a\""));
     }
 }

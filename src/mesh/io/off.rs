@@ -28,7 +28,14 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<MeshFile, Fault> {
     for face in 0..faces {
         parse_face(&mut scanner, face, faces, &mut polygons)?;
     }
-    Ok(MeshFile::new(polygons, Format::Off, Vec::new()))
+    let mut notes = Vec::new();
+    if scanner.token().is_some() {
+        notes.push(format!(
+            "What follows the last face, from line {} on, was ignored.",
+            scanner.line_number()
+        ));
+    }
+    Ok(MeshFile::new(polygons, Format::Off, notes))
 }
 
 fn parse_face(scanner: &mut Scanner, face: u64, faces: u64, polygons: &mut PolygonMesh) -> Result<(), Fault> {

@@ -11,7 +11,7 @@ use crate::base::limits::Limits;
 use header::{Element, Header, Kind, Scalar};
 
 pub use header::is_ply;
-pub use write::columns;
+pub use write::{PLY_MARK, columns};
 
 /// A whole PLY file: its header and the rows of each element as binary little endian.
 #[derive(Debug, Clone)]

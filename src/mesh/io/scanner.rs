@@ -111,10 +111,14 @@ impl<'a> Scanner<'a> {
 
     /// A fault at the current line.
     pub fn fault(&self, message: impl std::fmt::Display) -> Fault {
+        Fault::Content(format!("line {}: {message}", self.line_number()))
+    }
+
+    /// The current line, from 1. O(bytes).
+    pub fn line_number(&self) -> usize {
         let read = &self.bytes[..self.position];
         let count = |end: u8| read.iter().filter(|&&byte| byte == end).count();
-        let line = 1 + if self.bytes.contains(&b'\n') { count(b'\n') } else { count(b'\r') };
-        Fault::Content(format!("line {line}: {message}"))
+        1 + if self.bytes.contains(&b'\n') { count(b'\n') } else { count(b'\r') }
     }
 
     /// The next word as a number, on this line or a later one.

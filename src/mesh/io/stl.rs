@@ -1,6 +1,6 @@
 //! STL, ascii and binary. The format has no connectivity: corners at exactly one position become one vertex.
 
-use super::scanner::{Fault, Scanner, quote};
+use super::scanner::{Fault, Scanner, parse_float, quote};
 use super::{Format, MeshFile, PolygonMesh, close_face};
 use crate::base::limits::Limits;
 use std::collections::HashMap;
@@ -42,7 +42,7 @@ fn is_ascii(bytes: &[u8]) -> bool {
     if !scanner.token().is_some_and(|word| word.eq_ignore_ascii_case(b"solid")) {
         return false;
     }
-    scanner.skip_line();
+    skip_name(&mut scanner);
     scanner
         .token()
         .is_none_or(|word| word.eq_ignore_ascii_case(b"facet") || word.eq_ignore_ascii_case(b"endsolid"))
@@ -83,11 +83,21 @@ fn parse_binary(bytes: &[u8], limits: &Limits, notes: &mut Vec<String>) -> Resul
 fn parse_ascii(bytes: &[u8], limits: &Limits) -> Result<PolygonMesh, Fault> {
     let mut scanner = Scanner::new(bytes);
     let mut soup = Soup::new(*limits);
+    let mut is_open = true;
     while let Some(word) = scanner.token() {
         match word.to_ascii_lowercase().as_slice() {
-            b"solid" | b"endsolid" | b"facet" | b"outer" => {
-                scanner.skip_line();
+            b"solid" => skip_name(&mut scanner),
+            b"endsolid" => {
+                is_open = false;
+                skip_name(&mut scanner);
             }
+            b"facet" => {
+                is_open = true;
+                skip_words(&mut scanner, |word| {
+                    word.eq_ignore_ascii_case(b"normal") || parse_float(word).is_some()
+                });
+            }
+            b"outer" => skip_words(&mut scanner, |word| word.eq_ignore_ascii_case(b"loop")),
             b"vertex" => {
                 let what = format_args!("a vertex of facet {}", soup.polygons.face_offsets.len());
                 soup.corner([scanner.number(what)?, scanner.number(what)?, scanner.number(what)?])?;
@@ -105,12 +115,39 @@ fn parse_ascii(bytes: &[u8], limits: &Limits) -> Result<PolygonMesh, Fault> {
             }
         }
     }
-    if soup.polygons.face_vertices.len()
-        != soup.polygons.face_offsets[soup.polygons.face_offsets.len() - 1] as usize
-    {
+    let closed = soup.polygons.face_offsets[soup.polygons.face_offsets.len() - 1] as usize;
+    if soup.polygons.face_vertices.len() != closed {
         return Err(scanner.fault("the file ends within a facet; it is cut off, export it again"));
     }
+    if is_open {
+        return Err(scanner.fault("the file ends without endsolid; it is cut off, export it again"));
+    }
     Ok(soup.polygons)
+}
+
+/// Skips the name of a solid: to the end of the line, or to its first facet where all is in one line.
+fn skip_name(scanner: &mut Scanner) {
+    let mut ahead = scanner.clone();
+    let mut before = scanner.clone();
+    while let Some(word) = ahead.token_in_line() {
+        let normal = ahead.clone().token_in_line();
+        if word.eq_ignore_ascii_case(b"facet")
+            && normal.is_some_and(|next| next.eq_ignore_ascii_case(b"normal"))
+        {
+            *scanner = before;
+            return;
+        }
+        before = ahead.clone();
+    }
+    scanner.skip_line();
+}
+
+/// Skips words of this line as long as they are `wanted`.
+fn skip_words(scanner: &mut Scanner, wanted: impl Fn(&[u8]) -> bool) {
+    let mut ahead = scanner.clone();
+    while ahead.token_in_line().is_some_and(&wanted) {
+        *scanner = ahead.clone();
+    }
 }
 
 /// Collects corners, joining those at equal positions.
@@ -174,6 +211,35 @@ mod tests {
         assert_eq!(ascii.polygons.face_vertices, [0, 1, 2, 1, 3, 2]);
         assert!(ascii.notes[0].contains("6 corners at equal positions were joined to 4 vertices"));
         assert!(is_stl(ASCII.as_bytes()) && is_stl(&bytes));
+    }
+
+    #[test]
+    fn a_file_in_one_line_is_read_as_one_in_many() {
+        let lines = parse(ASCII.as_bytes(), &Limits::default()).unwrap();
+        let one_line = ASCII.replace('\n', " ");
+        assert!(is_stl(one_line.as_bytes()));
+        assert_eq!(parse(one_line.as_bytes(), &Limits::default()).unwrap().polygons, lines.polygons);
+        let two_solids = format!("{one_line}{one_line}");
+        let twice = parse(two_solids.as_bytes(), &Limits::default()).unwrap().polygons;
+        assert_eq!(twice.face_offsets, [0, 3, 6, 9, 12]);
+    }
+
+    #[test]
+    fn every_cut_before_the_last_word_is_refused() {
+        let end = ASCII.rfind("endsolid").unwrap() + "endsolid".len();
+        for length in 1..end {
+            let read = parse(ASCII[..length].as_bytes(), &Limits::default());
+            assert!(read.is_err(), "{:?} is read", &ASCII[..length]);
+        }
+        assert!(parse(ASCII[..end].as_bytes(), &Limits::default()).is_ok());
+    }
+
+    #[test]
+    fn ascii_facets_are_limited() {
+        let of = |faces| parse(ASCII.as_bytes(), &Limits { faces, ..Limits::default() });
+        assert!(of(2).is_ok());
+        let Err(Fault::Other(error)) = of(1) else { panic!("two facets are more than one") };
+        assert_eq!(error.to_string().split(" exceeds").next(), Some("the number of faces 2"));
     }
 
     #[test]

@@ -193,7 +193,7 @@ impl<'a> Mapped<'a> {
         let (mut best, mut least) = (start, unlike(start));
         loop {
             let from = best;
-            for near in self.walk.around(from) {
+            for near in self.walk.ahead(from) {
                 let near_unlike = unlike(near);
                 if near_unlike < least {
                     (best, least) = (near, near_unlike);

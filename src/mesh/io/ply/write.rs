@@ -9,6 +9,9 @@ use crate::mesh::io::scanner::Fault;
 use crate::mesh::io::{AttributeValues, VertexAttribute};
 use std::io::{self, Write};
 
+/// The line by which files are known that were written here.
+pub const PLY_MARK: &str = "\ncomment written by intrinsym\n";
+
 /// A property to add to the vertices.
 pub struct Column {
     name: String,
@@ -111,6 +114,9 @@ impl PlyFile {
     ) -> io::Result<()> {
         let header = &self.header;
         out.write_all(b"ply\nformat binary_little_endian 1.0\n")?;
+        if !header.comments.iter().any(|line| line == PLY_MARK.trim().as_bytes()) {
+            out.write_all(PLY_MARK.trim_start().as_bytes())?;
+        }
         let last_of_vertex = header.lines.iter().rposition(|line| match *line {
             Line::Property(element, _) | Line::Element(element) => Some(element) == vertex,
             Line::Comment(_) => false,
