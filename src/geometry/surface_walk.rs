@@ -167,9 +167,11 @@ mod tests {
         let walk = SurfaceWalk::new(&positions, &triangles);
         assert!(walk.ahead(0).count() <= LOOKS && walk.around(0).count() == 1000);
         for angle in [0.1, 2.0, 4.4f64] {
-            let point = walk.nearest_beside([0.3 * angle.cos(), 0.3 * angle.sin(), 0.1], 0);
-            let wanted = (angle / std::f64::consts::TAU * f64::from(count)) as u32;
-            assert_eq!(point.triangle, wanted, "{point:?}");
+            let below = [0.3 * angle.cos(), 0.3 * angle.sin(), 0.0];
+            let point = walk.nearest_beside([below[0], below[1], 0.1], 0);
+            let found = point.interpolate_vectors(&triangles, &positions);
+            // Half a triangle is 0.001 wide there.
+            assert!(squared_norm(subtract(found, below)).sqrt() < 5e-4, "{point:?}");
         }
     }
 }
