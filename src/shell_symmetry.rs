@@ -16,7 +16,7 @@ use crate::options::Options;
 use crate::progress::Progress;
 use crate::refinement::SampleRefiner;
 use crate::sampling::{Samples, area_weighted_vertices};
-use crate::sign_network::{REFERENCES, SignNetwork, SignPrediction};
+use crate::sign_network::{REFERENCES, SIGNS, SignNetwork, SignPrediction};
 use crate::signature;
 use crate::spread_points::SpreadPoints;
 use crate::symmetry_kind::SymmetryKind;
@@ -32,8 +32,7 @@ const COARSE_SIZE: usize = 50;
 /// their length, where those of other symmetries are 0.09 and more away (`docs/method.md`).
 const SHEETS: f64 = 0.06;
 
-/// Eigenfunctions whose sign is predicted, and vertices the network looks at.
-const PREDICTED_SIGNS: usize = 12;
+/// Vertices the network looks at.
 const NETWORK_POINTS: usize = 512;
 
 /// One symmetry of a shell.
@@ -105,7 +104,7 @@ pub fn signs(
     options: &Options,
     known: &[i8],
 ) -> Result<Vec<SignPrediction>> {
-    let k = basis.count().min(PREDICTED_SIGNS);
+    let k = basis.count().min(SIGNS);
     let mut signs = match &options.model {
         _ if options.network == 0 || k < REFERENCES => Vec::new(),
         Some(path) => predict(&SignNetwork::from_file(path)?, surface, basis, k)?,

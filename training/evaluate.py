@@ -3,6 +3,7 @@
     python -m training.evaluate models/signnet.onnx --data test.npz
     python -m training.evaluate models/signnet.onnx --benchmark ROOT [--cache DIR]
     python -m training.evaluate models/signnet.onnx --remeshed DATA [--cache DIR]
+    python -m training.evaluate models/signnet.onnx --watertight DATA [--cache DIR]
     python -m training.evaluate models/signnet.onnx --authors FOLDER
 
 Each takes `--first 12` to count the first twelve eigenfunctions only.
@@ -22,6 +23,9 @@ from pathlib import Path
 
 import numpy as np
 import onnxruntime
+
+from evaluation import watertight
+from evaluation.princeton import read_pairs
 
 from . import data, eigenbasis, labels
 from .dataset import EIGENFUNCTIONS, parity_labels
@@ -119,6 +123,21 @@ def on_benchmark(model: Model, root: Path, cache: Path | None) -> Entries:
         pairs = landmark_pairs(mesh.parent.parent, "1" if name == "mesh" else name)
         correlations.append(landmark_correlation(basis.eigenfunctions[:, : model.signs], pairs))
         groups.append("scape" if name == "mesh" else name)
+    return Entries(np.array(probabilities), np.array(correlations), np.array(groups))
+
+
+def on_watertight(model: Model, root: Path, cache: Path | None) -> Entries:
+    """The classes of SHREC'07 with one mirror plane (see evaluation/watertight.py)."""
+    probabilities, correlations, groups = [], [], []
+    for number, name in watertight.CLASSES.items():
+        pairs = read_pairs(root / "Corrs" / f"{number}.sym.info")
+        for mesh in range((number - 1) * watertight.MESHES + 1, number * watertight.MESHES + 1):
+            basis = basis_of(root / "Meshes" / f"{mesh}.off", cache)
+            rows = systematic_samples(basis.mass, model.points)
+            probabilities.append(model.probabilities(basis.eigenfunctions[rows]))
+            landmarks = watertight.read_vertices(root / "Corrs", mesh)[pairs]
+            correlations.append(landmark_correlation(basis.eigenfunctions[:, : model.signs], landmarks))
+            groups.append(name)
     return Entries(np.array(probabilities), np.array(correlations), np.array(groups))
 
 
@@ -236,6 +255,7 @@ def main() -> None:
     parser.add_argument("--data", type=Path, nargs="+", help="training files kept for testing")
     parser.add_argument("--benchmark", type=Path, help="folder with SCAPE and TOSCA")
     parser.add_argument("--remeshed", type=Path, help="folder with SET/vtx_5k/NAME.off")
+    parser.add_argument("--watertight", type=Path, help="folder with SHREC'07's Meshes and Corrs")
     parser.add_argument("--authors", type=Path, help="folder of the authors' MATLAB files")
     parser.add_argument("--first", type=int, help="count this many eigenfunctions (default: all that the model answers)")
     parser.add_argument("--cache", type=Path, help="folder that keeps the benchmark's eigenfunctions")
@@ -248,6 +268,8 @@ def main() -> None:
         measured["authors"] = on_shapes(model, labels.authors(options.authors))
     if options.remeshed:
         measured["remeshed"] = on_remeshed(model, options.remeshed, options.cache)
+    if options.watertight:
+        measured["watertight"] = on_watertight(model, options.watertight, options.cache)
     if options.benchmark:
         measured["benchmark"] = on_benchmark(model, options.benchmark, options.cache)
     for name, entries in measured.items():
