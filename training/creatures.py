@@ -1,4 +1,4 @@
-"""Random symmetric skeletons: biped, quadruped, bird, insect, sea star, random, near-repeated blob.
+"""Random symmetric skeletons: biped, quadruped, bird, insect, sea star, random, near-repeated blob, stout creatures.
 
 Each function draws one skeleton that is its own mirror image about x = 0. z is up, y is forward.
 """
@@ -182,6 +182,57 @@ def _random_branch(rng, skeleton, points, radii, spine, how) -> None:
             grow_limb(rng, skeleton, tip.point, tip.bones, tip.direction + rng.normal(size=3) * 0.7, twig)
 
 
+def teddy(rng) -> Skeleton:
+    """A stout upright creature, standing or sitting: a teddy bear, an armadillo."""
+    return _stout(rng, rng.uniform(0.4, 0.6) * np.pi)
+
+
+def beast(rng) -> Skeleton:
+    """A stout creature on all fours: a pig, a bear, an elephant, a cow."""
+    return _stout(rng, rng.uniform(-0.08, 0.15) * np.pi)
+
+
+def _stout(rng, angle) -> Skeleton:
+    """A round body that rises at `angle`, a big head with ears and a snout, four thick limbs, sometimes a tail."""
+    u, skeleton, upright = rng.uniform, Skeleton(), angle > 0.25 * np.pi
+    axis, belly = np.array([0, np.cos(angle), np.sin(angle)]), np.array([0, np.sin(angle), -np.cos(angle)])
+    length, girth = u(0.3, 0.75), u(0.12, 0.28)
+    points = np.linspace(0, length, 4)[:, None] * axis
+    radii = girth * np.array([u(0.7, 1.1), u(0.9, 1.2), u(0.8, 1.1), u(0.6, 0.95)])
+    spine = grow_spine(rng, skeleton, points, radii)
+    _stout_head(rng, skeleton, points[-1], spine[-1], axis, girth)
+    standing = [0, u(-0.2, 1.5) if upright else u(-0.25, 0.25), -1]
+    reaching = belly * u(0.1, 1) + axis * u(-0.7, 0.5) if upright else [0, u(-0.25, 0.25), -1]
+    for end, downward, outward in ((0, standing, u(0, 0.8)), (3, reaching, u(0, 1.5 if upright else 0.5))):
+        shape = LimbShape(girth * u(0.8, 2.6), int(rng.integers(2, 4)), girth * u(0.25, 0.6), u(0.45, 1.0), 0.15)
+        origin = points[end] + [radii[end] * u(0.4, 0.8), 0, 0] + belly * radii[end] * u(-0.2, 0.4)
+        tip = grow_limb(rng, skeleton, origin, spine[min(end, 2)], np.array(downward) + [outward, 0, 0], shape)
+        if rng.random() < 0.5:
+            foot = LimbShape(tip.radius * u(0.6, 1.6), 1, tip.radius * u(0.9, 1.3), 0.9)
+            grow_limb(rng, skeleton, tip.point, tip.bones, [u(-0.2, 0.4), 1, u(-0.2, 0.2)], foot)
+        elif rng.random() < 0.3:
+            for _ in range(rng.integers(2, 4)):
+                claw = LimbShape(tip.radius * u(1, 2), 1, tip.radius * 0.45, 0.8)
+                grow_limb(rng, skeleton, tip.point, tip.bones, tip.direction + rng.normal(size=3) * 0.5, claw)
+    if rng.random() < 0.5:
+        tail = LimbShape(girth * u(0.4, 3.5), 3, girth * u(0.1, 0.45), u(0.3, 0.9), 0.2)
+        grow_limb(rng, skeleton, points[0], spine[0], -axis - belly * u(0, 1.5), tail, "medial")
+    return skeleton
+
+
+def _stout_head(rng, skeleton, origin, parent, axis, girth) -> None:
+    u, size = rng.uniform, girth * rng.uniform(0.5, 1.0)
+    neck_shape = LimbShape(girth * u(0.5, 1.6), 1, girth * u(0.4, 0.8), u(0.8, 1))
+    neck = grow_limb(rng, skeleton, origin, parent, axis + [0, 0, u(0, 0.8)], neck_shape, "medial")
+    skull = grow_limb(rng, skeleton, neck.point, neck.bones, [0, 1, u(-0.6, 0.4)], LimbShape(size * u(0.1, 0.8), 1, size, u(0.6, 1)), "medial")
+    if rng.random() < 0.65:
+        snout = LimbShape(size * u(0.7, 1.8), int(rng.integers(1, 3)), size * u(0.25, 0.6), u(0.5, 1))
+        grow_limb(rng, skeleton, skull.point, skull.bones, [0, 1, u(-1, 0.2)], snout, "medial")
+    if rng.random() < 0.85:
+        ear = LimbShape(size * u(0.3, 1.5), int(rng.integers(1, 3)), size * u(0.2, 0.45), u(0.5, 1.2))
+        grow_limb(rng, skeleton, neck.point + size * np.array([0.6, 0, 0.6]), skull.bones, [u(0.2, 1), u(-0.5, 0.3), u(0.1, 1)], ear)
+
+
 def blob(rng) -> Skeleton:
     """A stout body with short limbs: close to a ball or a square cushion, so eigenvalues nearly repeat."""
     u, skeleton = rng.uniform, Skeleton()
@@ -260,4 +311,6 @@ SYMMETRIC_KINDS = {
     "random": random_tree,
     "blob": blob,
 }
+# For training only: the sets of evaluation/ draw SYMMETRIC_KINDS in turn.
+STOUT_KINDS = {"teddy": teddy, "beast": beast}
 ASYMMETRIC_KINDS = {"asymmetric-tree": asymmetric_tree, "unbalanced": unbalanced, "lump": lump}

@@ -32,7 +32,7 @@ ROWS = (
     ("small", "ours, smaller: 16-32-64"),
     ("positions", "positions instead of reference eigenfunctions, shapes turned at random"),
     (UPRIGHT, "the same, all shapes upright as they were made"),
-    ("diag", "all twelve signs at once (Diag)"),
+    ("diag", "all signs at once (Diag)"),
     ("pointnet", "PointNet with input transform, same input"),
     ("paper", "the paper's network"),
 )
@@ -43,7 +43,7 @@ RATE = {"paper": 1e-4}
 
 
 def cpu_milliseconds(design, parameters, statistics) -> float:
-    """CPU time to answer all twelve signs of a mesh, median of three, at the design's points."""
+    """CPU time to answer all signs of a mesh, median of three, at the design's points."""
     batch = 1 if design.inputs == "all" else design.signs
     x = np.random.default_rng(0).normal(size=(batch, design.points, design.channels)).astype(np.float32)
     run = jax.jit(lambda x: apply(design, parameters, statistics, x)[0])
@@ -87,7 +87,7 @@ def main() -> None:
     parser.add_argument("--only", nargs="*", choices=[name for name, _ in ROWS])
     options = parser.parse_args()
     shapes, test = data.load([options.folder / "train.npz"]), data.load([options.folder / "test.npz"])
-    lines = ["| design | sign accuracy % | shapes all right % | parameters | points | CPU ms, 12 signs | steps x batch | CPU min of training |",
+    lines = ["| design | sign accuracy % | shapes all right % | parameters | points | CPU ms, all signs | steps x batch | CPU min of training |",
              "|---|---|---|---|---|---|---|---|"]
     for name, title in ROWS:
         if options.only and name not in options.only:

@@ -3,11 +3,15 @@
     python -m training.evaluate models/signnet.onnx --data test.npz
     python -m training.evaluate models/signnet.onnx --benchmark ROOT [--cache DIR]
     python -m training.evaluate models/signnet.onnx --remeshed DATA [--cache DIR]
+    python -m training.evaluate models/signnet.onnx --watertight DATA [--cache DIR]
+    python -m training.evaluate models/signnet.onnx --authors FOLDER
+
+Each takes `--first 12` to count the first twelve eigenfunctions only.
 
 Accuracy counts the sign of ln(even/odd) against the sign of c on the unambiguous entries, |c| > 0.8.
 Benchmark labels: c over the landmark pairs of Kim, Lipman and Funkhouser (their mirror images are
 given; each pair counts both ways). Labels of the remeshed sets (see evaluation/remeshed.py): c over all their
-corresponding vertices. The meshes are measured on only, never trained on.
+corresponding vertices. The authors' labels are people's, c = 1, -1 or 0. All are measured on only, never trained on.
 """
 
 from __future__ import annotations
@@ -20,11 +24,13 @@ from pathlib import Path
 import numpy as np
 import onnxruntime
 
-from . import data, eigenbasis
+from evaluation import watertight
+from evaluation.princeton import read_pairs
+
+from . import data, eigenbasis, labels
 from .dataset import EIGENFUNCTIONS, parity_labels
 from .mirror_truth import NO_PARTNER
 
-SIGNS = 12
 UNAMBIGUOUS = 0.8
 BINS = 10
 PEOPLE_CLASSES = ("david", "michael", "victoria", "scape")
@@ -32,11 +38,15 @@ PEOPLE_CLASSES = ("david", "michael", "victoria", "scape")
 
 @dataclass
 class Entries:
-    """Probabilities (n, 12, 3), correlations c (n, 12) and a group name per shape (n,)."""
+    """Probabilities (n, signs, 3), correlations c (n, signs) and a group name per shape (n,)."""
 
     probabilities: np.ndarray
     correlation: np.ndarray
     group: np.ndarray
+
+    def first(self, count: int | None) -> Entries:
+        """Those of the first `count` eigenfunctions."""
+        return Entries(self.probabilities[:, :count], self.correlation[:, :count], self.group)
 
 
 def softmax(logits: np.ndarray) -> np.ndarray:
@@ -58,18 +68,18 @@ class Model:
         settings = onnxruntime.SessionOptions()
         settings.intra_op_num_threads = 1
         self._session = onnxruntime.InferenceSession(str(path), settings, providers=["CPUExecutionProvider"])
-        self.points = self._session.get_inputs()[0].shape[1]
+        self.signs, self.points, _ = self._session.get_inputs()[0].shape
 
     def probabilities(self, rows: np.ndarray) -> np.ndarray:
-        """(12, 3) from eigenfunctions (points, >= 12) at area-weighted samples."""
-        x = np.stack([np.c_[rows[:, :3], rows[:, i]] for i in range(SIGNS)]).astype(np.float32)
+        """(signs, 3) from eigenfunctions (points, >= signs) at area-weighted samples."""
+        x = np.stack([np.c_[rows[:, :3], rows[:, i]] for i in range(self.signs)]).astype(np.float32)
         return softmax(self._session.run(None, {"eigenfunctions": x})[0])
 
 
 def on_shapes(model: Model, shapes: data.Shapes) -> Entries:
     """Generated shapes, at the first samples of each."""
     probabilities = [model.probabilities(rows[: model.points].astype(np.float32)) for rows in shapes.samples]
-    return Entries(np.array(probabilities), shapes.labels[:, :SIGNS], shapes.kind)
+    return Entries(np.array(probabilities), shapes.labels[:, : model.signs], shapes.kind)
 
 
 def landmark_pairs(root: Path, name: str) -> np.ndarray:
@@ -111,8 +121,23 @@ def on_benchmark(model: Model, root: Path, cache: Path | None) -> Entries:
         rows = systematic_samples(basis.mass, model.points)
         probabilities.append(model.probabilities(basis.eigenfunctions[rows]))
         pairs = landmark_pairs(mesh.parent.parent, "1" if name == "mesh" else name)
-        correlations.append(landmark_correlation(basis.eigenfunctions[:, :SIGNS], pairs))
+        correlations.append(landmark_correlation(basis.eigenfunctions[:, : model.signs], pairs))
         groups.append("scape" if name == "mesh" else name)
+    return Entries(np.array(probabilities), np.array(correlations), np.array(groups))
+
+
+def on_watertight(model: Model, root: Path, cache: Path | None) -> Entries:
+    """The classes of SHREC'07 with one mirror plane (see evaluation/watertight.py)."""
+    probabilities, correlations, groups = [], [], []
+    for number, name in watertight.CLASSES.items():
+        pairs = read_pairs(root / "Corrs" / f"{number}.sym.info")
+        for mesh in range((number - 1) * watertight.MESHES + 1, number * watertight.MESHES + 1):
+            basis = basis_of(root / "Meshes" / f"{mesh}.off", cache)
+            rows = systematic_samples(basis.mass, model.points)
+            probabilities.append(model.probabilities(basis.eigenfunctions[rows]))
+            landmarks = watertight.read_vertices(root / "Corrs", mesh)[pairs]
+            correlations.append(landmark_correlation(basis.eigenfunctions[:, : model.signs], landmarks))
+            groups.append(name)
     return Entries(np.array(probabilities), np.array(correlations), np.array(groups))
 
 
@@ -128,7 +153,7 @@ def on_remeshed(model: Model, root: Path, cache: Path | None) -> Entries:
         source, image = (np.loadtxt(truth.with_suffix(end), dtype=int) - 1 for end in (".vts", ".sym.vts"))
         mirror = np.full(len(basis.mass), NO_PARTNER)
         mirror[source] = image
-        correlations.append(parity_labels(basis.eigenfunctions[:, :SIGNS], basis.mass, mirror))
+        correlations.append(parity_labels(basis.eigenfunctions[:, : model.signs], basis.mass, mirror))
         groups.append(group)
     return Entries(np.array(probabilities), np.array(correlations), np.array(groups))
 
@@ -230,18 +255,26 @@ def main() -> None:
     parser.add_argument("--data", type=Path, nargs="+", help="training files kept for testing")
     parser.add_argument("--benchmark", type=Path, help="folder with SCAPE and TOSCA")
     parser.add_argument("--remeshed", type=Path, help="folder with SET/vtx_5k/NAME.off")
+    parser.add_argument("--watertight", type=Path, help="folder with SHREC'07's Meshes and Corrs")
+    parser.add_argument("--authors", type=Path, help="folder of the authors' MATLAB files")
+    parser.add_argument("--first", type=int, help="count this many eigenfunctions (default: all that the model answers)")
     parser.add_argument("--cache", type=Path, help="folder that keeps the benchmark's eigenfunctions")
     options = parser.parse_args()
     model = Model(options.model)
+    measured = {}
     if options.data:
-        entries = on_shapes(model, data.load(options.data))
-        print(json.dumps({"generated": report(entries, all_and_each(entries.group))}, indent=1))
+        measured["generated"] = on_shapes(model, data.load(options.data))
+    if options.authors:
+        measured["authors"] = on_shapes(model, labels.authors(options.authors))
     if options.remeshed:
-        entries = on_remeshed(model, options.remeshed, options.cache)
-        print(json.dumps({"remeshed": report(entries, all_and_each(entries.group))}, indent=1))
+        measured["remeshed"] = on_remeshed(model, options.remeshed, options.cache)
+    if options.watertight:
+        measured["watertight"] = on_watertight(model, options.watertight, options.cache)
     if options.benchmark:
-        entries = on_benchmark(model, options.benchmark, options.cache)
-        print(json.dumps({"benchmark": report(entries, benchmark_groups(entries.group))}, indent=1))
+        measured["benchmark"] = on_benchmark(model, options.benchmark, options.cache)
+    for name, entries in measured.items():
+        groups = (benchmark_groups if name == "benchmark" else all_and_each)(entries.group)
+        print(json.dumps({name: report(entries.first(options.first), groups)}, indent=1))
 
 
 if __name__ == "__main__":

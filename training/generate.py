@@ -4,7 +4,7 @@
 
 writes NAME.ply, NAME.mirror (line v: the exact partner of vertex v, -1 if it has none) and NAME.json
 (kind, parameters). `--kind` may be repeated: the kinds of creatures.py and solids.py, `person`, or the groups
-`symmetric` (procedural), `asymmetric`, `all` (symmetric and people), `solid`. Shape number i depends on the
+`symmetric` (procedural), `stout`, `asymmetric`, `all` (symmetric and people), `solid`. Shape number i depends on the
 seed and i only, so any part of a set can be made again alone.
 """
 
@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 
 from . import damage
-from .creatures import ASYMMETRIC_KINDS, SYMMETRIC_KINDS
+from .creatures import ASYMMETRIC_KINDS, STOUT_KINDS, SYMMETRIC_KINDS
 from .implicit import bounds, rest_mesh
 from .meshfile import write_shape
 from .mirror_truth import NO_PARTNER, mirror_map
@@ -26,6 +26,7 @@ from .solids import SOLID_KINDS, solid_shape
 
 GROUPS = {
     "symmetric": list(SYMMETRIC_KINDS),
+    "stout": list(STOUT_KINDS),
     "asymmetric": list(ASYMMETRIC_KINDS),
     "all": [*SYMMETRIC_KINDS, "person"],
     "solid": list(SOLID_KINDS),
@@ -86,7 +87,7 @@ class Generator:
 
 
 def _procedural(rng, kind, shared, amount, wanted, glued):
-    skeleton = {**SYMMETRIC_KINDS, **ASYMMETRIC_KINDS}[kind](rng)
+    skeleton = {**SYMMETRIC_KINDS, **STOUT_KINDS, **ASYMMETRIC_KINDS}[kind](rng)
     if glued:
         damage.glue(rng, skeleton)
     return posed_shape(rng, skeleton, shared, amount, wanted)
@@ -137,7 +138,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, required=True)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--kind", action="append", choices=[*SYMMETRIC_KINDS, *ASYMMETRIC_KINDS, *SOLID_KINDS, "person", *GROUPS])
+    parser.add_argument("--kind", action="append", choices=[*SYMMETRIC_KINDS, *STOUT_KINDS, *ASYMMETRIC_KINDS, *SOLID_KINDS, "person", *GROUPS])
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--min-vertices", type=int, default=500)
     parser.add_argument("--max-vertices", type=int, default=50_000)

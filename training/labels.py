@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -24,6 +25,7 @@ from .meshfile import read_ply
 
 FORMAT, VERSION = "intrinsym-labels", 1
 CORRELATION = {"even": 1.0, "odd": -1.0, "neither": 0.0}
+AUTHORS_CLASSES = {0: "human", 8: "teddy", 14: "armadillo", 19: "fourleg"}  # of SHREC'07, by twenties
 
 
 class LabelFileError(ValueError):
@@ -77,7 +79,7 @@ def of_people(folder: Path, solve=eigenbasis.of_mesh) -> Shapes:
             if number <= EIGENFUNCTIONS:
                 correlation[number - 1] = value
         rows.append(_row(basis.eigenfunctions, basis.mass, vertices, correlation))
-    return _shapes(rows, "people", folder)
+    return _shapes(rows, ["people"] * len(rows), folder)
 
 
 def authors(folder: Path) -> Shapes:
@@ -85,8 +87,8 @@ def authors(folder: Path) -> Shapes:
 
     They hold no mesh, so the samples are uniform over the vertices and there are no positions.
     """
-    rows = []
-    for path in sorted(folder.glob("*.mat")):
+    rows, paths = [], sorted(folder.glob("**/*.mat"))
+    for path in paths:
         stored = loadmat(path)
         try:
             functions = np.asarray(stored["model_evecs"], float)[:, :EIGENFUNCTIONS]
@@ -96,7 +98,13 @@ def authors(folder: Path) -> Shapes:
         if functions.shape[1] < EIGENFUNCTIONS or len(sign) < EIGENFUNCTIONS or not np.isin(sign, (-1, 0, 1)).all():
             raise LabelFileError(f"{path}: {EIGENFUNCTIONS} eigenvectors with signs 1, -1 or 0 are wanted")
         rows.append(_row(functions, np.ones(len(functions)), np.zeros((len(functions), 3)), sign))
-    return _shapes(rows, "authors", folder)
+    return _shapes(rows, [authors_kind(path.stem) for path in paths], folder)
+
+
+def authors_kind(name: str) -> str:
+    """What the name of an authors' file stands for: SHREC'07 counts twenty shapes a class, other names are people."""
+    found = re.match(r"shrec07_(\d+)_", name)
+    return AUTHORS_CLASSES.get((int(found[1]) - 1) // 20, "other") if found else "scape" if name.startswith("scape") else "people"
 
 
 def _row(functions, mass, positions, correlation):
@@ -105,7 +113,7 @@ def _row(functions, mass, positions, correlation):
     return scaled[picked].astype(np.float16), positions[picked].astype(np.float32), correlation.astype(np.float32)
 
 
-def _shapes(rows, kind: str, folder: Path) -> Shapes:
+def _shapes(rows, kinds: list[str], folder: Path) -> Shapes:
     if not rows:
         raise LabelFileError(f"{folder}: no label files")
-    return Shapes(*(np.array(column) for column in zip(*rows)), np.array([kind] * len(rows)))
+    return Shapes(*(np.array(column) for column in zip(*rows)), np.array(kinds))

@@ -2,7 +2,7 @@
 .PHONY: train train-test train-setup train-evaluate design-table
 
 TRAIN_OUT ?= build/training
-TRAIN_SHAPES ?= 6500
+TRAIN_SHAPES ?= 6000
 TRAIN_STEPS ?= 14000
 TRAIN_SEED ?= 1
 PYTHON ?= python3
@@ -25,7 +25,7 @@ $(TRAIN_OUT)/data.ready: $(TRAIN_OUT)/venv/.ready
 	cargo build --release --locked --bin intrinsym
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.dataset --count $(TRAIN_SHAPES) --seed $(TRAIN_SEED)001 --jobs 2 --out $(TRAIN_OUT)/train.npz
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.dataset --count 300 --seed $(TRAIN_SEED)002 --jobs 2 --out $(TRAIN_OUT)/calibration.npz
-	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.dataset --count 500 --seed $(TRAIN_SEED)003 --jobs 2 --out $(TRAIN_OUT)/test.npz
+	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.dataset --count 700 --seed $(TRAIN_SEED)003 --jobs 2 --out $(TRAIN_OUT)/test.npz
 	touch $@
 
 train: $(TRAIN_OUT)/data.ready ## Make the sign network from nothing (under 30 minutes on two cores)
@@ -33,8 +33,9 @@ train: $(TRAIN_OUT)/data.ready ## Make the sign network from nothing (under 30 m
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.export $(TRAIN_OUT)/signnet.npz models/signnet.onnx
 	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.evaluate models/signnet.onnx --data $(TRAIN_OUT)/test.npz
 
-train-evaluate: $(TRAIN_OUT)/venv/.ready ## Measure the shipped sign network on the public benchmark at $$SCB_DATA
-	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.evaluate models/signnet.onnx --benchmark "$$SCB_DATA" --cache $(TRAIN_OUT)/benchmark
+train-evaluate: $(TRAIN_OUT)/venv/.ready ## Measure the shipped sign network on the public benchmark at $$SCB_DATA, SHREC'07 at $$WATERTIGHT_DATA, the authors' labels at $$AUTHORS_LABELS (those that are set)
+	$(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m training.evaluate models/signnet.onnx --cache $(TRAIN_OUT)/benchmark \
+		$${SCB_DATA:+--benchmark "$$SCB_DATA"} $${WATERTIGHT_DATA:+--watertight "$$WATERTIGHT_DATA"} $${AUTHORS_LABELS:+--authors "$$AUTHORS_LABELS"}
 
 train-test: $(TRAIN_OUT)/venv/.ready ## Test training (a tiny run, no downloads beyond the environment) and evaluation, and models of one's own
 	cargo build --release --locked --bin intrinsym

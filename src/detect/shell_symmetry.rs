@@ -13,7 +13,7 @@ use crate::search::candidate_score::{Score, Scorer};
 use crate::search::candidates::{self, CANDIDATE_SIZE, Candidate, parities};
 use crate::search::compositions;
 use crate::search::refinement::SampleRefiner;
-use crate::search::sign_network::{REFERENCES, SignNetwork, SignPrediction};
+use crate::search::sign_network::{REFERENCES, SIGNS, SignNetwork, SignPrediction};
 use crate::spectral::displacement::mean_displacement;
 use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
@@ -28,8 +28,7 @@ const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
 /// a symmetry, too.
 const COARSE_SIZE: usize = 50;
 
-/// Eigenfunctions whose sign is predicted, and vertices the network looks at.
-const PREDICTED_SIGNS: usize = 12;
+/// Vertices the network looks at.
 const NETWORK_POINTS: usize = 512;
 
 /// A shell with its operators and eigenbasis.
@@ -71,7 +70,7 @@ pub fn signs(
     options: &Options,
     known: &[i8],
 ) -> Result<Vec<SignPrediction>> {
-    let k = basis.count().min(PREDICTED_SIGNS);
+    let k = basis.count().min(SIGNS);
     let mut signs = match &options.model {
         _ if options.network == 0 || k < REFERENCES => Vec::new(),
         Some(path) => predict(&SignNetwork::from_file(path)?, surface, basis, k)?,

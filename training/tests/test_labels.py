@@ -80,6 +80,11 @@ def test_the_authors_files_are_read(tmp_path):
     assert shapes.samples.shape[2] == EIGENFUNCTIONS
 
 
+def test_the_authors_names_say_the_class():
+    names = ["shrec07_1_anno", "shrec07_180_anno", "shrec07_281_anno", "shrec07_400_anno", "scape_mesh061_anno", "90_anno"]
+    assert [labels.authors_kind(name) for name in names] == ["human", "teddy", "armadillo", "fourleg", "scape", "people"]
+
+
 def test_an_authors_file_without_signs_is_refused(tmp_path):
     savemat(tmp_path / "cat.mat", {"model_evecs": np.zeros((50, 17))})
     with pytest.raises(labels.LabelFileError, match="model_sign"):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from training import damage
-from training.creatures import ASYMMETRIC_KINDS, SYMMETRIC_KINDS
+from training.creatures import ASYMMETRIC_KINDS, STOUT_KINDS, SYMMETRIC_KINDS
 from training.generate import Generator
 from training.meshfile import read_ply, write_shape
 from training.mirror_truth import NO_PARTNER, mean_edge, mirror_map
@@ -18,7 +18,7 @@ def volume(vertices, faces):
     return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6
 
 
-@pytest.mark.parametrize("kind", SYMMETRIC_KINDS)
+@pytest.mark.parametrize("kind", [*SYMMETRIC_KINDS, *STOUT_KINDS])
 def test_shared_connectivity_gives_an_exact_bijection(kind):
     sample, mirror, _ = Generator([kind], (600, 1500), damaged=False, remeshed_share=0).draw(3, 0)
     assert np.array_equal(mirror[mirror], np.arange(len(mirror)))
@@ -26,7 +26,7 @@ def test_shared_connectivity_gives_an_exact_bijection(kind):
     assert volume(sample.rest, sample.faces) > 0
 
 
-@pytest.mark.parametrize("kind", SYMMETRIC_KINDS)
+@pytest.mark.parametrize("kind", [*SYMMETRIC_KINDS, *STOUT_KINDS])
 def test_remeshed_shapes_share_no_connectivity_but_keep_the_truth(kind):
     sample, mirror, _ = Generator([kind], (600, 1500), damaged=False, remeshed_share=1).draw(4, 0)
     edge = mean_edge(sample.rest, sample.faces)
