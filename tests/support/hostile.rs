@@ -121,9 +121,14 @@ pub fn soup(vertices: usize) -> PolygonMesh {
 pub fn tangle(vertices: usize) -> PolygonMesh {
     let (count, mut numbers) = (vertices.max(3), Numbers(3));
     let positions = (0..count).map(|_| numbers.place()).collect();
-    let corners: Vec<[u32; 3]> =
-        (0..count).map(|_| numbers.place().map(|x| (x * count as f64) as u32)).collect();
-    mesh(positions, corners)
+    let mut step = || 1 + (numbers.next() * ((count - 1) / 2) as f64) as usize;
+    // Two steps do not lead round to the first corner.
+    let triangle = |first: usize| {
+        let second = first + step();
+        [first, second, second + step()].map(|corner| (corner % count) as u32)
+    };
+    let triangles: Vec<[u32; 3]> = (0..count).map(triangle).collect();
+    mesh(positions, triangles)
 }
 
 /// Loose tetrahedra, each of another shape.
