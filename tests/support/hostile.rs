@@ -158,8 +158,11 @@ pub fn nested_quads(vertices: usize) -> PolygonMesh {
     mesh((0..count).flat_map(quad).collect(), (0..count).map(|i| [4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3]))
 }
 
+/// Makes a mesh of about so many vertices.
+pub type Maker = fn(usize) -> PolygonMesh;
+
 /// All of them, by name.
-pub const SHAPES: [(&str, fn(usize) -> PolygonMesh); 11] = [
+pub const SHAPES: [(&str, Maker); 11] = [
     ("hub", hub),
     ("two_hubs", two_hubs),
     ("fan", fan),
