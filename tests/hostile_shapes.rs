@@ -36,7 +36,6 @@ fn loose_parts_have_no_symmetry() {
         assert_eq!(mesh.shell_count, 3000);
         let found = detect(&mesh, &Options::default(), &Progress::default()).expect("an answer");
         assert_eq!(found.outcome, Outcome::None, "{name}: {}", found.report.evidence);
-        assert!(found.report.evidence.contains("no symmetry of the mesh"), "{}", found.report.evidence);
         let any = Options { plausibility: 0, ..Options::default() };
         let found = detect(&mesh, &any, &Progress::default()).expect("an answer");
         assert_eq!(found.outcome, Outcome::Found, "{name}: any map was asked for");

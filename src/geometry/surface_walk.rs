@@ -159,13 +159,13 @@ mod tests {
 
     #[test]
     fn the_point_beside_a_hub_is_found_without_looking_at_all_its_triangles() {
-        let count = 1000u32;
+        let count = 200u32;
         let rim = (0..count).map(|i| f64::from(i) * std::f64::consts::TAU / f64::from(count));
         let positions: Vec<Vector> =
             [[0.0; 3]].into_iter().chain(rim.map(|angle| [angle.cos(), angle.sin(), 0.0])).collect();
         let triangles: Vec<[u32; 3]> = (0..count).map(|i| [0, 1 + i, 1 + (i + 1) % count]).collect();
         let walk = SurfaceWalk::new(&positions, &triangles);
-        assert!(walk.ahead(0).count() <= LOOKS && walk.around(0).count() == 1000);
+        assert!(walk.ahead(0).count() <= LOOKS && walk.around(0).count() == 200);
         for angle in [0.1, 2.0, 4.4f64] {
             let below = [0.3 * angle.cos(), 0.3 * angle.sin(), 0.0];
             let point = walk.nearest_beside([below[0], below[1], 0.1], 0);

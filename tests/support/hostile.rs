@@ -121,9 +121,14 @@ pub fn soup(vertices: usize) -> PolygonMesh {
 pub fn tangle(vertices: usize) -> PolygonMesh {
     let (count, mut numbers) = (vertices.max(3), Numbers(3));
     let positions = (0..count).map(|_| numbers.place()).collect();
-    let corners: Vec<[u32; 3]> =
-        (0..count).map(|_| numbers.place().map(|x| (x * count as f64) as u32)).collect();
-    mesh(positions, corners)
+    let mut step = || 1 + (numbers.next() * ((count - 1) / 2) as f64) as usize;
+    // Two steps do not lead round to the first corner.
+    let triangle = |first: usize| {
+        let second = first + step();
+        [first, second, second + step()].map(|corner| (corner % count) as u32)
+    };
+    let triangles: Vec<[u32; 3]> = (0..count).map(triangle).collect();
+    mesh(positions, triangles)
 }
 
 /// Loose tetrahedra, each of another shape.
@@ -153,8 +158,11 @@ pub fn nested_quads(vertices: usize) -> PolygonMesh {
     mesh((0..count).flat_map(quad).collect(), (0..count).map(|i| [4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3]))
 }
 
+/// Makes a mesh of about so many vertices.
+pub type Maker = fn(usize) -> PolygonMesh;
+
 /// All of them, by name.
-pub const SHAPES: [(&str, fn(usize) -> PolygonMesh); 11] = [
+pub const SHAPES: [(&str, Maker); 11] = [
     ("hub", hub),
     ("two_hubs", two_hubs),
     ("fan", fan),

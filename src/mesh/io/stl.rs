@@ -228,10 +228,10 @@ mod tests {
     fn every_cut_before_the_last_word_is_refused() {
         let end = ASCII.rfind("endsolid").unwrap() + "endsolid".len();
         for length in 1..end {
-            let read = parse(ASCII[..length].as_bytes(), &Limits::default());
+            let read = parse(&ASCII.as_bytes()[..length], &Limits::default());
             assert!(read.is_err(), "{:?} is read", &ASCII[..length]);
         }
-        assert!(parse(ASCII[..end].as_bytes(), &Limits::default()).is_ok());
+        assert!(parse(&ASCII.as_bytes()[..end], &Limits::default()).is_ok());
     }
 
     #[test]
