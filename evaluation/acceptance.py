@@ -1,4 +1,4 @@
-"""Fits `src/acceptance.rs`: the plausibility that a finished map is a symmetry, without and with its rigid parts.
+"""Fits `src/verify/acceptance.rs`: the plausibility that a finished map is a symmetry, without and with its rigid parts.
 
     python -m evaluation.acceptance SYMMETRIC ASYMMETRIC [--program target/release/intrinsym] [--keep FOLDER]
 

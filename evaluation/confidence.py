@@ -1,4 +1,4 @@
-"""Fits `src/confidence.rs`: the probability that a partner is within 0.05 sqrt(area) of the true mirror image.
+"""Fits `src/verify/confidence.rs`: the probability that a partner is within 0.05 sqrt(area) of the true mirror image.
 
     python -m evaluation.confidence SYMMETRIC [--evidence target/release/examples/evidence] [--keep FOLDER]
 

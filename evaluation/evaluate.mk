@@ -49,7 +49,7 @@ $(EVALUATE_DATA)/fit.ready: | $(TRAIN_OUT)/venv/.ready
 	$(call GENERATE,--kind asymmetric-tree --kind unbalanced --kind lump --count 240 --seed 303 --clean,asymmetric_clean)
 	touch $@
 
-evaluate-fit: $(EVALUATE_DATA)/fit.ready ## Fit the models of src/acceptance.rs and src/confidence.rs again, beside the shipped weights
+evaluate-fit: $(EVALUATE_DATA)/fit.ready ## Fit the models of src/verify/acceptance.rs and src/verify/confidence.rs again, beside the shipped weights
 	cargo build --release --locked --bin intrinsym --example evidence
 	rm -rf $(EVALUATE_DATA)/answers $(EVALUATE_DATA)/evidence
 	$(EVALUATE_PYTHON) evaluation.acceptance $(EVALUATE_DATA)/symmetric $(EVALUATE_DATA)/asymmetric $(EVALUATE_DATA)/asymmetric_clean --keep $(EVALUATE_DATA)/answers

@@ -1,6 +1,20 @@
-//! Intrinsic reflectional symmetry of a surface mesh.
+//! Intrinsic reflectional symmetry of a surface mesh: which point is the mirror image of which, along the surface, whatever the pose.
 //!
-//! The folders stand in the order of the data; each imports only from those above it:
+//! ```
+//! use intrinsym::{Limits, Mesh, Options, Outcome, Progress, detect, io};
+//!
+//! let file = io::read("examples/human.ply".as_ref(), &Limits::default())?;
+//! let mesh = Mesh::new(&file.polygons, &Limits::default())?;
+//! let found = detect(&mesh, &Options::default(), &Progress::default())?;
+//! assert_eq!(found.outcome, Outcome::Found);
+//! let symmetry = &found.symmetries[0];
+//! println!("vertex 0 is the mirror image of vertex {}", symmetry.partner[0]);
+//! # assert!(symmetry.mean_confidence > 0.5 && symmetry.partner.len() == file.polygons.positions.len());
+//! # Ok::<(), intrinsym::Error>(())
+//! ```
+//!
+//! The names at the root are the interface. The folders are open for measuring, and change without notice. They stand in the order
+//! of the data; each imports only from those above it:
 //!
 //! | folder | what it does |
 //! |---|---|
@@ -12,7 +26,7 @@
 //! | [`refine`] | a candidate -> the map of all vertices |
 //! | [`connectivity`] | mirrored connectivity -> an exact bijection |
 //! | [`verify`] | a finished map -> is it a symmetry, and how sure is each vertex |
-//! | [`detect`] | the driver, simplified meshes, other shells, the answer |
+//! | [`mod@detect`] | the driver, simplified meshes, other shells, the answer |
 //! | [`mirror`] | a symmetry -> mirrored selections, attributes, displacements, positions, colours |
 //! | [`ffi`] | all of it for C |
 #![deny(unsafe_code)]
@@ -32,3 +46,11 @@ pub mod spectral;
 pub mod verify;
 
 pub use base::error::{Error, Result};
+pub use base::limits::Limits;
+pub use base::options::{Effort, Options};
+pub use base::progress::{CancelToken, Progress};
+pub use base::symmetry_kind::SymmetryKind;
+pub use detect::correspondence::{Polyline, SurfacePoint, Symmetry};
+pub use detect::detect_again::{Previous, detect_again};
+pub use detect::driver::{Detection, Eigen, Outcome, Report, detect, eigen};
+pub use mesh::{Mesh, PolygonMesh, io};

@@ -1,6 +1,6 @@
 //! A picture of a symmetry: the mesh from two opposite sides, pairs in matching colours, the fixed curve drawn.
 //!
-//! Only what is visible is drawn ([`canvas`]); the curve is drawn over it where nothing hides it.
+//! Only what is visible is drawn (`canvas`); the curve is drawn over it where nothing hides it.
 
 mod canvas;
 mod facets;

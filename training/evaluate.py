@@ -56,7 +56,7 @@ def softmax(logits: np.ndarray) -> np.ndarray:
 
 
 def systematic_samples(mass: np.ndarray, count: int) -> np.ndarray:
-    """The same vertices as `area_weighted_vertices` of src/sampling.rs."""
+    """The same vertices as `area_weighted_vertices` of src/spectral/sampling.rs."""
     middles = (np.arange(count) + 0.5) * (mass.sum() / count)
     return np.minimum(np.searchsorted(np.cumsum(mass), middles), len(mass) - 1)
 

@@ -5,7 +5,7 @@
 The graph holds everything: canonical signs, batch normalisation folded into the layers, temperature.
 Input `eigenfunctions` float32 [signs, points, channels], columns of any scale and sign; output
 `logits` float32 [signs, 3]: even, odd, neither. Only elementary operators, for small runtimes.
-`signnet.weights` beside it has the layers' numbers only: the library embeds it (src/sign_network/forward.rs).
+`signnet.weights` beside it has the layers' numbers only: the library embeds it (src/search/sign_network/forward.rs).
 """
 
 from __future__ import annotations

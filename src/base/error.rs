@@ -30,7 +30,7 @@ pub enum Error {
     /// The sign network's model cannot be used.
     #[error("the sign network's model cannot be used: {0}")]
     Model(String),
-    /// A limit of [`crate::limits`] was hit.
+    /// A limit of [`crate::base::limits`] was hit.
     #[error("{what} {found} exceeds the limit of {limit}; raise the limit if this machine can hold it")]
     Limit {
         /// What was counted, e.g. "the number of vertices".

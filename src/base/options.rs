@@ -34,7 +34,7 @@ pub struct Options {
     /// 1: the sign network proposes beside the search; 0: the search alone.
     pub network: usize,
     /// Least plausibility, in percent, at which a map counts as a symmetry; half of it is enough for one that mirrors vertices
-    /// ([`crate::mirrored_vertices`]). 0 accepts every finished map.
+    /// ([`crate::connectivity::mirrored_vertices`]). 0 accepts every finished map.
     pub plausibility: usize,
     /// Vertices of the largest shell up to which the map is sought on the shell itself; a finer one is simplified to
     /// about so many, and the map is carried back; 0: as the effort says.

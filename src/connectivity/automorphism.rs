@@ -7,14 +7,14 @@
 //! defect; the walk itself is the classical test for isomorphism of embedded graphs (Weinberg, "A simple
 //! and efficient algorithm for determining isomorphism of planar triply connected graphs", 1966).
 //!
-//! 1. Vertices are coloured by a few rounds of Weisfeiler-Lehman refinement ([`colours`]), blind to
+//! 1. Vertices are coloured by a few rounds of Weisfeiler-Lehman refinement (`colours`), blind to
 //!    orientation. A shell's rarest colour gives few seeds, so the search needs no estimate.
-//! 2. Each seed is walked over its whole shell ([`matching`]); a walk that ends without contradiction is
+//! 2. Each seed is walked over its whole shell (`matching`); a walk that ends without contradiction is
 //!    an exact bijection, its own inverse. Seeds are ordered, and rival bijections judged, by the estimate.
-//! 3. Where no walk ends, one patch is grown around the defects of the main shell ([`almost`]), several near the estimate
-//!    on others, or where that is not nearly all of it ([`partial`]).
+//! 3. Where no walk ends, one patch is grown around the defects of the main shell (`almost`), several near the estimate
+//!    on others, or where that is not nearly all of it (`partial`).
 //!
-//! Before all that a test on the polygons alone leaves out the shells that cannot be mirrored ([`lookalikes`]): of independent
+//! Before all that a test on the polygons alone leaves out the shells that cannot be mirrored (`lookalikes`): of independent
 //! triangulations no half-edges are made. Where the only bijection changes no lengths it is the answer ([`LengthChange`]).
 //!
 //! Shells may map to themselves or swap. Polygons are walked, not triangles: quads are often mirrored

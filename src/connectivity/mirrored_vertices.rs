@@ -1,16 +1,16 @@
 //! Where vertices are mirrored but edges are not: quads that were cut into triangles along any of their diagonals.
 //!
 //! Which diagonal a program takes hangs on the order of corners, or on which is shorter in a pose, so a mesh modelled
-//! symmetrically loses its mirrored connectivity when it is triangulated, and [`crate::automorphism`] has little then. But its
+//! symmetrically loses its mirrored connectivity when it is triangulated, and [`crate::connectivity::automorphism`] has little then. But its
 //! vertices are still each other's mirror images. Call two vertices *close* if an edge joins them or the flip of one edge
 //! would: the corners of a quad are all close, however it is cut, so the mirror images of joined vertices are close. A pairing
 //! with this property is sought near an estimate, as graphs that share most of their edges are matched: by
-//! percolation (L. Yartseva, M. Grossglauser, "On the performance of percolation graph matching", 2013; [`percolation`]).
+//! percolation (L. Yartseva, M. Grossglauser, "On the performance of percolation graph matching", 2013; `percolation`).
 //!
 //! It starts where the estimate, moved by about an edge, sends the vertices around one onto vertices, and takes first
 //! what fits best: parts that a pose leaves rigid. Between independent triangulations it finds pairs, too, but few that fit so
 //! well as those of mirrored vertices. Regular grids fit each other anywhere: starts at one vertex that fit equally well tell them,
-//! and pairs that are turned against the estimate, as one grid is against the mirror image of another ([`agreement`]). These
+//! and pairs that are turned against the estimate, as one grid is against the mirror image of another (`agreement`). These
 //! three decide. The images of vertices that are not paired are moved as those around them were.
 
 mod agreement;

@@ -1,7 +1,7 @@
 //! EXPERIMENTAL: rotations of order three or more, maps R that keep orientation and whose n-th power is the identity.
 //!
 //! They are not their own inverses, so no map is projected to an involution here, only to an orthogonal matrix. Starts come
-//! from the search by blocks ([`crate::parity_search`]), from the space of the three lowest eigenfunctions where these
+//! from the search by blocks ([`crate::search::parity_search`]), from the space of the three lowest eigenfunctions where these
 //! coincide, and from the symmetries that were found before: two reflections whose axes meet at an angle make a rotation
 //! by twice that angle. A rotation, its powers and its inverse are one cyclic group, of which one is kept.
 //!

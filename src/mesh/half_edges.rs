@@ -1,6 +1,6 @@
 //! Half-edge connectivity of the polygons, for the traversals that need topology.
 //!
-//! Built by OpenMesh ([`super::openmesh`]) from polygons that are made manifold first ([`super::fans`]),
+//! Built by OpenMesh ([`super::openmesh`]) from polygons that are made manifold first (`super::fans`),
 //! so that no file is refused for one bad edge. The structure is that of Botsch, Steinberg, Bischoff and
 //! Kobbelt, "OpenMesh: a generic and efficient polygon mesh data structure" (2002). Memory is linear:
 //! about 36 bytes per half-edge while it is built, 16 afterwards.

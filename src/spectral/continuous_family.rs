@@ -45,7 +45,7 @@ const EQUAL: f64 = 0.01;
 /// What was measured, and the verdict.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Orbits {
-    /// [`least_gradient`]; `None` if the surface cannot be oriented.
+    /// `least_gradient`; `None` if the surface cannot be oriented.
     pub least_gradient: Option<f64>,
     /// Whether there is a family.
     pub continuous: bool,

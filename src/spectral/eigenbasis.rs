@@ -1,6 +1,6 @@
 //! Lowest eigenpairs of the Laplacian: `stiffness * phi = eigenvalue * lumped_mass * phi`.
 //!
-//! Two ways: [`lanczos`], as accurate as asked for, and [`nested_iteration`], several times faster and as
+//! Two ways: `lanczos`, as accurate as asked for, and `nested_iteration`, several times faster and as
 //! accurate as a map needs (`docs/speed.md` has what was measured). Small problems are solved densely.
 
 mod coarsening;
