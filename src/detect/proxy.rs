@@ -158,6 +158,9 @@ impl<'a> Proxy<'a> {
 /// Triangles over the vertices of `fine`.
 fn simplified(fine: &Shell, wanted: usize) -> Option<Vec<[u32; 3]>> {
     let split = SplitHubs::new(&fine.positions, &fine.triangles);
+    if split.has_fan() {
+        return None;
+    }
     let coordinates = split.positions.iter().flatten();
     let bytes: Vec<u8> = coordinates.flat_map(|&value| (value as f32).to_ne_bytes()).collect();
     let vertices = VertexDataAdapter::new(&bytes, 3 * size_of::<f32>(), 0).ok()?;

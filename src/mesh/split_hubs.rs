@@ -13,6 +13,8 @@ pub struct SplitHubs {
     pub triangles: Vec<[u32; 3]>,
     /// The vertex that each vertex is a copy of, or itself.
     original: Vec<u32>,
+    /// Triangles with two hubs or three.
+    between_hubs: usize,
 }
 
 impl SplitHubs {
@@ -22,6 +24,7 @@ impl SplitHubs {
             positions: positions.to_vec(),
             triangles: triangles.to_vec(),
             original: (0..positions.len() as u32).collect(),
+            between_hubs: 0,
         };
         let mut used = vec![0; positions.len()];
         let mut copy_of: Vec<u32> = split.original.clone();
@@ -35,7 +38,15 @@ impl SplitHubs {
             used[vertex] += 1;
             *corner = copy_of[vertex];
         }
+        let is_hub = |corner: &&u32| copy_of[**corner as usize] != **corner;
+        let hubs = triangles.iter().map(|corners| corners.iter().filter(is_hub).count());
+        split.between_hubs = hubs.filter(|&hubs| hubs > 1).count();
         split
+    }
+
+    /// Whether hubs are joined by more triangles than one vertex may have, as a fan on one edge is: nothing of that can be split.
+    pub fn has_fan(&self) -> bool {
+        self.between_hubs > MOST as usize
     }
 
     /// Triangles of the copies as triangles of what they are copies of; those that become lines are left out.
@@ -59,6 +70,8 @@ mod tests {
         split.triangles.as_flattened().iter().for_each(|&corner| around[corner as usize] += 1);
         assert_eq!((around[0], around.len(), around.iter().max()), (MOST, positions.len() + 3, Some(&MOST)));
         assert_eq!(split.joined(&split.triangles), triangles);
-        assert!(split.joined(&[[0, 1001, 5]]).is_empty());
+        assert!(split.joined(&[[0, 1001, 5]]).is_empty() && !split.has_fan());
+        let fan: Vec<[u32; 3]> = (2..count).map(|tip| [0, 1, tip]).collect();
+        assert!(SplitHubs::new(&positions, &fan).has_fan());
     }
 }

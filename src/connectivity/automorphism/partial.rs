@@ -21,6 +21,8 @@ pub(super) const SMALLEST_SHELL: usize = 24;
 const SEEDS: usize = 64;
 /// Most images tried per seed.
 const SEED_IMAGES: usize = 8;
+/// Most edges of a vertex at which a patch may start: each is a way to turn it onto its image.
+const MOST_TURNS: usize = 64;
 /// Faces of the trial around a seed.
 pub(super) const TRIAL_FACES: usize = 200;
 /// A patch as large as this is compared with the estimate before it grows on.
@@ -123,8 +125,10 @@ pub(super) fn seeds(
             (context.estimate.weight(vertex) == 0.0, size == 1, size, -context.estimate.weight(vertex))
         };
         let lower = |&first: &u32, &second: &u32| key(first).partial_cmp(&key(second)).unwrap();
-        let vertex = region.iter().copied().min_by(lower).expect("a chunk is not empty");
-        seeds.extend(best_trial(matching, context, vertex, vertices.len()));
+        let half_edges = matching.half_edges;
+        let is_hub = |&vertex: &u32| half_edges.outgoing_of(vertex).nth(MOST_TURNS).is_some();
+        let vertex = region.iter().copied().filter(|vertex| !is_hub(vertex)).min_by(lower);
+        seeds.extend(vertex.and_then(|vertex| best_trial(matching, context, vertex, vertices.len())));
     }
     seeds.sort_by_key(|&(score, ..)| std::cmp::Reverse(score));
     Ok(seeds.into_iter().map(|(_, vertex, start, target)| (vertex, start, target)).collect())
