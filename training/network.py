@@ -23,7 +23,7 @@ EVEN, ODD, NEITHER = 0, 1, 2
 class Design:
     """A network: widths per point and after pooling, points, references t, inputs, dropout, outputs.
 
-    `inputs`: "eigen" (phi_1..phi_t and phi_i), "positions" (x, y, z and phi_i), or "all" (phi_1..phi_17
+    `inputs`: "eigen" (phi_1..phi_t and phi_i), "positions" (x, y, z and phi_i), or "all" (phi_1..phi_12
     at once, whose answers come together). `normalised`: batch normalisation of the point layers;
     the head's layers have it always.
     """
@@ -37,7 +37,7 @@ class Design:
     transform: bool = False
     canonical: bool = True
     normalised: bool = False
-    signs: int = 17
+    signs: int = 12
 
     @property
     def channels(self) -> int:

@@ -77,7 +77,7 @@ const MOST_BYTES: u64 = 256 << 20;
 /// Eigenfunctions that every input holds beside the one in question.
 pub const REFERENCES: usize = 3;
 /// Eigenfunctions that the embedded network was trained to answer for, from the first on.
-pub const SIGNS: usize = 17;
+pub const SIGNS: usize = 12;
 
 impl SignNetwork {
     /// The network inside this library.

@@ -28,11 +28,14 @@ def test_shared_connectivity_gives_an_exact_bijection(kind):
 
 @pytest.mark.parametrize("kind", [*SYMMETRIC_KINDS, *STOUT_KINDS])
 def test_remeshed_shapes_share_no_connectivity_but_keep_the_truth(kind):
-    sample, mirror, _ = Generator([kind], (600, 1500), damaged=False, remeshed_share=1).draw(4, 0)
-    edge = mean_edge(sample.rest, sample.faces)
-    distance = np.linalg.norm(sample.rest[mirror] - sample.rest * MIRROR, axis=1)
-    assert np.median(distance) < edge
-    assert (mirror[mirror] == np.arange(len(mirror))).mean() < 0.95
+    generator, there_and_back = Generator([kind], (600, 1500), damaged=False, remeshed_share=1), []
+    for index in range(3):  # the grid's shift is random, and now and then nearly mirrors the grid
+        sample, mirror, _ = generator.draw(4, index)
+        edge = mean_edge(sample.rest, sample.faces)
+        distance = np.linalg.norm(sample.rest[mirror] - sample.rest * MIRROR, axis=1)
+        assert np.median(distance) < edge
+        there_and_back.append((mirror[mirror] == np.arange(len(mirror))).mean())
+    assert np.median(there_and_back) < 0.95
 
 
 def test_posing_is_asymmetric():
