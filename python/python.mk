@@ -29,5 +29,7 @@ ray-setup: wheel $(RAY_VENV)/.ready
 	cargo build --release --locked --bin intrinsym
 	$(RAY_VENV)/bin/python -m pip install --quiet --no-deps --force-reinstall out/wheels/intrinsym-*.whl
 
+RAY_FLAGS ?=
+
 test-ray: ray-setup ## Test the wheel on Ray: a cluster of two nodes on this machine, of which some are killed
-	$(RAY_VENV)/bin/python -m pytest -q python/tests_ray
+	$(RAY_VENV)/bin/python -m pytest -q python/tests_ray $(RAY_FLAGS)

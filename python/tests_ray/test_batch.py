@@ -197,6 +197,7 @@ def test_a_second_command_keeps_off(cluster, batch, meshes, gated, tmp_path):
     assert len(rows_in(output)) == 13
 
 
+@pytest.mark.client
 def test_through_a_ray_client(cluster, meshes, tmp_path):
     port = cluster.head_node._ray_params.ray_client_server_port
     words = batch_command(
