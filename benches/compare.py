@@ -4,9 +4,8 @@
     python benches/compare.py --out FOLDER 10 35 71
 
 Each number f is a generated mesh of 10 f^2 + 2 vertices (`benches/stages.rs`). For each, one process runs the whole
-pipeline a few times on one thread, one does so on two (stages by themselves: `benches/by_stage.py`); then one process for
-each peer computes, on one thread, what pyFM and robust_laplacian users compute, as many eigenpairs as the pipeline takes
-(--eigenfunctions, by default 150):
+pipeline a few times on one thread, by default options, one does so on two (stages by themselves: `benches/by_stage.py`); then one
+process for each peer computes, on one thread, what pyFM and robust_laplacian users compute (--eigenfunctions, by default 50):
 
 - `scipy eigsh`: cotangent stiffness and lumped mass, eigenpairs by shift-invert at -0.01 (pyFM's call);
 - `robust_laplacian + eigsh`: its Laplacian, eigenpairs by shift-invert at 1e-8 (its README's call);
@@ -126,7 +125,7 @@ def measure(program: Path, frequency: int, count: int) -> dict:
     repeats = 1 if 10 * frequency**2 > LARGE else 5
     with tempfile.TemporaryDirectory() as folder:
         prefix = f"{folder}/mesh"
-        run = [program, frequency, "--repeats", repeats, "--eigenfunctions", count]
+        run = [program, frequency, "--repeats", repeats]
         own = output([*run, "--write", prefix])
         two = output([*run, "--threads", 2])
         peers = {
@@ -236,7 +235,7 @@ def main() -> None:
         return peer(sys.argv[2], sys.argv[3], int(sys.argv[4]), int(sys.argv[5]))
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("frequencies", type=int, nargs="+")
-    parser.add_argument("--eigenfunctions", type=int, default=150)
+    parser.add_argument("--eigenfunctions", type=int, default=50, help="of the peers")
     parser.add_argument("--program", type=Path, help="the bench executable; default: the one built last")
     parser.add_argument("--out", type=Path, required=True)
     arguments = parser.parse_args()

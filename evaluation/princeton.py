@@ -4,7 +4,7 @@
 
 DATA holds SCAPE/ and TOSCA/ of V. Kim, Y. Lipman, T. Funkhouser, "Blended Intrinsic Maps", 2011, each with Meshes/NAME.off,
 Corrs/CLASS.pid (first column: the vertex of each landmark) and Corrs/CLASS.sym.info ("i j": landmarks that are mirror images,
-"i": one on the symmetry plane). For measuring only.
+"i": one on the symmetry plane). For measuring, not for choosing.
 
 Every mesh is measured with the default options, where a mesh that is said to have no symmetry counts as wrong; those that are
 refused are measured once more with `--plausibility 0`, which accepts every map and changes none that was accepted. Prints the

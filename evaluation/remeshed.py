@@ -5,7 +5,7 @@
 DATA holds the data set of J. Ren, A. Poulenard, P. Wonka, M. Ovsjanikov, "Continuous and Orientation-preserving
 Correspondences via Functional Maps", 2018 (github: llorz/SGA18_orientation_BCICP_dataset, folder Dataset):
 SET/vtx_5k/NAME.off, and in corres/ NAME.vts and NAME.sym.vts, 1-based: line i of the second is the mirror image
-of line i of the first. For measuring only.
+of line i of the first. For measuring, not for choosing.
 
 The error of a vertex is the shortest way along edges from the answered to the true partner over sqrt(area); ways
 along edges are a few per cent longer than geodesics. 250 vertices of each mesh are measured.

@@ -5,7 +5,7 @@
 DATA holds Meshes/NUMBER.off and Corrs/ of V. Kim, Y. Lipman, T. Funkhouser, "Blended Intrinsic Maps", 2011: NUMBER.vts (first column: the
 vertex of each landmark) and CLASS.sym.info, as `princeton` describes; the meshes are those of D. Giorgi, S. Biasotti, L. Paraboschi, "SHape
 REtrieval Contest 2007: Watertight Models Track". Measured are the eleven classes whose shapes have one mirror plane; cups, chairs, octopuses,
-tables, springs, machine parts and vases have several or none, and a hand is not its own mirror image. For measuring only.
+tables, springs, machine parts and vases have several or none, and a hand is not its own mirror image. For measuring, not for choosing.
 
 A landmark is right within sqrt(area / 20) of its true image, a mesh from 75 % right landmarks on. Every map is measured, and whether the
 program accepts it by default.

@@ -393,7 +393,7 @@ isym_status isym_result_partners(const isym_result *result,
                                  int32_t *partners,
                                  size_t vertex_count);
 
-// Copies out how far each partner can be trusted: the probability, 0..=1, that it lies within
+// Copies out how far each partner can be trusted: the estimated probability, 0..=1, that it lies within
 // 0.05 sqrt(area) of the true mirror image.
 isym_status isym_result_confidences(const isym_result *result,
                                     size_t symmetry,

@@ -200,7 +200,7 @@ pub unsafe extern "C" fn isym_result_partners(
     })
 }
 
-/// Copies out how far each partner can be trusted: the probability, 0..=1, that it lies within
+/// Copies out how far each partner can be trusted: the estimated probability, 0..=1, that it lies within
 /// 0.05 sqrt(area) of the true mirror image.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_confidences(

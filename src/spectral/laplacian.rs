@@ -1,4 +1,5 @@
-//! Cotangent stiffness, lumped mass and mean curvature of one shell. The last stage that sees positions.
+//! Cotangent stiffness, lumped mass and mean curvature of one shell. The search sees nothing else of the shape; rigid parts see its
+//! positions again.
 //!
 //! Weights from edge lengths: A. I. Bobenko, B. A. Springborn, "A discrete Laplace-Beltrami operator
 //! for simplicial surfaces", 2007. Slivers are made harmless by intrinsic mollification: N. Sharp,

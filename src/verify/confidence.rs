@@ -1,4 +1,4 @@
-//! Confidence: the probability that a partner lies within 0.05 sqrt(area) of the true mirror image.
+//! Confidence: an estimate, fitted on generated shapes, of the probability that a partner lies within 0.05 sqrt(area) of the true mirror image.
 //!
 //! A logistic model of what can be seen without the truth: how far the vertices around are from the images of
 //! their images and from their own images (a map that hardly moves a region is seldom right there), and how much

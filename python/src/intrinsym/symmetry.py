@@ -180,7 +180,7 @@ class Symmetry:
 
     @cached_property
     def confidence(self) -> NDArray[np.float32]:
-        """(vertices,) float32: the probability, 0..1, that the partner lies within 0.05 sqrt(area) of the truth."""
+        """(vertices,) float32: the estimated probability, 0..1, that the partner lies within 0.05 sqrt(area) of the truth."""
         return self._read("confidences", np.float32)
 
     @cached_property
