@@ -20,7 +20,7 @@ from . import logistic
 from .generated import WRONG, Shape, read_shapes
 from .program import detect, read_answer
 
-SOURCE = Path(__file__).parent.parent / "src" / "acceptance.rs"
+SOURCE = Path(__file__).parent.parent / "src" / "verify" / "acceptance.rs"
 # Measures of `report.judged`, in the order of the weights in the source, and what the models take of each.
 FEATURES = {
     "isometry_score": lambda judged: judged["isometry_score"],

@@ -22,7 +22,7 @@ from . import logistic
 from .generated import MEASURED, Shape, read_shapes
 from .program import read_answer
 
-SOURCE = Path(__file__).parent.parent / "src" / "confidence.rs"
+SOURCE = Path(__file__).parent.parent / "src" / "verify" / "confidence.rs"
 # A partner this near to the truth, in sqrt(area), is right.
 RIGHT = 0.05
 # Maps that are less plausible are not asked for their confidence.
