@@ -6,7 +6,6 @@ pub mod displacement;
 pub mod eigenbasis;
 pub mod laplacian;
 pub mod sampling;
-pub mod shortest_paths;
 pub mod signature;
 pub mod sparse_cholesky;
 pub mod symmetric_sparse;

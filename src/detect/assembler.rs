@@ -116,6 +116,7 @@ impl<'a> Gatherer<'a> {
         if let Some(found) = mirrored {
             map.replace_by_vertices(self.mesh, &found);
         }
+        progress.report("fixed curve", 0.98)?;
         let curve = match kind {
             SymmetryKind::Reflection => zero_set(&self.mesh.triangles, &map.odd),
             SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => Vec::new(),

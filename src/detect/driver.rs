@@ -159,7 +159,8 @@ struct Case<'a> {
 
 /// The largest shell or its proxy with all that does not depend on the search.
 struct Solved<'a> {
-    counts: [usize; 3],
+    /// The plan for which it was made.
+    plan: Plan,
     proxy: Option<Proxy<'a>>,
     shell: PreparedShell,
     signs: Vec<SignPrediction>,
@@ -170,14 +171,10 @@ struct Solved<'a> {
 type Maps = Vec<(Hypothesis, SymmetryKind)>;
 
 impl Solved<'_> {
+    /// Whether it, and what was finished on it, would be the same by another plan: one that differs in the search alone.
     fn serves(&self, plan: &Plan) -> bool {
-        self.counts == counts(plan)
+        Plan { search: plan.search.clone(), ..self.plan.clone() } == *plan
     }
-}
-
-/// What a solved shell depends on.
-fn counts(plan: &Plan) -> [usize; 3] {
-    [plan.proxy_vertices, plan.eigenfunctions, plan.samples]
 }
 
 impl<'a> Case<'a> {
@@ -189,6 +186,7 @@ impl<'a> Case<'a> {
             return Ok(None);
         };
         let found = found.within(&shells[0].points);
+        progress.report("lengths", 0.03)?;
         let (Some(partners), Some(change)) =
             (shells[0].numbered(&found.partner), LengthChange::of(mesh, &found))
         else {
@@ -242,7 +240,7 @@ impl<'a> Case<'a> {
         );
         clock.lap("samples, signs");
         let shell = PreparedShell { surface, basis, samples };
-        Ok(Solved { counts: counts(plan), proxy, shell, signs: signs?, orbits })
+        Ok(Solved { plan: plan.clone(), proxy, shell, signs: signs?, orbits })
     }
 
     /// Follows a plan.

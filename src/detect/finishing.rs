@@ -62,15 +62,17 @@ pub fn finish_best(
         let at_once = if known.maps.is_empty() { 1 } else { options.threads.clamp(1, left.len()) };
         let group = left.drain(..at_once).collect();
         let (own, token) = (options.threads / at_once, progress.token());
-        let one = |candidate: &Candidate| match again(earlier, candidate, &assembler.shell.samples.vertices) {
+        let samples = &assembler.shell.samples.vertices;
+        let one = |candidate: &Candidate| match again(earlier, candidate, samples) {
             Some(finished) => Ok(Some(finished)),
             None => finish_new(assembler, candidate, &known.maps, own, token),
         };
         for finished in threads::map(options.threads, group, one) {
-            if let Some(finished) = finished? {
+            let Some(finished) = finished? else { continue };
+            if earlier.iter().all(|other| other.candidate != finished.candidate) {
                 earlier.push(finished.clone());
-                known.add(assembler.shell, finished, options);
             }
+            known.add(assembler.shell, finished, options);
         }
     }
     rank(&mut known.maps, |(map, kind)| (*kind, map.judged.plausibility, map.exchanges_sheets()));

@@ -158,24 +158,23 @@ impl<'a> Proxy<'a> {
 /// Triangles over the vertices of `fine`.
 fn simplified(fine: &Shell, wanted: usize) -> Option<Vec<[u32; 3]>> {
     let split = SplitHubs::new(&fine.positions, &fine.triangles);
-    if split.has_fan() {
+    if split.as_ref().is_some_and(SplitHubs::has_fan) {
         return None;
     }
-    let coordinates = split.positions.iter().flatten();
+    let (positions, triangles) = match &split {
+        Some(split) => (&split.positions, &split.triangles),
+        None => (&fine.positions, &fine.triangles),
+    };
+    let coordinates = positions.iter().flatten();
     let bytes: Vec<u8> = coordinates.flat_map(|&value| (value as f32).to_ne_bytes()).collect();
     let vertices = VertexDataAdapter::new(&bytes, 3 * size_of::<f32>(), 0).ok()?;
     // A closed surface has about twice as many triangles as vertices; one with long boundaries has fewer, and keeps its share.
     let (closed, here) = (2 * wanted, fine.triangles.len());
     let kept = if closed < here { closed } else { here * wanted / fine.positions.len() };
-    let left = simplify(
-        split.triangles.as_flattened(),
-        &vertices,
-        3 * kept,
-        f32::MAX,
-        SimplifyOptions::Regularize,
-        None,
-    );
-    let triangles = split.joined(left.as_chunks().0);
+    let left =
+        simplify(triangles.as_flattened(), &vertices, 3 * kept, f32::MAX, SimplifyOptions::Regularize, None);
+    let left = left.as_chunks().0;
+    let triangles = split.map_or_else(|| left.to_vec(), |split| split.joined(left));
     (!triangles.is_empty()).then_some(triangles)
 }
 

@@ -170,7 +170,7 @@ mod tests {
             let below = [0.3 * angle.cos(), 0.3 * angle.sin(), 0.0];
             let point = walk.nearest_beside([below[0], below[1], 0.1], 0);
             let found = point.interpolate_vectors(&triangles, &positions);
-            // Half a triangle is 0.001 wide there.
+            // A triangle is 0.009 wide there.
             assert!(squared_norm(subtract(found, below)).sqrt() < 5e-4, "{point:?}");
         }
     }

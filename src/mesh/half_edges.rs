@@ -33,7 +33,8 @@ pub struct HalfEdges {
 impl HalfEdges {
     /// Connects polygons over `point_count` points: face `f` is `points[offsets[f]..offsets[f + 1]]`.
     ///
-    /// Non-manifold edges are cut and non-manifold points split. Cost O(corners). `Mesh::polygon_offsets` and `Mesh::polygon_points` are the intended input.
+    /// Non-manifold edges are cut and non-manifold points split. Cost O(corners). `Mesh::polygon_offsets` and
+    /// `Mesh::polygon_points` are the intended input.
     ///
     /// # Errors
     /// [`Error::Internal`] if the offsets do not rise, a face has fewer than three corners or a corner

@@ -18,15 +18,20 @@ pub struct SplitHubs {
 }
 
 impl SplitHubs {
-    /// O(vertices + triangles).
-    pub fn new(positions: &[Vector], triangles: &[[u32; 3]]) -> SplitHubs {
+    /// `None` where no vertex is a hub. O(vertices + triangles).
+    pub fn new(positions: &[Vector], triangles: &[[u32; 3]]) -> Option<SplitHubs> {
+        let mut used = vec![0; positions.len()];
+        triangles.as_flattened().iter().for_each(|&corner| used[corner as usize] += 1);
+        if used.iter().all(|&triangles| triangles <= MOST) {
+            return None;
+        }
+        used.fill(0);
         let mut split = SplitHubs {
             positions: positions.to_vec(),
             triangles: triangles.to_vec(),
             original: (0..positions.len() as u32).collect(),
             between_hubs: 0,
         };
-        let mut used = vec![0; positions.len()];
         let mut copy_of: Vec<u32> = split.original.clone();
         for corner in split.triangles.as_flattened_mut() {
             let vertex = *corner as usize;
@@ -41,7 +46,7 @@ impl SplitHubs {
         let is_hub = |corner: &&u32| copy_of[**corner as usize] != **corner;
         let hubs = triangles.iter().map(|corners| corners.iter().filter(is_hub).count());
         split.between_hubs = hubs.filter(|&hubs| hubs > 1).count();
-        split
+        Some(split)
     }
 
     /// Whether hubs are joined by more triangles than one vertex may have, as a fan on one edge is: nothing of that can be split.
@@ -65,13 +70,14 @@ mod tests {
         let count = 1000;
         let triangles: Vec<[u32; 3]> = (0..count).map(|i| [0, 1 + i, 1 + (i + 1) % count]).collect();
         let positions = vec![[0.0; 3]; count as usize + 1];
-        let split = SplitHubs::new(&positions, &triangles);
+        let split = SplitHubs::new(&positions, &triangles).unwrap();
         let mut around = vec![0; split.positions.len()];
         split.triangles.as_flattened().iter().for_each(|&corner| around[corner as usize] += 1);
         assert_eq!((around[0], around.len(), around.iter().max()), (MOST, positions.len() + 3, Some(&MOST)));
         assert_eq!(split.joined(&split.triangles), triangles);
         assert!(split.joined(&[[0, 1001, 5]]).is_empty() && !split.has_fan());
         let fan: Vec<[u32; 3]> = (2..count).map(|tip| [0, 1, tip]).collect();
-        assert!(SplitHubs::new(&positions, &fan).has_fan());
+        assert!(SplitHubs::new(&positions, &fan).unwrap().has_fan());
+        assert!(SplitHubs::new(&positions, &triangles[..MOST as usize]).is_none());
     }
 }

@@ -8,11 +8,11 @@
 use crate::base::error::Result;
 use crate::base::progress::CancelToken;
 use crate::base::threads;
+use crate::geometry::shortest_paths::{EdgeLengths, Search};
 use crate::search::functional_map::Projection;
 use crate::search::refinement::{SampleRefiner, nearest};
 use crate::spectral::laplacian::IntrinsicSurface;
 use crate::spectral::sampling::area_weighted_vertices;
-use crate::spectral::shortest_paths::{EdgeWays, Search};
 use faer::Mat;
 use std::ops::ControlFlow;
 
@@ -42,14 +42,14 @@ pub fn starts(
     thread_count: usize,
     token: &CancelToken,
 ) -> Result<Vec<Mat<f64>>> {
-    let ways = EdgeWays::new(surface);
-    let distances = |from: Vec<u32>| threads::map(thread_count, from, |source| ways.distances(&[source]));
+    let edges = EdgeLengths::new(surface.vertex_count(), &surface.triangles, &surface.edge_lengths);
+    let distances = |from: Vec<u32>| threads::map(thread_count, from, |source| edges.distances(&[source]));
     let sources = area_weighted_vertices(&surface.lumped_mass, SOURCES);
     let from_sources = distances(sources.into_iter().map(|vertex| vertex as u32).collect());
     token.check()?;
     let mean = |vertex: usize| from_sources.iter().map(|from| from[vertex]).sum::<f64>() / SOURCES as f64;
-    let averages: Vec<f64> = (0..ways.vertex_count()).map(mean).collect();
-    let extrema = extrema(&ways, &averages);
+    let averages: Vec<f64> = (0..edges.vertex_count()).map(mean).collect();
+    let extrema = extrema(&edges, &averages);
     let from_extrema = distances(extrema.clone());
     token.check()?;
     let at_extrema = |values: &Vec<f64>| extrema.iter().map(|&vertex| values[vertex as usize]).collect();
@@ -70,19 +70,19 @@ pub fn starts(
 }
 
 /// Vertices whose average distance is largest around, the largest first.
-fn extrema(ways: &EdgeWays, average: &[f64]) -> Vec<u32> {
+fn extrema(edges: &EdgeLengths, average: &[f64]) -> Vec<u32> {
     let before = |a: u32, b: u32| average[a as usize].total_cmp(&average[b as usize]).then(b.cmp(&a));
     let mut search = Search::new(average.len());
     let mut found: Vec<u32> = Vec::new();
     for vertex in 0..average.len() as u32 {
-        if ways.of(vertex).any(|(near, _)| before(near, vertex).is_gt()) {
+        if edges.of(vertex).any(|(near, _)| before(near, vertex).is_gt()) {
             continue;
         }
         let mut largest = true;
         search.run(
             &[vertex],
             APART,
-            |vertex| ways.of(vertex),
+            |vertex| edges.of(vertex),
             |near, _| {
                 largest = before(near, vertex).is_le();
                 if largest { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }

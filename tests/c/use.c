@@ -27,7 +27,7 @@ static isym_result *detect(const isym_mesh *mesh, double symmetries) {
     last_fraction = 0;
     OK(isym_mesh_detect(mesh, options, progress, &result));
     OK(isym_progress_fraction(progress, &value));
-    EXPECT(reports > 2 && last_fraction == 1 && value == 1);
+    EXPECT(reports > 5 && last_fraction == 1 && value == 1);
     OK(isym_progress_free(progress));
     OK(isym_options_free(options));
     return result;

@@ -169,9 +169,7 @@ impl Detect {
         let threads = if self.jobs > 1 && !given.threads_given { 1 } else { given.options.threads };
         Options { model: self.model.clone(), known_signs, threads, ..given.options.clone() }
     }
-}
 
-impl Detect {
     /// The files that flags name, in the order in which they are written.
     pub fn named_outputs(&self) -> impl Iterator<Item = (Kind, &PathBuf)> {
         let named = [

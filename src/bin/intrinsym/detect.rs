@@ -151,14 +151,11 @@ fn say_what_else_is_in(folder: &Path, arguments: &Detect) {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut others: Vec<PathBuf> = entries
         .filter(|path| is_report(path) && path.file_stem().is_some_and(|stem| !own.contains(stem)))
-        .filter(|path| targets::is_report(path))
         .collect();
     others.sort();
-    if let Some(first) = others.first() {
-        let (count, first) = (others.len(), first.display());
-        let folder = folder.display();
-        eprintln!(
-            "intrinsym: {folder} also holds results of an earlier run on other meshes ({count}): {first} ..."
-        );
+    // One is read, not all of a large folder.
+    if let Some(first) = others.iter().find(|path| targets::is_report(path)) {
+        let (folder, first) = (folder.display(), first.display());
+        eprintln!("intrinsym: {folder} also holds results of an earlier run on other meshes, as {first}");
     }
 }

@@ -81,7 +81,7 @@ impl Outputs {
 
     /// Enters the results of earlier runs that stand where this one may write, or beside it under further numbers.
     fn find_earlier(&mut self, most: usize, force: bool) -> Result<(), String> {
-        let mut all = self.wanted.iter().chain(&self.unwanted);
+        let all = self.wanted.iter().chain(&self.unwanted);
         let report = all.clone().find(|(kind, _)| *kind == Kind::Json).map(|(_, path)| path.as_path());
         let evidence = Evidence::of_report(report);
         for (kind, path) in self.possible(most) {
@@ -95,7 +95,7 @@ impl Outputs {
             let first = Some(path.clone()).filter(|path| path.is_file());
             first.into_iter().chain(further).filter(|path| evidence.is_ours(*kind, path)).collect::<Vec<_>>()
         };
-        self.earlier = all.by_ref().flat_map(found).collect();
+        self.earlier = all.flat_map(found).collect();
         Ok(())
     }
 

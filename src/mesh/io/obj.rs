@@ -4,40 +4,17 @@ use super::scanner::{Fault, Scanner, parse_integer, quote};
 use super::{Format, MeshFile, PolygonMesh, close_face};
 use crate::base::limits::Limits;
 
-/// Statements that say nothing of the surface, or of how it looks.
-const SKIPPED: [&[u8]; 31] = [
-    b"vt",
-    b"vn",
-    b"vp",
-    b"g",
-    b"o",
-    b"s",
-    b"mg",
-    b"mtllib",
-    b"usemtl",
-    b"maplib",
-    b"usemap",
-    b"cstype",
-    b"deg",
-    b"bmat",
-    b"step",
-    b"parm",
-    b"trim",
-    b"hole",
-    b"scrv",
-    b"sp",
-    b"end",
-    b"con",
-    b"bevel",
-    b"c_interp",
-    b"d_interp",
-    b"lod",
-    b"shadow_obj",
-    b"trace_obj",
-    b"ctech",
-    b"stech",
-    b"call",
-];
+/// Whether a statement says nothing of the surface, or of how it looks.
+#[rustfmt::skip]
+fn is_skipped(word: &[u8]) -> bool {
+    matches!(
+        word,
+        b"vt" | b"vn" | b"vp" | b"g" | b"o" | b"s" | b"mg" | b"mtllib" | b"usemtl"
+            | b"maplib" | b"usemap" | b"cstype" | b"deg" | b"bmat" | b"step" | b"parm" | b"trim" | b"hole"
+            | b"scrv" | b"sp" | b"end" | b"con" | b"bevel" | b"c_interp" | b"d_interp" | b"lod" | b"shadow_obj"
+            | b"trace_obj" | b"ctech" | b"stech" | b"call"
+    )
+}
 
 /// Reads an OBJ file.
 pub fn parse(bytes: &[u8], limits: &Limits) -> Result<MeshFile, Fault> {
@@ -100,7 +77,7 @@ impl<'a> Reader<'a> {
                 self.curved += 1;
                 Ok(())
             }
-            Some(word) if !SKIPPED.contains(&word) => {
+            Some(word) if !is_skipped(word) => {
                 if self.unknown == 0 {
                     self.first_unknown = format!("{} in line {}", quote(word), scanner.line_number());
                 }

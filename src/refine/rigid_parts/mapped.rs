@@ -2,13 +2,13 @@
 
 use super::motion::{Oriented, Place};
 use crate::base::threads;
+use crate::geometry::shortest_paths::{EdgeLengths, Search};
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::Shell;
 use crate::mesh::vector::{Vector, cross, dot, point_areas, squared_norm, subtract};
 use crate::search::refinement::nearest;
 use crate::spectral::sampling::{area_weighted_vertices, farthest_points};
-use crate::spectral::shortest_paths::{EdgeWays, Search};
 use faer::Mat;
 use std::ops::{ControlFlow, Range};
 
@@ -24,7 +24,7 @@ pub(super) struct Mapped<'a> {
     /// Area of each vertex.
     pub areas: Vec<f64>,
     /// Edges with their lengths.
-    ways: EdgeWays,
+    edges: EdgeLengths,
     /// Unit normals of the vertices.
     normals: Vec<Vector>,
     /// Features of the vertices.
@@ -57,10 +57,7 @@ impl<'a> Mapped<'a> {
         let walk = SurfaceWalk::new(&shell.positions, &shell.triangles);
         Mapped {
             shell,
-            ways: EdgeWays::of_rows((0..).zip(&shell.positions).map(|(vertex, &from)| {
-                let length = move |to: u32| squared_norm(subtract(shell.positions[to as usize], from)).sqrt();
-                walk.around(vertex).map(move |to| (to, length(to)))
-            })),
+            edges: EdgeLengths::of_walk(&walk, &shell.positions),
             walk,
             areas: point_areas(&shell.positions, &shell.triangles),
             features: oriented
@@ -130,7 +127,7 @@ impl<'a> Mapped<'a> {
         search.run(
             sources,
             radius,
-            |vertex| self.ways.of(vertex),
+            |vertex| self.edges.of(vertex),
             |vertex, distance| {
                 reached.push((vertex, distance));
                 ControlFlow::Continue(())

@@ -1,6 +1,7 @@
-//! Shortest ways along edges (E. Dijkstra, "A note on two problems in connexion with graphs", 1959).
+//! Shortest paths along edges (E. Dijkstra, "A note on two problems in connexion with graphs", 1959).
 
-use crate::spectral::laplacian::IntrinsicSurface;
+use crate::geometry::surface_walk::SurfaceWalk;
+use crate::mesh::vector::{Vector, squared_norm, subtract};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
@@ -65,16 +66,16 @@ impl Search {
     }
 }
 
-/// The edges of a surface with their lengths, in units in which its area is 1.
-pub struct EdgeWays {
+/// The edges of a surface with their lengths.
+pub struct EdgeLengths {
     offsets: Vec<u32>,
     ends: Vec<(u32, f64)>,
 }
 
-impl EdgeWays {
-    /// O(triangles log degree).
-    pub fn new(surface: &IntrinsicSurface) -> EdgeWays {
-        let corners = surface.triangles.iter().zip(&surface.edge_lengths);
+impl EdgeLengths {
+    /// Of triangles over `count` vertices whose sides have these lengths, each opposite to its corner. O(triangles log degree).
+    pub fn new(count: usize, triangles: &[[u32; 3]], sides: &[[f64; 3]]) -> EdgeLengths {
+        let corners = triangles.iter().zip(sides);
         let mut directed: Vec<(u32, u32, f64)> = corners
             .flat_map(|(corners, lengths)| {
                 let side = |c: usize| (corners[(c + 1) % 3], corners[(c + 2) % 3], lengths[c]);
@@ -83,24 +84,25 @@ impl EdgeWays {
             .collect();
         directed.sort_unstable_by_key(|&(from, to, _)| (from, to));
         directed.dedup_by_key(|&mut (from, to, _)| (from, to));
-        let mut offsets = vec![0; surface.vertex_count() + 1];
+        let mut offsets = vec![0; count + 1];
         for &(from, ..) in &directed {
             offsets[from as usize + 1] += 1;
         }
-        for vertex in 0..surface.vertex_count() {
+        for vertex in 0..count {
             offsets[vertex + 1] += offsets[vertex];
         }
-        EdgeWays { offsets, ends: directed.into_iter().map(|(_, to, length)| (to, length)).collect() }
+        EdgeLengths { offsets, ends: directed.into_iter().map(|(_, to, length)| (to, length)).collect() }
     }
 
-    /// From the neighbours of each vertex in turn, with the lengths of the edges to them. O(vertices).
-    pub fn of_rows<R: Iterator<Item = (u32, f64)>>(rows: impl Iterator<Item = R>) -> EdgeWays {
+    /// Those of a surface in space. O(vertices).
+    pub fn of_walk(walk: &SurfaceWalk, positions: &[Vector]) -> EdgeLengths {
         let (mut offsets, mut ends) = (vec![0], Vec::new());
-        for row in rows {
-            ends.extend(row);
+        for (vertex, &from) in (0..).zip(positions) {
+            let length = |to: u32| squared_norm(subtract(positions[to as usize], from)).sqrt();
+            ends.extend(walk.around(vertex).map(|to| (to, length(to))));
             offsets.push(ends.len() as u32);
         }
-        EdgeWays { offsets, ends }
+        EdgeLengths { offsets, ends }
     }
 
     /// The neighbours of a vertex, with the lengths of the edges to them.
