@@ -126,6 +126,8 @@ class Store:
             try:
                 table = self._read(name, ["path", "content_hash", "error_kind"])
             except (pa.ArrowInvalid, OSError):
+                if not self._is_broken(name):
+                    raise
                 self.folder.filesystem.delete_file(f"{self.rows}/{name}")
                 continue
             for path, content_hash, error_kind in zip(*(column.to_pylist() for column in table.columns)):
@@ -148,6 +150,16 @@ class Store:
     def table(self, columns: list[str]) -> pa.Table:
         """These columns of all rows."""
         return pa.concat_tables(self._read(name, columns) for name in self._parts())
+
+    def _is_broken(self, name: str) -> bool:
+        """Whether a file's own bytes are at fault. Raises OSError where they cannot be had, as from a store that is away."""
+        with self.folder.filesystem.open_input_stream(f"{self.rows}/{name}") as stream:
+            content = stream.read()
+        try:
+            pq.ParquetFile(pa.BufferReader(content)).read()
+        except (pa.ArrowInvalid, OSError):
+            return True
+        return False
 
     def _parts(self) -> list[str]:
         infos = self.folder.filesystem.get_file_info(fs.FileSelector(self.rows, allow_not_found=True))
