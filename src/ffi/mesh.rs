@@ -290,7 +290,7 @@ pub unsafe extern "C" fn isym_mesh_detect(
 }
 
 /// As `isym_mesh_detect`, starting from an earlier result on a mesh with the same connectivity and other positions:
-/// some twenty to thirty times as fast while the shape is deformed. Free the result with `isym_result_free`.
+/// some seven times as fast while the shape is deformed. Free the result with `isym_result_free`.
 ///
 /// If the first symmetry of `previous` is still one, it is kept with all others that still are: partners, surface
 /// points, confidences, sides and fixed curves as they were, scores and the report new (its `kept` is true).
