@@ -8,3 +8,4 @@ pub mod functional_map;
 pub mod parity_search;
 pub mod refinement;
 pub mod sign_network;
+pub mod twin_starts;

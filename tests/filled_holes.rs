@@ -21,7 +21,7 @@ fn without(mesh: &PolygonMesh, gone: impl Fn(&[u32]) -> bool) -> PolygonMesh {
 /// The largest shell and itself filled.
 fn filled(mesh: &PolygonMesh) -> (Shell, Option<FilledShell>) {
     let shell = validated(mesh).shells().swap_remove(0);
-    let filled = FilledShell::new(&shell);
+    let filled = FilledShell::new(&shell, &[], true);
     (shell, filled)
 }
 

@@ -37,6 +37,7 @@ use crate::mesh::{Mesh, NONE};
 use colours::{Classes, Colours};
 use estimate::{Distances, Estimate};
 pub use length_change::LengthChange;
+pub use lookalikes::{Signature, shell_signatures};
 use matching::{Mark, Matching};
 use partial::Context;
 use shells::Shells;

@@ -14,6 +14,7 @@ use crate::detect::detection::{Clock, about_family, about_rotations, verdict};
 pub use crate::detect::detection::{Detection, Outcome, Report};
 use crate::detect::filled_holes::FilledShell;
 use crate::detect::finishing::{Finished, finish_best};
+use crate::detect::joined_shells::JoinedShells;
 use crate::detect::judging_mesh::JudgingMesh;
 use crate::detect::proxy::Proxy;
 use crate::detect::rotations;
@@ -23,6 +24,7 @@ use crate::mesh::vector::{Vector, point_areas, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell};
 use crate::search::candidates::GAP;
 use crate::search::sign_network::SignPrediction;
+use crate::search::twin_starts::TwinDistances;
 use crate::spectral::continuous_family::{Orbits, orbits};
 use crate::spectral::eigenbasis::{Accuracy, Eigenbasis};
 use crate::spectral::laplacian::IntrinsicSurface;
@@ -64,10 +66,10 @@ pub fn detect_by(
 ) -> Result<Detection> {
     let mut clock = Clock::start();
     progress.report("shells", 0.0)?;
-    let shells = mesh.shells();
+    let JoinedShells { shells, joints, twins } = JoinedShells::new(mesh, mesh.shells());
     // Who states signs means those of the functions that the mesh has as it is.
     let fills = mechanisms.filled_holes && !options.states_signs();
-    let filled = if fills { FilledShell::new(&shells[0]) } else { None };
+    let filled = FilledShell::new(&shells[0], &joints, fills);
     progress.report("connectivity", 0.02)?;
     let (connectivity, unrivalled) = match mechanisms.connectivity {
         true => connectivity(mesh, progress)?,
@@ -78,6 +80,7 @@ pub fn detect_by(
         mesh,
         shells: &shells,
         filled: filled.as_ref(),
+        twins: &twins,
         connectivity,
         unrivalled,
         mechanisms,
@@ -148,6 +151,8 @@ struct Case<'a> {
     shells: &'a [Shell],
     /// The largest shell, its holes filled, if it has some.
     filled: Option<&'a FilledShell>,
+    /// The shells that are joined to the first of those, and their likely twins.
+    twins: &'a [[u32; 2]],
     /// `None` where it is not mirrored.
     connectivity: Option<Connectivity>,
     /// The only reflection that the connectivity admits.
@@ -165,6 +170,7 @@ struct Solved<'a> {
     shell: PreparedShell,
     signs: Vec<SignPrediction>,
     orbits: Orbits,
+    twins: Option<TwinDistances>,
 }
 
 /// Maps of the largest shell, the best first.
@@ -239,8 +245,26 @@ impl<'a> Case<'a> {
             || (orbits(&surface, &basis), signs(&surface, &basis, options, &known)),
         );
         clock.lap("samples, signs");
+        let twins = self.twin_distances(solved, &surface, &samples);
         let shell = PreparedShell { surface, basis, samples };
-        Ok(Solved { plan: plan.clone(), proxy, shell, signs: signs?, orbits })
+        Ok(Solved { twins, plan: plan.clone(), proxy, shell, signs: signs?, orbits })
+    }
+
+    /// Distances from joined shells to the samples.
+    fn twin_distances(
+        &self,
+        solved: &Shell,
+        surface: &IntrinsicSurface,
+        samples: &Samples,
+    ) -> Option<TwinDistances> {
+        let mut parts = vec![Vec::new(); self.twins.len()];
+        let place = |shell: u32| self.twins.iter().position(|&[own, _]| own == shell);
+        for (vertex, &point) in solved.points.iter().enumerate().filter(|(_, point)| **point != NONE) {
+            let part = place(self.mesh.shell_of_point[point as usize])?;
+            parts[part].push(vertex as u32);
+        }
+        let twins: Vec<usize> = self.twins.iter().filter_map(|&[_, twin]| place(twin)).collect();
+        (!parts.is_empty()).then(|| TwinDistances::new(surface, &samples.vertices, &parts, &twins))
     }
 
     /// Follows a plan.
@@ -259,7 +283,7 @@ impl<'a> Case<'a> {
         let mut maps = match mirrored.as_ref().filter(|map| self.is_certain(map)) {
             Some(map) => vec![self.as_reflection(&assembler, map.clone())?],
             None => {
-                let found = candidates(&solved.shell, &solved.signs, &plan.search, options, progress)?;
+                let found = candidates(&solved.shell, &solved.signs, solved.twins.as_ref(), &plan.search, options, progress)?;
                 clock.lap("candidates");
                 finish_best(&assembler, &found, finished, options, progress)?
             }

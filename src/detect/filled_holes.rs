@@ -23,20 +23,25 @@ pub struct FilledShell {
     pub shell: Shell,
     /// Triangles that are no filling.
     own_triangles: usize,
-    /// Vertices around each filled hole.
+    /// Vertices around each filled hole, then those of each joint.
     rims: Vec<Vec<u32>>,
+    /// How many of those are holes.
+    holes: usize,
     /// The rim of each triangle of a filling.
     rim_of: Vec<u32>,
 }
 
 impl FilledShell {
-    /// `None` if nothing is to be filled: no short boundary, or sides that cannot be told. O(triangles).
-    pub fn new(shell: &Shell) -> Option<FilledShell> {
-        if !shell.orientable || shell.scale <= 0.0 {
-            return None;
-        }
-        let mut rims = boundaries(shell);
+    /// `joints` are added, too: triangles over the shell's vertices that join its parts. `None` if there are none, and nothing is to be filled:
+    /// no short boundary, sides that cannot be told, or because the caller wants none filled. O(triangles).
+    pub fn new(shell: &Shell, joints: &[[u32; 3]], fills: bool) -> Option<FilledShell> {
+        let mut rims = match fills && shell.orientable && shell.scale > 0.0 {
+            true => boundaries(shell),
+            false => Vec::new(),
+        };
         rims.retain(|rim| length(rim, &shell.positions) <= LONGEST);
+        let holes = rims.len();
+        rims.extend(joints.iter().map(|joint| joint.to_vec()));
         if rims.is_empty() {
             return None;
         }
@@ -58,13 +63,13 @@ impl FilledShell {
         let mut triangle_of_local = shell.triangle_of_local.clone();
         triangle_of_local.resize(triangles.len(), NONE);
         let filled =
-            Shell { points, positions, triangles, triangle_of_local, orientable: true, scale: shell.scale };
-        Some(FilledShell { shell: filled.rescaled(), own_triangles: shell.triangles.len(), rims, rim_of })
+            Shell { points, positions, triangles, triangle_of_local, scale: shell.scale, ..*shell };
+        Some(FilledShell { shell: filled.rescaled(), own_triangles: shell.triangles.len(), rims, holes, rim_of })
     }
 
     /// How many holes are filled.
     pub fn hole_count(&self) -> usize {
-        self.rims.len()
+        self.holes
     }
 
     /// Moves images of the filled shell's vertices from fillings to the nearest vertices around them; gives back which share of its confidence each

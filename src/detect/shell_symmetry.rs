@@ -13,6 +13,7 @@ use crate::search::candidate_score::{Score, Scorer};
 use crate::search::candidates::{self, CANDIDATE_SIZE, Candidate, parities};
 use crate::search::compositions;
 use crate::search::refinement::SampleRefiner;
+use crate::search::twin_starts::TwinDistances;
 use crate::search::sign_network::{REFERENCES, SIGNS, SignNetwork, SignPrediction};
 use crate::spectral::displacement::mean_displacement;
 use crate::spectral::eigenbasis::Eigenbasis;
@@ -107,6 +108,7 @@ fn predict(
 pub fn candidates(
     shell: &PreparedShell,
     signs: &[SignPrediction],
+    twins: Option<&TwinDistances>,
     search: &Search,
     options: &Options,
     progress: &Progress,
@@ -114,7 +116,7 @@ pub fn candidates(
     let (surface, basis, samples) = (&shell.surface, &shell.basis, &shell.samples);
     let refiner = SampleRefiner::new(samples);
     let scorer = Scorer::new(surface, basis, &refiner, parities(signs));
-    let found = candidates::find(surface, &refiner, &scorer, signs, search, options, progress)?;
+    let found = candidates::find(surface, &refiner, &scorer, signs, twins, search, options, progress)?;
     let most = options.symmetries;
     let of_kind = |kind| {
         let found: Vec<Candidate> =

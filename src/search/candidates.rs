@@ -12,6 +12,7 @@ use crate::search::functional_map::{Projection, from_parity, mean_trace};
 use crate::search::parity_search::{Sought, involutions_of_three, search as beam_search};
 use crate::search::refinement::SampleRefiner;
 use crate::search::sign_network::SignPrediction;
+use crate::search::twin_starts::TwinDistances;
 use crate::spectral::laplacian::IntrinsicSurface;
 use crate::spectral::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
 use faer::Mat;
@@ -67,13 +68,14 @@ pub fn find(
     refiner: &SampleRefiner,
     scorer: &Scorer,
     signs: &[SignPrediction],
+    twins: Option<&TwinDistances>,
     search: &Search,
     options: &Options,
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
     let (samples, eigenvalues, token) = (refiner.samples, scorer.eigenvalues, progress.token());
-    let mut starts = propose_signs(signs);
-    starts.truncate(search.network_starts);
+    let mut starts = twins.map_or(Ok(Vec::new()), |twins| twins.starts(refiner))?;
+    starts.extend(propose_signs(signs).into_iter().take(search.network_starts));
     // Without a network the beam search stands alone.
     let beam_width = if starts.is_empty() { search.beam_width.max(LEAST_BEAM) } else { search.beam_width };
     let few = if beam_width > 0 { usize::MAX } else { FEW };
@@ -108,6 +110,7 @@ pub fn find(
     candidates.sort_by(|a, b| {
         a.score.total().total_cmp(&b.score.total()).then_with(|| a.partners.cmp(&b.partners))
     });
+    if std::env::var("DBG").is_ok() { eprintln!("signs {:?}", signs.iter().map(|s| (s.logit*10.0).round()/10.0).collect::<Vec<_>>()); eprintln!("ev {:?} orientable {}", scorer.eigenvalues.iter().take(12).map(|s| (s*10.0).round()/10.0).collect::<Vec<_>>(), surface.orientable); for c in candidates.iter().take(6) { eprintln!("total {:.2} {:?}", c.score.total(), c.score); } }
     Ok(candidates)
 }
 

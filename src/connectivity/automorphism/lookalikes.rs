@@ -47,3 +47,34 @@ fn refined(mesh: &Mesh, colours: &[u64]) -> Vec<u64> {
     rings.iter_mut().for_each(|ring| *ring = hash(*ring));
     rings
 }
+
+/// What is seen of a shell's connectivity that no mirroring changes.
+#[derive(Debug, Clone, Copy)]
+pub struct Signature {
+    /// Two shells of different connectivity hardly ever have the same.
+    pub hash: u64,
+    /// Share of the points, 0..=1, that tell themselves from most others by their surroundings: next to nothing of a regular tube.
+    pub distinct: f64,
+}
+
+/// The signature of each shell. O(corners + points log points).
+pub fn shell_signatures(mesh: &Mesh) -> Vec<Signature> {
+    let mut colours = vec![0; mesh.point_count()];
+    for _ in 0..ROUNDS {
+        colours = refined(mesh, &colours);
+    }
+    let mut signatures = vec![Signature { hash: 0, distinct: 0.0 }; mesh.shell_count];
+    let mut points = vec![0usize; mesh.shell_count];
+    let mut of_shell: Vec<(u64, u32)> =
+        colours.into_iter().zip(mesh.shell_of_point.iter().copied()).collect();
+    of_shell.sort_unstable_by_key(|&(colour, shell)| (shell, colour));
+    for alike in of_shell.chunk_by(|a, b| a == b) {
+        let (colour, shell) = (alike[0].0, alike[0].1 as usize);
+        let own = &mut signatures[shell];
+        own.hash = own.hash.wrapping_add(hash(colour).wrapping_mul(alike.len() as u64));
+        own.distinct += if alike.len() <= 2 { alike.len() as f64 } else { 0.0 };
+        points[shell] += alike.len();
+    }
+    signatures.iter_mut().zip(points).for_each(|(own, points)| own.distinct /= points.max(1) as f64);
+    signatures
+}

@@ -1,0 +1,262 @@
+//! The shells of a character, joined where they touch: the surface on which its symmetry is sought.
+//!
+//! A body made of parts has no shell that speaks for it: the largest may be a hat. Its parts hang on each other, in any pose, where they touch. So large
+//! shells are joined by triangles across their contacts, some at each, the more the larger it is, and what comes of it is searched like any other surface. A contact much smaller than
+//! the others of its shells, as of a hand on a hip, joins nothing. Triangles that join are no part of the result.
+
+use crate::detect::twins;
+use crate::geometry::shortest_paths::EdgeLengths;
+use crate::geometry::surface_walk::SurfaceWalk;
+use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::{Mesh, NONE, Shell};
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+use std::collections::HashSet;
+
+/// A largest shell with at least this share of the area speaks for the whole mesh.
+const MAJORITY: f64 = 0.6;
+/// Smaller shells, by their share of the area, are carried along.
+const LEAST: f64 = 0.01;
+/// Most shells that are joined.
+const MOST: usize = 64;
+/// Distance of the places on surfaces that are compared, in sqrt(area).
+const SPACING: f64 = 0.01;
+/// Shells that are nearer to each other than this, in sqrt(area), touch.
+const TOUCHING: f64 = 0.015;
+/// Shells that are nearer than this may touch in another pose.
+const NEAR: f64 = 0.05;
+/// Distance of the triangles that join, in sqrt(area), and most of them at one contact.
+const APART: f64 = 0.03;
+const MOST_JOINTS: usize = 32;
+/// Part of a shell's largest contact that another of its contacts must have.
+const SMALLEST_CONTACT: f64 = 0.5;
+/// Most places on the longest edge of a triangle.
+const MOST_PLACES: usize = 64;
+
+/// Shells of which the first is that on which the symmetry is sought.
+pub struct JoinedShells {
+    /// The joined shell, or the largest one, and all that are not joined, by falling area.
+    pub shells: Vec<Shell>,
+    /// Triangles over the first shell's points that join its parts.
+    pub joints: Vec<[u32; 3]>,
+    /// The mesh's shells that are joined, each with its likely twin.
+    pub twins: Vec<[u32; 2]>,
+}
+
+impl JoinedShells {
+    /// O(area / spacing^2 x log + mesh).
+    pub fn new(mesh: &Mesh, shells: Vec<Shell>) -> JoinedShells {
+        let large = |shell: &&Shell| shell.area() >= LEAST;
+        let members = shells.iter().take_while(large).take(MOST).count();
+        if members < 2 || shells[0].area() >= MAJORITY {
+            return JoinedShells { shells, joints: Vec::new(), twins: Vec::new() };
+        }
+        let contacts = Contacts::between(mesh, &shells[..members]);
+        let distances = contacts.distances(mesh, &shells[..members]);
+        let twins = twins::likely(mesh, &shells[..members], &distances);
+        if std::env::var("DBG").is_ok() { eprintln!("{twins:?}"); }
+        let is_joined = |shell: usize| shell < members && twins[shell] != NONE;
+        let joints = contacts.joints(&twins);
+        let (joined, rest): (Vec<_>, Vec<_>) =
+            shells.into_iter().enumerate().partition(|(index, _)| is_joined(*index));
+        let joined: Vec<Shell> = joined.into_iter().map(|(_, shell)| shell).collect();
+        if joined.is_empty() { panic!(); }
+        let whole = union(mesh, &joined);
+        let local = |point: u32| whole.points.binary_search(&point).expect("a point of it") as u32;
+        let joints = joints.into_iter().map(|triangle| triangle.map(local)).collect();
+        let rest = rest.into_iter().map(|(_, shell)| shell);
+        let twins = twins.into_iter().zip(0..).filter(|(twin, _)| *twin != NONE).map(|(twin, own)| [own, twin]);
+        JoinedShells { shells: [whole].into_iter().chain(rest).collect(), joints, twins: twins.collect() }
+    }
+}
+
+/// One shell of all points and triangles of several.
+fn union(mesh: &Mesh, shells: &[Shell]) -> Shell {
+    let mut points: Vec<u32> = shells.iter().flat_map(|shell| &shell.points).copied().collect();
+    points.sort_unstable();
+    let mut local = vec![NONE; mesh.positions.len()];
+    points.iter().enumerate().for_each(|(index, &point)| local[point as usize] = index as u32);
+    let mut of_mesh: Vec<u32> = shells.iter().flat_map(|shell| &shell.triangle_of_local).copied().collect();
+    of_mesh.sort_unstable();
+    let corners = |&triangle: &u32| mesh.triangles[triangle as usize].map(|point| local[point as usize]);
+    let triangles = of_mesh.iter().map(corners).collect();
+    let orientable = shells.iter().all(|shell| shell.orientable);
+    Shell { triangle_of_local: of_mesh, ..mesh.shell_of(points, triangles, orientable) }
+}
+
+/// A place on a shell, and the corners of its triangle, the nearest first.
+#[derive(Clone, Copy)]
+struct Place {
+    at: Vector,
+    corners: [u32; 3],
+}
+
+/// Where two shells come near each other.
+struct Contact {
+    shells: [usize; 2],
+    distance: f64,
+    joints: Vec<[u32; 3]>,
+}
+
+/// Where shells come near each other.
+struct Contacts {
+    /// For each shell.
+    places: Vec<Vec<Place>>,
+    trees: Vec<RTree<GeomWithData<Vector, usize>>>,
+    /// Those of shells that are near each other.
+    near: Vec<Contact>,
+}
+
+impl Contacts {
+    fn between(mesh: &Mesh, shells: &[Shell]) -> Contacts {
+        let places: Vec<Vec<Place>> = shells.iter().map(|shell| places(mesh, shell)).collect();
+        let tree = |places: &Vec<Place>| {
+            RTree::bulk_load(
+                places.iter().enumerate().map(|(i, place)| GeomWithData::new(place.at, i)).collect(),
+            )
+        };
+        let trees = places.iter().map(tree).collect();
+        let mut contacts = Contacts { places, trees, near: Vec::new() };
+        for second in 1..shells.len() {
+            for first in 0..second {
+                if !contacts.may_touch(first, second) {
+                    continue;
+                }
+                let contact = contact([first, second], &contacts.places, &contacts.trees);
+                if contact.distance <= NEAR {
+                    contacts.near.push(contact);
+                }
+            }
+        }
+        contacts
+    }
+
+    /// Whether boxes around two shells are near each other.
+    fn may_touch(&self, first: usize, second: usize) -> bool {
+        let [a, b] = [first, second].map(|shell| self.trees[shell].root().envelope());
+        (0..3).all(|axis| {
+            a.lower()[axis] <= b.upper()[axis] + NEAR && b.lower()[axis] <= a.upper()[axis] + NEAR
+        })
+    }
+
+    /// Distances of shells from each other along their surface, row by row: the mean over the vertices of both.
+    fn distances(&self, mesh: &Mesh, shells: &[Shell]) -> Vec<f64> {
+        let count = shells.len();
+        let whole = union(mesh, shells);
+        let all: Vec<u32> = (0..count as u32).collect();
+        let local = |point: u32| whole.points.binary_search(&point).expect("a point of it") as u32;
+        let mut triangles = whole.triangles.clone();
+        triangles.extend(self.joints(&all).into_iter().map(|triangle| triangle.map(local)));
+        let walk = SurfaceWalk::new(&whole.positions, &triangles);
+        let edges = EdgeLengths::of_walk(&walk, &whole.positions);
+        let parts: Vec<Vec<u32>> =
+            shells.iter().map(|shell| shell.points.iter().map(|&point| local(point)).collect()).collect();
+        let mut distances = vec![0.0; count * count];
+        for (own, part) in parts.iter().enumerate() {
+            let from = edges.distances(part);
+            for (other, part) in parts.iter().enumerate() {
+                let sum: f64 = part.iter().map(|&vertex| from[vertex as usize]).sum();
+                let mean = 0.5 * sum / part.len() as f64;
+                distances[own * count + other] += mean;
+                distances[other * count + own] += mean;
+            }
+        }
+        distances
+    }
+
+    /// Joints of each shell's largest contact with another one `among` some.
+    fn largest(&self, among: impl Fn(usize) -> bool) -> Vec<usize> {
+        let mut largest = vec![0; self.places.len()];
+        for contact in self.near.iter().filter(|contact| contact.distance <= TOUCHING && contact.shells.iter().all(|&shell| among(shell))) {
+            for shell in contact.shells {
+                largest[shell] = largest[shell].max(contact.joints.len());
+            }
+        }
+        largest
+    }
+
+    /// Triangles over the mesh's points that make one surface of the shells that have a twin, where the twins of two that touch do, too.
+    fn joints(&self, twins: &[u32]) -> Vec<[u32; 3]> {
+        let is_joined = |shell: usize| twins[shell] != NONE;
+        let touching: HashSet<[usize; 2]> = self.near.iter().filter(|contact| contact.distance <= TOUCHING).map(|contact| contact.shells).collect();
+        let is_kept = |contact: &Contact| {
+            let [a, b] = contact.shells.map(|shell| twins[shell] as usize);
+            touching.contains(&contact.shells) && touching.contains(&[a.min(b), a.max(b)])
+        };
+        let shells: Vec<usize> = (0..self.places.len()).filter(|&shell| is_joined(shell)).collect();
+        let largest = self.largest(&is_joined);
+        let mut group: Vec<usize> = (0..self.places.len()).collect();
+        let mut joined = Vec::new();
+        let mut join = |contact: &Contact, group: &mut Vec<usize>| {
+            let [from, to] = contact.shells.map(|shell| group[shell]);
+            joined.extend(&contact.joints);
+            group.iter_mut().filter(|own| **own == from).for_each(|own| *own = to);
+        };
+        for contact in self.near.iter().filter(|contact| is_kept(contact)) {
+            let least = contact.shells.map(|shell| SMALLEST_CONTACT * largest[shell] as f64);
+            if contact.joints.len() as f64 >= least[0].min(least[1]) {
+                join(contact, &mut group);
+            }
+        }
+        // What is still apart, by its nearest places.
+        while shells.iter().any(|&shell| group[shell] != group[shells[0]]) {
+            let pairs = shells.iter().flat_map(|&a| shells.iter().map(move |&b| [a, b]));
+            let apart = pairs.filter(|[a, b]| a < b && group[*a] != group[*b]);
+            let contacts = apart.map(|pair| contact(pair, &self.places, &self.trees));
+            let nearest = contacts.min_by(|a, b| a.distance.total_cmp(&b.distance));
+            join(&nearest.expect("two groups"), &mut group);
+        }
+        joined
+    }
+}
+
+/// The nearest places of two shells, and the triangles there.
+fn contact(shells: [usize; 2], places: &[Vec<Place>], trees: &[RTree<GeomWithData<Vector, usize>>]) -> Contact {
+    let [first, second] = shells;
+    let mut near: Vec<(f64, usize, usize)> = Vec::new();
+    let mut reach = f64::INFINITY;
+    for (index, place) in places[first].iter().enumerate() {
+        let leaf = trees[second].nearest_neighbor(place.at).expect("a shell has places");
+        let distance = squared_norm(subtract(place.at, *leaf.geom())).sqrt();
+        if distance <= reach {
+            near.push((distance, index, leaf.data));
+            reach = reach.min(distance + SPACING);
+        }
+    }
+    near.retain(|(distance, ..)| *distance <= reach);
+    near.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let (mut taken, mut joints): (Vec<Vector>, Vec<[u32; 3]>) = (Vec::new(), Vec::new());
+    for &(_, a, b) in &near {
+        let (a, b) = (places[first][a], places[second][b]);
+        let is_far = |other: &Vector| squared_norm(subtract(a.at, *other)) >= APART * APART;
+        if joints.len() < MOST_JOINTS && taken.iter().all(is_far) {
+            taken.push(a.at);
+            joints.push([a.corners[0], b.corners[0], b.corners[1]]);
+        }
+    }
+    Contact { shells, distance: near.first().map_or(f64::INFINITY, |near| near.0), joints }
+}
+
+/// Places on a shell, one in each cell of a grid.
+fn places(mesh: &Mesh, shell: &Shell) -> Vec<Place> {
+    let (mut cells, mut places) = (HashSet::new(), Vec::new());
+    for &triangle in &shell.triangle_of_local {
+        let corners = mesh.triangles[triangle as usize];
+        let ends = corners.map(|point| mesh.positions[point as usize]);
+        let length = |a: usize, b: usize| squared_norm(subtract(ends[a], ends[b])).sqrt();
+        let longest = length(0, 1).max(length(1, 2)).max(length(2, 0));
+        let steps = ((longest / SPACING).ceil() as usize).clamp(1, MOST_PLACES);
+        for i in 0..=steps {
+            for j in 0..=steps - i {
+                let weights = [i, j, steps - i - j].map(|count| count as f64 / steps as f64);
+                let at: Vector = std::array::from_fn(|axis| (0..3).map(|c| weights[c] * ends[c][axis]).sum());
+                if cells.insert(at.map(|x| (x / SPACING).floor() as i64)) {
+                    let mut order = [0, 1, 2];
+                    order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
+                    places.push(Place { at, corners: order.map(|corner| corners[corner]) });
+                }
+            }
+        }
+    }
+    places
+}

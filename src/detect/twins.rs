@@ -1,0 +1,151 @@
+//! Which shells may be mirror images of which, before anything is solved: by their connectivity, their size and how far they are from each other.
+//!
+//! Two shells of one connectivity and one size are twins, hardly by chance. Others may be if they are alike in size. Twins are as far from the twins of others as
+//! these are from each other, along the surface: so a sword in one hand, which would be its own mirror image by itself, has none. The involution of the
+//! shells that is worth most is sought by single changes.
+
+use crate::connectivity::automorphism::{Signature, shell_signatures};
+use crate::mesh::vector::{Vector, cross, dot};
+use crate::mesh::{Mesh, NONE, Shell};
+
+/// What speaks for two shells of one connectivity and size, how much more if it tells their points apart, and for two of one size alone.
+const SAME_CONNECTIVITY: f64 = 2.5;
+const DISTINCT: f64 = 2.4;
+const SAME_SIZE: f64 = 3.1;
+/// What speaks for a shell that is its own image, and how much less if another is of its size, and of its connectivity, which tells its points apart.
+const ITSELF: f64 = 2.9;
+const LESS_BESIDE_SIZE: f64 = 0.3;
+const LESS_BESIDE_TWIN: f64 = 2.7;
+/// Natural logarithms of ratios of two shells' lengths by area, by volume and by extent at which these count as one size by 1 / e.
+const TOLERANCES: [f64; 3] = [0.028, 0.042, 0.084];
+/// A change of a distance, in sqrt(area), from which on two pairs exclude each other, and what speaks against a pair that excludes all others.
+const APART: f64 = 0.12;
+const EXCLUDED: f64 = 4.5;
+/// Distance, in sqrt(area), at which another shell says 1 / e of what one nearby does.
+const NEARBY: f64 = 0.3;
+
+/// The likely twin of each shell, itself, or [`NONE`]. `distances` are those of shells, row by row. O(shells^3) a change, as many as shells.
+pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64]) -> Vec<u32> {
+    let signatures = shell_signatures(mesh);
+    let signature = |shell: &Shell| signatures[mesh.shell_of_point[shell.points[0] as usize] as usize];
+    let signatures: Vec<Signature> = shells.iter().map(signature).collect();
+    let sizes: Vec<[f64; 3]> = shells.iter().map(sizes).collect();
+    let weights: Vec<f64> = sizes.iter().map(|size| size[0]).collect();
+    let count = shells.len();
+    let evidence = evidence(&signatures, &sizes);
+    let nearness: Vec<f64> = distances.iter().map(|distance| (-distance / NEARBY).exp()).collect();
+    let around = |a: usize| (0..count).map(|b| nearness[a * count + b] * weights[b]).sum::<f64>();
+    let around = (0..count).map(around).collect();
+    Involution { evidence, weights, distances, nearness, around, twins: vec![NONE; count] }.settled()
+}
+
+/// What speaks for each pair of shells, row by row.
+fn evidence(signatures: &[Signature], sizes: &[[f64; 3]]) -> Vec<f64> {
+    let count = sizes.len();
+    let alike = |a: usize, b: usize| {
+        let ratio = |k: usize| (sizes[a][k] / sizes[b][k]).ln() / TOLERANCES[k];
+        (-(0..3).map(|k| ratio(k).powi(2)).sum::<f64>()).exp()
+    };
+    let twin = |a: usize, b: usize| match signatures[a].hash == signatures[b].hash {
+        true => alike(a, b) * signatures[a].distinct,
+        false => 0.0,
+    };
+    let most = |a: usize, of: &dyn Fn(usize, usize) -> f64| {
+        (0..count).filter(|&b| b != a).map(|b| of(a, b)).fold(0.0, f64::max)
+    };
+    let of = |a: usize, b: usize| match a == b {
+        true => ITSELF - LESS_BESIDE_SIZE * most(a, &alike) - LESS_BESIDE_TWIN * most(a, &twin),
+        false if signatures[a].hash == signatures[b].hash => {
+            SAME_CONNECTIVITY * (1.0 + DISTINCT * signatures[a].distinct) * (2.0 * alike(a, b) - 1.0)
+        }
+        false => SAME_SIZE * (2.0 * alike(a, b) - 1.0),
+    };
+    (0..count * count).map(|pair| of(pair / count, pair % count)).collect()
+}
+
+/// An involution of shells that is being sought.
+struct Involution<'a> {
+    /// What speaks for each pair.
+    evidence: Vec<f64>,
+    weights: Vec<f64>,
+    distances: &'a [f64],
+    /// How much two shells say of each other, and the sum of what all say of each.
+    nearness: Vec<f64>,
+    around: Vec<f64>,
+    twins: Vec<u32>,
+}
+
+impl Involution<'_> {
+    /// After the best single changes, as long as there are some.
+    fn settled(mut self) -> Vec<u32> {
+        let count = self.weights.len();
+        loop {
+            let changes = (0..count).flat_map(|a| (a..count).map(Some).chain([None]).map(move |b| (a, b)));
+            let mut best: Option<(f64, Vec<(usize, u32)>)> = None;
+            for (a, b) in changes {
+                let change = self.change(a, b);
+                let gain = self.gain(&change);
+                if gain > best.as_ref().map_or(1e-9, |best| best.0) {
+                    best = Some((gain, change));
+                }
+            }
+            let Some((_, change)) = best else { return self.twins };
+            self.apply(&change);
+        }
+    }
+
+    /// What becomes of `a` and all that it concerns if its twin is `b`, which may be itself, or none.
+    fn change(&self, a: usize, b: Option<usize>) -> Vec<(usize, u32)> {
+        let former = [Some(a), b].into_iter().flatten().map(|own| self.twins[own]).filter(|&twin| twin != NONE);
+        let mut change: Vec<(usize, u32)> = former.map(|twin| (twin as usize, NONE)).collect();
+        change.push((a, b.map_or(NONE, |b| b as u32)));
+        change.extend(b.filter(|&b| b != a).map(|b| (b, a as u32)));
+        change.reverse();
+        let mut seen = Vec::new();
+        change.retain(|&(shell, _)| !seen.contains(&shell) && { seen.push(shell); true });
+        change
+    }
+
+    fn apply(&mut self, change: &[(usize, u32)]) {
+        change.iter().for_each(|&(shell, twin)| self.twins[shell] = twin);
+    }
+
+    fn gain(&mut self, change: &[(usize, u32)]) -> f64 {
+        let before = self.worth(change);
+        let former: Vec<(usize, u32)> = change.iter().map(|&(shell, _)| (shell, self.twins[shell])).collect();
+        self.apply(change);
+        let after = self.worth(change);
+        self.apply(&former);
+        after - before
+    }
+
+    /// What all that concerns some shells is worth.
+    fn worth(&self, of: &[(usize, u32)]) -> f64 {
+        let count = self.weights.len();
+        let is_of = |shell: usize| of.iter().any(|&(own, _)| own == shell);
+        let mut worth = 0.0;
+        for &(a, _) in of.iter().filter(|(a, _)| self.twins[*a] != NONE) {
+            worth += self.weights[a] * self.evidence[a * count + self.twins[a] as usize];
+            for b in (0..count).filter(|&b| self.twins[b] != NONE) {
+                let (own, images) = (a * count + b, self.twins[a] as usize * count + self.twins[b] as usize);
+                let change = ((self.distances[own] - self.distances[images]) / APART).powi(2).min(1.0);
+                let nearness = self.nearness[own].max(self.nearness[images]);
+                // What it says of the other, too, unless that has its own turn.
+                let said = self.around[a].recip() + if is_of(b) { 0.0 } else { self.around[b].recip() };
+                worth -= EXCLUDED * self.weights[a] * self.weights[b] * nearness * change * said;
+            }
+        }
+        worth
+    }
+}
+
+/// Lengths that say how large a shell is, in the unit of the mesh: by its area, by the volume that it holds, and by how far its points are from their mean.
+fn sizes(shell: &Shell) -> [f64; 3] {
+    let at = |vertex: u32| shell.positions[vertex as usize];
+    let volume: f64 = shell.triangles.iter().map(|&[a, b, c]| dot(at(a), cross(at(b), at(c)))).sum();
+    let squares: f64 = shell.positions.iter().map(|&position: &Vector| dot(position, position)).sum();
+    let extent = (squares / shell.positions.len() as f64).sqrt();
+    let unit = shell.scale.max(f64::MIN_POSITIVE).recip();
+    // A sheet holds nothing to speak of.
+    [unit, unit * (volume.abs() + 0.01).cbrt(), unit * extent]
+}
