@@ -47,7 +47,7 @@ def test_finding_none_is_the_same_after_a_pickle():
     triangles = rng.random((200, 1, 3)) + 0.05 * rng.random((200, 3, 3))
     mesh = intrinsym.Mesh(triangles.reshape(-1, 3), np.arange(600).reshape(-1, 3))
     none = pickle.loads(pickle.dumps(mesh.detect()))
-    assert not none and none.report["outcome"] == "none"
+    assert not none and none.outcome == "none"
     assert not mesh.detect(previous=none)
 
 

@@ -58,6 +58,12 @@ static void versions_and_options(void) {
     OK(isym_options_free(options));
 }
 
+static isym_outcome outcome_of(const isym_result *result) {
+    isym_outcome outcome = 9;
+    OK(isym_result_outcome(result, &outcome));
+    return outcome;
+}
+
 // The human's mesh is mirrored: the map is a bijection, its own inverse, and sides are swapped.
 static void human(const char *path) {
     isym_mesh *mesh = read_mesh(path);
@@ -73,6 +79,9 @@ static void human(const char *path) {
     uint8_t continuous = 9;
     OK(isym_result_continuous_family(result, &continuous));
     EXPECT(continuous == 0);
+    EXPECT(outcome_of(result) == ISYM_OUTCOME_FOUND);
+    EXPECT(summary.paired_share == 1 && summary.shells_self_mirrored == 1);
+    EXPECT(summary.shells_paired == 0 && summary.shells_alone == 0);
 
     int32_t *partners = malloc(n * sizeof *partners);
     int8_t *sides = malloc(n);
@@ -174,7 +183,7 @@ static void no_symmetry(const char *path) {
     isym_result *result = detect(mesh, 1);
     size_t count;
     OK(isym_result_symmetry_count(result, &count));
-    EXPECT(count == 0);
+    EXPECT(count == 0 && outcome_of(result) == ISYM_OUTCOME_NONE);
     OK(isym_result_free(result));
     OK(isym_mesh_free(mesh));
 }

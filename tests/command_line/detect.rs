@@ -72,6 +72,12 @@ fn every_shell_of_a_character_has_its_partner_shell() {
     let path = example("human_shells.ply");
     let right = share_right(&path, &partners, &truth);
     assert!(right >= 0.99, "{right}");
+    let said = "of 10 shells ";
+    assert!(
+        stdout(&output).contains(said) && stdout(&output).contains(", 0 without a partner"),
+        "{}",
+        stdout(&output)
+    );
     let limits = Limits::default();
     let mesh = Mesh::new(&io::read(&path, &limits).unwrap().polygons, &limits).unwrap();
     let shell = |vertex: usize| mesh.shell_of_point[mesh.point_of_vertex[vertex] as usize];
@@ -98,6 +104,33 @@ fn a_blob_without_symmetry_is_answered_none() {
     assert!(stdout(&output).contains("no symmetry found"), "{}", stdout(&output));
     assert_eq!(json(&folder.join("out.json"))["outcome"], "none");
     assert!(numbers(&folder.join("out.map")).iter().all(|&partner| partner == -1));
+}
+
+#[test]
+fn a_doubtful_map_is_written_and_the_summary_says_what_speaks_against_it() {
+    let (folder, output) = detect_example("quadruped", &["--plausibility", "100"]);
+    assert_eq!(output.status.code(), DOUBTFUL, "{}", stderr(&output));
+    assert_eq!(names(&folder), ["out.json", "out.map", "out.ply", "out.png"]);
+    assert_eq!(json(&folder.join("out.json"))["outcome"], "doubtful");
+    assert!(numbers(&folder.join("out.map")).iter().all(|&partner| partner >= 0));
+    for said in ["doubtful: reflection", "100 % of the surface has a partner", "it is given as doubtful"] {
+        assert!(stdout(&output).contains(said), "{}", stdout(&output));
+    }
+}
+
+#[test]
+fn the_worst_of_many_meshes_is_the_exit_status() {
+    let folder = folder("worst");
+    let status = |inputs: &[&str]| {
+        let mut command = command();
+        command
+            .args(["detect", "--quiet", "--plausibility", "100", "--write", "json", "--output-dir"])
+            .arg(&folder);
+        command.args(inputs.iter().map(|name| example(name))).output().unwrap().status.code()
+    };
+    assert_eq!(status(&["human.ply", "quadruped.ply"]), DOUBTFUL);
+    assert_eq!(status(&["blob.ply", "quadruped.ply"]), NONE);
+    assert_eq!(status(&["quadruped.ply", "no_such.ply"]), FAILED);
 }
 
 #[test]

@@ -25,6 +25,10 @@ def test_everything_equals_the_command_line_to_the_bit(name, tmp_path):
     for key in ("score", "mean_confidence", "exact_share"):
         assert outputs[key] == symmetry[key]
     assert outputs["found"] and outputs["symmetries_found"] == 1 and outputs["is_reflection"]
+    assert not outputs["doubtful"] and outputs["paired_share"] == symmetry["paired_share"]
+    for key in ("shells_paired", "shells_self_mirrored", "shells_alone", "coverage"):
+        assert outputs[key] == symmetry[key]
+    assert outputs["evidence"] == said.report["report"]["evidence"]
     assert 0 < outputs["seconds"] < 600
 
 
@@ -92,9 +96,18 @@ def test_no_symmetry_is_an_answer_and_leaves_no_map():
     ms = example("blob")
     outputs = ms.apply_filter(COMPUTE)
     assert outputs["found"] is False and outputs["symmetries_found"] == 0 and "score" not in outputs
+    assert outputs["doubtful"] is False and "plausibility" in outputs["evidence"]
     assert not ms.current_mesh().has_vertex_color()
     with pytest.raises(pymeshlab.PyMeshLabException):
         ms.current_mesh().vertex_custom_scalar_attribute_array("sym_vertex")
+
+
+def test_a_doubtful_symmetry_is_called_so_and_its_map_kept():
+    ms = example("quadruped")
+    outputs = ms.apply_filter(COMPUTE, plausibility=100)
+    assert outputs["doubtful"] and not outputs["found"] and outputs["symmetries_found"] == 1
+    assert outputs["evidence"].endswith("doubtful")
+    assert (attributes(ms.current_mesh())["sym_vertex"] >= 0).all()
 
 
 def test_parameters_are_the_options_of_the_library():
