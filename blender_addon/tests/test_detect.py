@@ -65,7 +65,11 @@ def test_evaluated_positions_of_another_number_of_vertices_are_refused():
 
 
 def test_no_symmetry_is_an_answer_and_leaves_the_mesh_alone():
-    object = new_object(read_example("blob"))
+    rng = np.random.default_rng(1)
+    mesh = bpy.data.meshes.new("loose triangles")
+    points = (rng.random((200, 1, 3)) + 0.05 * rng.random((200, 3, 3))).reshape(-1, 3)
+    mesh.from_pydata(points.tolist(), [], np.arange(600).reshape(-1, 3).tolist())
+    object = new_object(mesh)
     assert detect() == {"CANCELLED"}
     assert "symmetry_partner" not in object.data.attributes
 

@@ -34,10 +34,15 @@ def test_a_posed_human_of_quads_gives_its_exact_mirror_table():
     assert np.array_equal(np.flatnonzero(own), np.unique(line.edges[own[line.edges]]))
 
 
-def test_no_symmetry_is_an_empty_answer_with_its_evidence():
+def test_a_lump_is_not_found_to_have_a_symmetry():
     found = intrinsym.Mesh.read(EXAMPLES / "blob.ply").detect()
+    assert found.outcome is not intrinsym.Outcome.FOUND and "plausibility" in found.evidence
+
+
+def test_no_symmetry_is_an_empty_answer_with_its_evidence(loose_triangles):
+    found = loose_triangles.detect()
     assert not found and len(found) == 0
-    assert found.outcome is intrinsym.Outcome.NONE and "plausibility" in found.evidence
+    assert found.outcome is intrinsym.Outcome.NONE and "no symmetry of the mesh" in found.evidence
 
 
 def test_a_doubtful_answer_holds_its_map_and_what_speaks_against_it(quadruped):

@@ -130,7 +130,7 @@ pub(crate) fn conclusion(symmetries: &[Symmetry], asked: usize) -> (Outcome, Str
     let outcome = outcome(best.plausibility, asked, best.mean_confidence);
     let doubts = match outcome {
         Outcome::Doubtful if 100.0 * best.plausibility < asked as f64 => {
-            "; less is not plausible enough: it is given as doubtful".into()
+            "; its plausibility is below the one asked for: it is given as doubtful".into()
         }
         Outcome::Doubtful => {
             format!("; it is doubtful: its mean confidence over the surface is {:.2}", best.mean_confidence)

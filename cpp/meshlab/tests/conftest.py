@@ -50,6 +50,16 @@ def example(name: str) -> pymeshlab.MeshSet:
     return mesh_set(EXAMPLES / f"{name}.ply")
 
 
+def loose_triangles() -> pymeshlab.MeshSet:
+    """Of different shapes, none the mirror image of another."""
+    rng = np.random.default_rng(1)
+    triangles = rng.random((200, 1, 3)) + 0.05 * rng.random((200, 3, 3))
+    made = pymeshlab.MeshSet()
+    KEPT_ALIVE.append(made)
+    made.add_mesh(pymeshlab.Mesh(triangles.reshape(-1, 3), np.arange(600).reshape(-1, 3)))
+    return made
+
+
 def attributes(mesh: pymeshlab.Mesh, suffix: str = "") -> dict[str, np.ndarray]:
     scalars = ["sym_vertex", "sym_confidence", "sym_side", "sym_face"]
     points = ["sym_corners", "sym_barycentrics"]

@@ -4,7 +4,7 @@
 import numpy as np
 import pymeshlab
 import pytest
-from conftest import COMPUTE, FILTERS, KEPT_ALIVE, MIRROR, PACKAGE, PLUGIN, SELECT_VERTICES, TOOLS, example
+from conftest import COMPUTE, FILTERS, KEPT_ALIVE, MIRROR, PACKAGE, PLUGIN, SELECT_VERTICES, TOOLS, example, loose_triangles
 
 
 def refused(ms: pymeshlab.MeshSet, name: str, **parameters: object) -> str:
@@ -74,5 +74,5 @@ def test_a_spoilt_map_is_refused(quadruped, name, value):
 
 
 def test_a_mesh_without_symmetry_is_refused_by_the_tools():
-    ms = example("blob")
+    ms = loose_triangles()
     assert "No symmetry was found" in refused(ms, TOOLS[0])
