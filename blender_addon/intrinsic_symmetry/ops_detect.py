@@ -30,8 +30,8 @@ def in_words(found, index=0):
     """What was found, how much of the mesh it speaks of, and what speaks against it."""
     family = ". One of a continuous family, as a sphere or a vase has" if found.continuous_family else ""
     coverage = found.report["symmetries"][index]["coverage"]
-    said = f"{about(found[index])}{family}. {coverage[:1].upper()}{coverage[1:]}"
-    return f"Doubtful: {said}. {found.evidence}" if is_doubtful(found) else said
+    said = f"{about(found[index])}{family}. {coverage}"
+    return f"Doubtful: {said}. {sentence(found.evidence)}" if is_doubtful(found) else said
 
 
 # From this plausibility on nothing is said of it.

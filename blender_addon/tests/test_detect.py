@@ -86,7 +86,7 @@ def test_a_doubtful_symmetry_is_kept_and_called_so():
     _, found = module("detection").remembered(object.data)
     said = module("ops_detect").in_words(found)
     assert said.startswith("Doubtful: Reflection") and "100 % of the surface has a partner" in said
-    assert object.data["symmetry_record"]["doubtful"]
+    assert object.data[module("undo").RECORD]["doubtful"]
 
 
 def test_poll_says_what_is_missing():

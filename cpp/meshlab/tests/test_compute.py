@@ -26,9 +26,8 @@ def test_everything_equals_the_command_line_to_the_bit(name, tmp_path):
         assert outputs[key] == symmetry[key]
     assert outputs["found"] and outputs["symmetries_found"] == 1 and outputs["is_reflection"]
     assert not outputs["doubtful"] and outputs["paired_share"] == symmetry["paired_share"]
-    for key in ("shells_paired", "shells_self_mirrored", "shells_alone", "coverage"):
+    for key in ("shells_paired", "shells_self_mirrored", "shells_alone"):
         assert outputs[key] == symmetry[key]
-    assert outputs["evidence"] == said.report["report"]["evidence"]
     assert 0 < outputs["seconds"] < 600
 
 
@@ -92,11 +91,11 @@ def test_a_box_has_several_symmetries_and_each_has_its_attributes(tmp_path):
         ms.current_mesh().vertex_custom_scalar_attribute_array("sym_vertex_2")
 
 
-def test_no_symmetry_is_an_answer_and_leaves_no_map():
-    ms = loose_triangles()
+def test_no_symmetry_is_an_answer_and_leaves_no_map(tmp_path):
+    ms = loose_triangles(tmp_path)
     outputs = ms.apply_filter(COMPUTE)
     assert outputs["found"] is False and outputs["symmetries_found"] == 0 and "score" not in outputs
-    assert outputs["doubtful"] is False and "no symmetry of the mesh" in outputs["evidence"]
+    assert outputs["doubtful"] is False
     assert not ms.current_mesh().has_vertex_color()
     with pytest.raises(pymeshlab.PyMeshLabException):
         ms.current_mesh().vertex_custom_scalar_attribute_array("sym_vertex")
@@ -106,7 +105,6 @@ def test_a_doubtful_symmetry_is_called_so_and_its_map_kept():
     ms = example("quadruped")
     outputs = ms.apply_filter(COMPUTE, plausibility=100)
     assert outputs["doubtful"] and not outputs["found"] and outputs["symmetries_found"] == 1
-    assert outputs["evidence"].endswith("doubtful")
     assert (attributes(ms.current_mesh())["sym_vertex"] >= 0).all()
 
 

@@ -73,6 +73,6 @@ def test_a_spoilt_map_is_refused(quadruped, name, value):
     assert name in message or "vertex 5 has" in message
 
 
-def test_a_mesh_without_symmetry_is_refused_by_the_tools():
-    ms = loose_triangles()
+def test_a_mesh_without_symmetry_is_refused_by_the_tools(tmp_path):
+    ms = loose_triangles(tmp_path)
     assert "No symmetry was found" in refused(ms, TOOLS[0])
