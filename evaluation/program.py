@@ -51,7 +51,7 @@ class Answer:
     @property
     def has_map(self) -> bool:
         """Whether a map is given, doubtful or not."""
-        return bool((self.partners >= 0).any())
+        return self.report["outcome"] != "none"
 
     @property
     def plausibility(self) -> float | None:

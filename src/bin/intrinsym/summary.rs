@@ -118,7 +118,7 @@ pub fn one_line(input: &Path, detection: &Detection) -> String {
         (None, Some(judged)) => format!("none (best map: plausibility {:.0} %)", 100.0 * judged.plausibility),
         (Some(best), _) => format!(
             "{}{}{}, mean confidence {:.2}, exact {:.0} %, partners on {:.0} % of the surface",
-            if detection.outcome == Outcome::Doubtful { "doubtful: " } else { "" },
+            doubts(detection.outcome, best.plausibility),
             kind_name(best.kind),
             if detection.report.continuous_family { " of a continuous family" } else { "" },
             best.mean_confidence,
@@ -127,6 +127,13 @@ pub fn one_line(input: &Path, detection: &Detection) -> String {
         ),
     };
     format!("{}: {outcome}, {seconds:.2} s\n", input.display())
+}
+
+fn doubts(outcome: Outcome, plausibility: f64) -> String {
+    match outcome {
+        Outcome::Doubtful => format!("doubtful (plausibility {:.0} %): ", 100.0 * plausibility),
+        Outcome::Found | Outcome::None => String::new(),
+    }
 }
 
 fn kind_name(kind: SymmetryKind) -> String {
