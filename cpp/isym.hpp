@@ -192,6 +192,13 @@ class Result {
 public:
   Result(isym_result *handle, std::size_t vertex_count) : handle_(handle), vertex_count_(vertex_count) {}
 
+  // An ISYM_OUTCOME_ constant: found, doubtful or none.
+  isym_outcome outcome() const {
+    isym_outcome outcome = ISYM_OUTCOME_NONE;
+    check(isym_result_outcome(get(), &outcome));
+    return outcome;
+  }
+  // A doubtful one counts.
   std::size_t symmetry_count() const {
     std::size_t count = 0;
     check(isym_result_symmetry_count(get(), &count));

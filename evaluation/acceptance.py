@@ -51,7 +51,7 @@ def read_table(program: str, shapes: list[Shape], folder: Path):
     for shape in shapes:
         answer = read_answer(folder, shape.name)
         judged = answer.report["report"]["judged"]
-        if judged and answer.found and judged["disagreement"] is not None:
+        if judged and answer.has_map and judged["disagreement"] is not None:
             features.append([measure(judged) for measure in FEATURES.values()])
             plausibility.append(judged["plausibility"])
             right.append(shape.symmetric and float(shape.errors(answer.partners).mean()) <= WRONG)

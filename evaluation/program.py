@@ -30,11 +30,16 @@ PLY_TYPES = {
 }
 
 
+# Exit statuses that are answers: found, doubtful, no symmetry.
+ANSWERS = (0, 3, 1)
+
+
 @dataclass
 class Answer:
     """What the program said about one mesh."""
 
     name: str
+    # Without doubts.
     found: bool
     # For each vertex its 0-based partner, -1 for none.
     partners: np.ndarray
@@ -42,6 +47,11 @@ class Answer:
     report: dict
     # Probability that each partner is right; empty unless the PLY was asked for.
     confidence: np.ndarray
+
+    @property
+    def has_map(self) -> bool:
+        """Whether a map is given, doubtful or not."""
+        return self.report["outcome"] != "none"
 
     @property
     def plausibility(self) -> float | None:
@@ -77,7 +87,7 @@ def detect(
         *options,
     ]
     status = subprocess.run([str(word) for word in command], capture_output=True, text=True)
-    if status.returncode not in (0, 1):
+    if status.returncode not in ANSWERS:
         raise RuntimeError(f"{program} ended with {status.returncode}: {status.stderr.strip()}")
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime

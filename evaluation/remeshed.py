@@ -82,7 +82,7 @@ def measure(program: str, mesh: Path, options: list[str]) -> Result:
     with tempfile.TemporaryDirectory() as folder:
         detect(program, [mesh], Path(folder), options)
         answer = read_answer(Path(folder), mesh.stem)
-    error = mean_error(mesh, answer.partners) if answer.found else None
+    error = mean_error(mesh, answer.partners) if answer.has_map else None
     return Result(mesh.parts[-3], mesh.stem, answer.found, answer.plausibility, error, sum(answer.seconds.values()))
 
 

@@ -62,10 +62,10 @@ def judge(shape: Shape, answer: Answer) -> dict:
     row |= {"vertices": len(paired), "paired_share": round(float(paired.mean()), 4)}
     row |= {
         "plausibility": answer.plausibility,
-        "answered": answer.found and (answer.plausibility or 0) >= ACCEPTED,
+        "answered": answer.has_map and (answer.plausibility or 0) >= ACCEPTED,
     }
     measures = dict.fromkeys(("mean_error", "wrong_share", "confidence", "confidence_without_partner"))
-    if answer.found:
+    if answer.has_map:
         if paired.any():
             errors, stated = shape.errors(answer.partners), answer.confidence[shape.measured()]
             measures |= {

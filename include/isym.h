@@ -70,6 +70,9 @@ typedef int32_t (*isym_progress_callback)(const char *stage,
                                           double fraction,
                                           void *user_data);
 
+// What was found: one of the `ISYM_OUTCOME_` constants.
+typedef int32_t isym_outcome;
+
 // The kind of a symmetry: one of the `ISYM_KIND_` constants.
 typedef int32_t isym_kind;
 
@@ -83,6 +86,14 @@ typedef struct {
     double mean_confidence;
     // Share of the vertices whose partner comes from mirrored connectivity, an exact bijection; 0..=1.
     double exact_share;
+    // Share of the surface whose vertices have a partner, 0..=1.
+    double paired_share;
+    // Shells (connected components) whose mirror image is another shell.
+    size_t shells_paired;
+    // Shells that are their own mirror image.
+    size_t shells_self_mirrored;
+    // Shells without a mirror image.
+    size_t shells_alone;
 } isym_summary;
 
 // Which vertices take the value of their mirror image: one of the `ISYM_MERGE_` constants.
@@ -157,6 +168,16 @@ typedef struct {
 // sides and no fixed curve, and vertices of other shells than the largest have no partner. The tools that mirror refuse it:
 // `ISYM_ERROR_OPTION`.
 #define ISYM_KIND_ROTATION 2
+
+// At least one symmetry.
+#define ISYM_OUTCOME_FOUND 0
+
+// A map is given, and the report's "evidence" says what speaks against it: it is less plausible than was asked for, or its
+// confidence is low over most of the surface.
+#define ISYM_OUTCOME_DOUBTFUL 1
+
+// No map came near to a symmetry; the report says why.
+#define ISYM_OUTCOME_NONE 2
 
 // Every vertex: the two sides are exchanged. This is also how an attribute named "left" becomes "right".
 #define ISYM_MERGE_SWAP 0
@@ -361,7 +382,11 @@ isym_status isym_mesh_eigen(const isym_mesh *mesh,
 // Frees a mesh. Results made from it, and calls that run with it, stay usable.
 isym_status isym_mesh_free(isym_mesh *mesh);
 
-// Reads the number of symmetries that were found; 0 if the mesh has none.
+// Reads what was found: an `ISYM_OUTCOME_` constant. `ISYM_OUTCOME_FOUND` for a restored result: it was accepted before.
+isym_status isym_result_outcome(const isym_result *result,
+                                isym_outcome *outcome);
+
+// Reads the number of symmetries that were found, a doubtful one counted; 0 if the mesh has none.
 isym_status isym_result_symmetry_count(const isym_result *result,
                                        size_t *count);
 

@@ -4,6 +4,7 @@ pub mod assembler;
 pub mod assembly;
 pub mod companions;
 pub mod correspondence;
+pub mod coverage;
 pub mod detect_again;
 pub mod detection;
 pub mod driver;

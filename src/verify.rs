@@ -3,3 +3,4 @@
 pub mod acceptance;
 pub mod confidence;
 pub mod hypothesis;
+pub mod outcome;

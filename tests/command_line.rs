@@ -6,6 +6,7 @@ use std::process::{Command, Output};
 const FOUND: Option<i32> = Some(0);
 const NONE: Option<i32> = Some(1);
 const FAILED: Option<i32> = Some(2);
+const DOUBTFUL: Option<i32> = Some(3);
 
 /// A folder of the test's own, emptied at the start.
 fn folder(name: &str) -> PathBuf {

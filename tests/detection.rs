@@ -329,19 +329,19 @@ fn a_map_that_mirrors_vertices_needs_half_the_plausibility() {
         (found.outcome, found.report.evidence.contains("mirror images near it, and that is the answer"))
     };
     assert_eq!(outcome(&with_random_diagonals(&example("human"))), (Outcome::Found, true));
-    assert_eq!(outcome(&example("quadruped")), (Outcome::None, false));
+    assert_eq!(outcome(&example("quadruped")), (Outcome::Doubtful, false));
 }
 
 #[test]
-fn the_blob_has_no_symmetry() {
+fn the_blob_is_not_found_to_have_a_symmetry() {
     let found = detected(&validated(&example("blob")), &Options::default());
-    assert_eq!(found.outcome, Outcome::None);
-    assert!(found.symmetries.is_empty());
+    assert_ne!(found.outcome, Outcome::Found);
+    assert!(found.symmetries.iter().all(|symmetry| symmetry.plausibility < 0.5), "at most as doubtful");
     assert!(found.report.judged.is_some_and(|judged| !judged.accepted(50)), "{:?}", found.report.judged);
     assert!(found.report.evidence.contains("(accepted from 50 %)"), "{}", found.report.evidence);
     let unchecked =
         detected(&validated(&example("blob")), &Options { plausibility: 0, ..Options::default() });
-    assert_eq!(unchecked.outcome, Outcome::Found, "the best map is given to who asks for it");
+    assert_eq!(unchecked.symmetries.len(), 1, "the best map is given to who asks for it");
 }
 
 #[test]
@@ -349,7 +349,11 @@ fn half_turns_whose_parts_do_not_move_are_no_symmetries() {
     let found = detected(&validated(&example("blob")), &Options { symmetries: 8, ..Options::default() });
     let listed: Vec<_> =
         found.symmetries.iter().map(|symmetry| (symmetry.kind, symmetry.mean_confidence)).collect();
-    assert!(listed.is_empty(), "{listed:?}");
+    // The best map may be given as doubtful, which is a reflection.
+    assert!(
+        listed.iter().all(|(kind, _)| *kind == SymmetryKind::Reflection) && listed.len() < 2,
+        "{listed:?}"
+    );
 }
 
 #[test]

@@ -38,6 +38,10 @@ fn loose_parts_have_no_symmetry() {
         assert_eq!(found.outcome, Outcome::None, "{name}: {}", found.report.evidence);
         let any = Options { plausibility: 0, ..Options::default() };
         let found = detect(&mesh, &any, &Progress::default()).expect("an answer");
-        assert_eq!(found.outcome, Outcome::Found, "{name}: any map was asked for");
+        assert_eq!(
+            found.outcome,
+            Outcome::Doubtful,
+            "{name}: any map was asked for, and it has hardly any confidence"
+        );
     }
 }

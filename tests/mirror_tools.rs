@@ -6,6 +6,7 @@ mod support;
 use intrinsym::base::progress::{CancelToken, Progress};
 use intrinsym::base::symmetry_kind::SymmetryKind;
 use intrinsym::detect::correspondence::{EdgePoint, Polyline, SurfacePoint, Symmetry};
+use intrinsym::detect::coverage::Coverage;
 use intrinsym::mesh::{Mesh, PolygonMesh};
 use intrinsym::mirror::curve_distance::curve_distances;
 use intrinsym::mirror::faces::mirror_face_selection;
@@ -33,6 +34,7 @@ fn exact_symmetry(polygons: &PolygonMesh, partners: &[u32]) -> Symmetry {
         plausibility: 1.0,
         mean_confidence: 1.0,
         exact_share: 1.0,
+        coverage: Coverage::default(),
     }
 }
 

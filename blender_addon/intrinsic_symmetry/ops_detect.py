@@ -17,10 +17,21 @@ def keep(object, core_mesh, found, index=0):
     now = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
     if now.connectivity_hash != core_mesh.connectivity_hash:
         raise mesh_data.MeshProblem("The mesh was changed while its symmetry was being found: Detect again")
-    stored_map.store(mesh, core_mesh, found[index])
+    stored_map.store(mesh, core_mesh, found[index], is_doubtful(found))
     mesh.update()
+    return in_words(found, index)
+
+
+def is_doubtful(found):
+    return found.outcome is intrinsym.Outcome.DOUBTFUL
+
+
+def in_words(found, index=0):
+    """What was found, how much of the mesh it speaks of, and what speaks against it."""
     family = ". One of a continuous family, as a sphere or a vase has" if found.continuous_family else ""
-    return about(found[index]) + family
+    coverage = found.report["symmetries"][index]["coverage"]
+    said = f"{about(found[index])}{family}. {coverage}"
+    return f"Doubtful: {said}. {sentence(found.evidence)}" if is_doubtful(found) else said
 
 
 # From this plausibility on nothing is said of it.
@@ -28,11 +39,11 @@ SURE = 0.95
 
 
 def about(symmetry):
-    """One sentence about a symmetry."""
+    """One symmetry and its numbers."""
     kind = "Reflection" if symmetry.kind == intrinsym.SymmetryKind.REFLECTION else "Half turn"
     exact = f", {symmetry.exact_share:.0%} from mirrored connectivity" if symmetry.exact_share > 0 else ""
-    doubtful = f", doubtful: {symmetry.plausibility:.0%} plausible" if symmetry.plausibility < SURE else ""
-    return f"{kind}, mean confidence {symmetry.mean_confidence:.2f}{exact}{doubtful}"
+    plausible = f", {symmetry.plausibility:.0%} plausible" if symmetry.plausibility < SURE else ""
+    return f"{kind}, mean confidence {symmetry.mean_confidence:.2f}{exact}{plausible}"
 
 
 class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):
@@ -107,11 +118,11 @@ class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):
         found = job.answer()
         labels.take_predictions(object.data, found.report["report"])
         if not found:
-            self.report({"WARNING"}, f"No symmetry found: {found.report['report']['evidence']}")
+            self.report({"WARNING"}, f"No symmetry found: {found.evidence}")
             return {"CANCELLED"}
         text = keep(object, job.core_mesh, found)
         detection.remember(object.data, job.core_mesh, found)
-        self.report({"INFO"}, text)
+        self.report({"WARNING" if is_doubtful(found) else "INFO"}, text)
         return {"FINISHED"}
 
     def _conclude(self, context):

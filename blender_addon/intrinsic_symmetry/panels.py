@@ -42,7 +42,11 @@ class INTRINSIC_SYMMETRY_PT_detect(SymmetryPanel, bpy.types.Panel):
             return
         record = object.data[stored_map.RECORD]
         column = layout.column(align=True)
-        column.label(text=f"Mean confidence {record['mean_confidence']:.2f}", icon="CHECKMARK")
+        confidence = f"confidence {record['mean_confidence']:.2f}"
+        if record.get("doubtful"):
+            column.label(text=f"Doubtful: mean {confidence}", icon="ERROR")
+        else:
+            column.label(text=f"Mean {confidence}", icon="CHECKMARK")
         if record["exact_share"] > 0:
             column.label(text=f"{record['exact_share']:.0%} from mirrored connectivity", icon="BLANK1")
         row = layout.row(align=True)

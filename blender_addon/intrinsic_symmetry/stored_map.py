@@ -66,7 +66,7 @@ def why_none(object):
     return None
 
 
-def store(mesh, core_mesh, symmetry):
+def store(mesh, core_mesh, symmetry, is_doubtful=False):
     """Keeps a map on its mesh. The side that lies more toward +X becomes 1."""
     points = symmetry.surface_points
     values = {
@@ -81,7 +81,7 @@ def store(mesh, core_mesh, symmetry):
     for name, array in values.items():
         given = np.where(array == _NONE, -1, array) if KINDS[name] == "INT" else array
         mesh_data.write_attribute(mesh, name, KINDS[name], given)
-    mesh[RECORD] = _record(mesh, core_mesh, symmetry)
+    mesh[RECORD] = _record(mesh, core_mesh, symmetry) | {"doubtful": is_doubtful}
     _number(mesh)
 
 

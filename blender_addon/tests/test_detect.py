@@ -20,10 +20,10 @@ def test_the_posed_human_is_paired_exactly(human, truth):
     assert positions(mesh)[side == 1, 0].mean() > positions(mesh)[side == -1, 0].mean()
 
 
-def test_a_doubtful_symmetry_is_called_so():
+def test_a_symmetry_that_is_not_sure_is_called_so():
     found = SimpleNamespace(kind=1, mean_confidence=0.5, exact_share=0.0, plausibility=0.62)
     about = module("ops_detect").about
-    assert about(found).endswith("mean confidence 0.50, doubtful: 62% plausible")
+    assert about(found).endswith("mean confidence 0.50, 62% plausible")
     found.plausibility = 0.97
     assert about(found).endswith("mean confidence 0.50")
 
@@ -65,9 +65,28 @@ def test_evaluated_positions_of_another_number_of_vertices_are_refused():
 
 
 def test_no_symmetry_is_an_answer_and_leaves_the_mesh_alone():
-    object = new_object(read_example("blob"))
+    rng = np.random.default_rng(1)
+    mesh = bpy.data.meshes.new("loose triangles")
+    points = (rng.random((200, 1, 3)) + 0.05 * rng.random((200, 3, 3))).reshape(-1, 3)
+    mesh.from_pydata(points.tolist(), [], np.arange(600).reshape(-1, 3).tolist())
+    object = new_object(mesh)
     assert detect() == {"CANCELLED"}
     assert "symmetry_partner" not in object.data.attributes
+
+
+def test_a_doubtful_symmetry_is_kept_and_called_so():
+    object = new_object(read_example("quadruped"))
+    preferences = bpy.context.preferences.addons[module("preferences").__package__].preferences
+    preferences.plausibility = 100
+    try:
+        assert detect() == {"FINISHED"}
+    finally:
+        preferences.property_unset("plausibility")
+    assert attribute(object.data, "symmetry_partner").min() >= 0
+    _, found = module("detection").remembered(object.data)
+    said = module("ops_detect").in_words(found)
+    assert said.startswith("Doubtful: Reflection") and "100 % of the surface has a partner" in said
+    assert object.data[module("undo").RECORD]["doubtful"]
 
 
 def test_poll_says_what_is_missing():

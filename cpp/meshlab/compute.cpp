@@ -5,6 +5,10 @@
 
 #include <common/mlexception.h>
 
+#include <QJsonArray>
+#include <QJsonDocument>
+#include <QJsonObject>
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -87,7 +91,8 @@ void add_mirror_line(MeshDocument &document, const MeshModel &model, const MeshA
 Outputs outputs_of(const isym::Result &result, std::size_t index) {
   Outputs outputs;
   const int count = static_cast<int>(result.symmetry_count());
-  outputs["found"] = count > 0;
+  outputs["found"] = result.outcome() == ISYM_OUTCOME_FOUND;
+  outputs["doubtful"] = result.outcome() == ISYM_OUTCOME_DOUBTFUL;
   outputs["symmetries_found"] = count;
   outputs["continuous_family"] = result.continuous_family();
   if (count > 0) {
@@ -96,7 +101,15 @@ Outputs outputs_of(const isym::Result &result, std::size_t index) {
     outputs["mean_confidence"] = Scalarm(summary.mean_confidence);
     outputs["exact_share"] = Scalarm(summary.exact_share);
     outputs["is_reflection"] = summary.kind == ISYM_KIND_REFLECTION;
+    outputs["paired_share"] = Scalarm(summary.paired_share);
+    outputs["shells_paired"] = static_cast<int>(summary.shells_paired);
+    outputs["shells_self_mirrored"] = static_cast<int>(summary.shells_self_mirrored);
+    outputs["shells_alone"] = static_cast<int>(summary.shells_alone);
   }
+  const QJsonObject report = QJsonDocument::fromJson(QByteArray::fromStdString(result.report())).object();
+  const QJsonArray symmetries = report["symmetries"].toArray();
+  outputs["evidence"] = report["report"].toObject()["evidence"].toString();
+  outputs["coverage"] = symmetries.at(static_cast<int>(index)).toObject()["coverage"].toString();
   return outputs;
 }
 

@@ -38,7 +38,8 @@ const Description &description(MeshLabPlugin::ActionIDType filter) {
        {"Compute Intrinsic Symmetry", "compute_intrinsic_symmetry_per_vertex",
         "Pairs each vertex with its mirror image <b>along the surface</b>: left hand with right hand, whatever the "
         "pose, the position of the mesh and its connectivity. Where the connectivity is itself mirrored the map is "
-        "exactly that bijection. Finding no symmetry is an answer too, and no error.<br>"
+        "exactly that bijection. Finding no symmetry is an answer too, and no error; a map that may be wrong is kept, and "
+        "called doubtful.<br>"
         "The map is kept in custom attributes of the vertices: <b>sym_vertex</b> (the partner's index, -1 for none), "
         "<b>sym_confidence</b> (0 to 1), <b>sym_side</b> (-1, 0, 1), <b>sym_face</b>, <b>sym_corners</b> and "
         "<b>sym_barycentrics</b> (the exact mirror image, a point of the surface); a second symmetry's names end in "
@@ -165,7 +166,15 @@ std::map<std::string, QVariant> FilterIntrinsicSymmetryPlugin::applyFilter(const
   try {
     Outputs outputs = apply(ID(action), parameters, document, callback);
     if (outputs.count("symmetries_found") != 0) {
-      log("Symmetries found: %d, in %.2f s", outputs["symmetries_found"].toInt(), outputs["seconds"].toDouble());
+      const auto text = [&](const char *name) { return outputs[name].toString().toStdString(); };
+      const int count = outputs["symmetries_found"].toInt();
+      log("Symmetries found: %d, in %.2f s", count, outputs["seconds"].toDouble());
+      if (count > 0) {
+        log("%s", text("coverage").c_str());
+      }
+      if (!outputs["found"].toBool()) {
+        log("%s: %s", count > 0 ? "Doubtful" : "No symmetry", text("evidence").c_str());
+      }
       if (outputs["continuous_family"].toBool()) {
         log("The mesh has a continuous family of symmetries, as a sphere or a vase has: any one is as good");
       }

@@ -110,7 +110,7 @@ def test_what_is_not_answered_has_no_error(tmp_path):
     shape = Shape(
         "a", tmp_path / "a.ply", mirror, {"series": "holes", "severity": 0, "subject": 0, "kind": "bird"}
     )
-    nothing = Answer("a", False, np.full(3, -1), {"report": {"judged": None, "seconds": []}}, np.zeros(3))
+    nothing = Answer("a", False, np.full(3, -1), {"outcome": "none", "report": {"judged": None, "seconds": []}}, np.zeros(3))
     found = robustness.judge(shape, nothing)
     assert (
         not found["answered"]

@@ -26,6 +26,14 @@ def quadruped() -> intrinsym.Mesh:
 
 
 @pytest.fixture(scope="session")
+def loose_triangles() -> intrinsym.Mesh:
+    """Of different shapes, none the mirror image of another."""
+    rng = np.random.default_rng(1)
+    triangles = rng.random((200, 1, 3)) + 0.05 * rng.random((200, 3, 3))
+    return intrinsym.Mesh(triangles.reshape(-1, 3), np.arange(600).reshape(-1, 3))
+
+
+@pytest.fixture(scope="session")
 def detection(quadruped: intrinsym.Mesh) -> intrinsym.Detection:
     return quadruped.detect()
 

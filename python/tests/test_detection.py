@@ -34,10 +34,28 @@ def test_a_posed_human_of_quads_gives_its_exact_mirror_table():
     assert np.array_equal(np.flatnonzero(own), np.unique(line.edges[own[line.edges]]))
 
 
-def test_no_symmetry_is_an_empty_answer_with_its_evidence():
+def test_a_lump_is_not_found_to_have_a_symmetry():
     found = intrinsym.Mesh.read(EXAMPLES / "blob.ply").detect()
+    assert found.outcome is not intrinsym.Outcome.FOUND and "plausibility" in found.evidence
+
+
+def test_no_symmetry_is_an_empty_answer_with_its_evidence(loose_triangles):
+    found = loose_triangles.detect()
     assert not found and len(found) == 0
-    assert found.report["outcome"] != "found"
+    assert found.outcome is intrinsym.Outcome.NONE and "no symmetry of the mesh" in found.evidence
+
+
+def test_a_doubtful_answer_holds_its_map_and_what_speaks_against_it(quadruped):
+    found = quadruped.detect(plausibility=100)
+    assert found.outcome is intrinsym.Outcome.DOUBTFUL == found.report["outcome"]
+    assert found and found[0].partner.min() >= 0 and found.evidence.endswith("it is given as doubtful")
+
+
+def test_shells_are_counted():
+    best = intrinsym.Mesh.read(EXAMPLES / "human_shells.ply").detect()[0]
+    counts = best.shells_paired, best.shells_self_mirrored, best.shells_alone
+    assert sum(counts) == 10 and counts[0] >= 2 and counts[0] % 2 == 0, counts
+    assert best.paired_share > 0.9
 
 
 @pytest.mark.parametrize("real", [np.float32, np.float64])

@@ -5,6 +5,7 @@ use crate::connectivity::automorphism::Automorphism;
 use crate::connectivity::mirrored_vertices::MirroredVertices;
 use crate::detect::companions::Companion;
 use crate::detect::correspondence::{EdgePoint, Polyline, SurfacePoint, Symmetry};
+use crate::detect::coverage::Coverage;
 use crate::detect::fixed_curve::{EdgeCrossing, dissolve_specks};
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
 use crate::geometry::vertex_map::VertexMap;
@@ -274,9 +275,11 @@ pub fn symmetry(
     let surface_point =
         |vertex: usize| answered(vertex).then(|| surface_point(mesh, &map.image[point_of(vertex)]));
     let exact = (0..vertices).filter(|&vertex| answered(vertex) && map.exact[point_of(vertex)]).count();
+    let partner: Vec<i32> = (0..vertices).map(pick).collect();
     Symmetry {
         kind: summary.kind,
-        partner: (0..vertices).map(pick).collect(),
+        coverage: Coverage::of(mesh, &partner),
+        partner,
         surface_point: (0..vertices).map(surface_point).collect(),
         confidence: (0..vertices)
             .map(|v| if answered(v) { map.confidence[point_of(v)] } else { 0.0 })

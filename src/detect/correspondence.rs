@@ -1,6 +1,7 @@
 //! The map as the caller gets it: partner, surface point, confidence, side and fixed curve.
 
 use crate::base::symmetry_kind::SymmetryKind;
+use crate::detect::coverage::Coverage;
 
 /// A point of the surface: barycentric weights over three of the caller's vertices.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -64,4 +65,7 @@ pub struct Symmetry {
     pub mean_confidence: f64,
     /// Share of the vertices whose partner comes from mirrored connectivity, an exact bijection; 0..=1.
     pub exact_share: f64,
+    /// How much of the mesh it speaks of.
+    #[serde(flatten)]
+    pub coverage: Coverage,
 }

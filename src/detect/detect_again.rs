@@ -11,7 +11,8 @@ use crate::base::progress::Progress;
 use crate::base::threads;
 use crate::detect::assembly::mean_over_surface;
 use crate::detect::correspondence::Symmetry;
-use crate::detect::detection::{Clock, Detection, Outcome, Report, verdict};
+use crate::detect::coverage::Coverage;
+use crate::detect::detection::{Clock, Detection, Outcome, Report, conclusion, verdict};
 use crate::detect::driver::{detect, retain_symmetries};
 use crate::detect::judging_mesh::JudgingMesh;
 use crate::detect::shell_symmetry::of_images;
@@ -88,7 +89,7 @@ pub fn detect_again<'a>(
     let mut clock = Clock::start();
     let again = judged(mesh, previous, options, progress, &mut clock)?;
     let seconds = clock.laps;
-    if again.outcome == Outcome::Found {
+    if again.outcome != Outcome::None {
         progress.report("done", 1.0)?;
         return Ok(Detection { report: Report { seconds, ..again.report }, ..again });
     }
@@ -153,7 +154,7 @@ fn keep(
     let (maps, orbits) = threads::join(options.threads, judge, || orbits(&shell.surface, &shell.basis));
     let mut maps = maps?;
     let least = options.plausibility.max(LEAST);
-    let (judged, evidence) = match maps.first() {
+    let (judged, mut evidence) = match maps.first() {
         Some((map, _)) => verdict(Some(map), least),
         None => (None, "it does not map the largest shell onto itself".into()),
     };
@@ -180,7 +181,8 @@ fn keep(
         a.kind.place().cmp(&b.kind.place()).then(doubts).then(a.score.total_cmp(&b.score))
     });
     clock.lap("earlier maps");
-    let outcome = if symmetries.is_empty() { Outcome::None } else { Outcome::Found };
+    let (outcome, doubts) = conclusion(&symmetries, least);
+    evidence += &doubts;
     let report = Report { judged, evidence, kept: true, ..Report::of(mesh) };
     let report = report.with_shell(&shell, &orbits);
     Ok(Detection { outcome, symmetries, report, judging: Some(judging) })
@@ -199,6 +201,7 @@ fn judged_again(mesh: &Mesh, symmetry: &Symmetry, map: &Hypothesis) -> Symmetry 
         score: map.score.total(),
         plausibility: map.judged.plausibility,
         mean_confidence: mean_over_surface(mesh, &confidence),
+        coverage: Coverage::of(mesh, &symmetry.partner),
         ..symmetry.clone()
     }
 }

@@ -8,18 +8,10 @@ use crate::search::sign_network::SignPrediction;
 use crate::spectral::continuous_family::Orbits;
 use crate::verify::acceptance::Judgement;
 use crate::verify::hypothesis::Hypothesis;
+pub use crate::verify::outcome::Outcome;
+use crate::verify::outcome::outcome;
 use std::sync::Arc;
 use std::time::Instant;
-
-/// What was found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Outcome {
-    /// At least one symmetry.
-    Found,
-    /// No map came near to a symmetry; the report holds the evidence.
-    None,
-}
 
 /// Numbers behind the outcome.
 #[derive(Debug, Clone, serde::Serialize)]
@@ -92,7 +84,7 @@ impl Report {
 /// The outcome, the symmetries found (empty if none) and the evidence.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct Detection {
-    /// Found or none.
+    /// Found, doubtful or none: that of the first symmetry.
     pub outcome: Outcome,
     /// At most `options.symmetries`: reflections, best first, then half turns, best first: those of a plausibility of 0.95 or more
     /// by their scores, then the others by their plausibilities; reflections that exchange the sides of a thin sheet come behind those
@@ -130,6 +122,22 @@ fn is_empty(symmetry: &Symmetry) -> bool {
     let paired = symmetry.partner.iter().filter(|&&partner| partner >= 0).count();
     let are_few = 2 * paired < symmetry.partner.len();
     symmetry.mean_confidence < if are_few { LEAST_CONFIDENCE_OF_FEW } else { LEAST_CONFIDENCE }
+}
+
+/// The outcome for whoever asks for `asked` percent of plausibility, and what speaks against the first of the `symmetries`, in words.
+pub(crate) fn conclusion(symmetries: &[Symmetry], asked: usize) -> (Outcome, String) {
+    let Some(best) = symmetries.first() else { return (Outcome::None, String::new()) };
+    let outcome = outcome(best.plausibility, asked, best.mean_confidence);
+    let doubts = match outcome {
+        Outcome::Doubtful if 100.0 * best.plausibility < asked as f64 => {
+            "; its plausibility is below the one asked for: it is given as doubtful".into()
+        }
+        Outcome::Doubtful => {
+            format!("; it is doubtful: its mean confidence over the surface is {:.2}", best.mean_confidence)
+        }
+        Outcome::Found | Outcome::None => String::new(),
+    };
+    (outcome, doubts)
 }
 
 /// How the best map was judged, and that in words.

@@ -10,7 +10,7 @@ use crate::base::threads;
 use crate::connectivity::automorphism::{Automorphism, Connectivity, LengthChange};
 use crate::detect::assembler::{Assembler, Gatherer};
 use crate::detect::correspondence::Symmetry;
-use crate::detect::detection::{Clock, about_family, about_rotations, verdict};
+use crate::detect::detection::{Clock, about_family, about_rotations, conclusion, verdict};
 pub use crate::detect::detection::{Detection, Outcome, Report};
 use crate::detect::filled_holes::FilledShell;
 use crate::detect::finishing::{Finished, finish_best};
@@ -32,6 +32,7 @@ use crate::spectral::sampling::Samples;
 use crate::verify::acceptance::doubt;
 use crate::verify::hypothesis::Hypothesis;
 use crate::verify::hypothesis::exchanges_sheets;
+use crate::verify::outcome::outcome;
 use std::sync::Arc;
 
 /// A reflection that the connectivity alone admits and that is as plausible as this, in percent, needs no search.
@@ -39,6 +40,8 @@ const CERTAIN: usize = 90;
 /// An answer whose plausibility times mean confidence is at least this leaves no doubts. On generated shapes 0.6 gives the same errors
 /// for a fifth less time, but it let a wrong map of remeshed TOSCA pass (`docs/results.md`).
 const SETTLED: f64 = 0.75;
+/// What is asked of the plausibility of a map for which the connectivity or the vertices speak, in percent.
+const ANY: usize = 0;
 /// A wide search whose best map is less plausible than this ends with "none".
 const HOPELESS: f64 = 0.01;
 
@@ -128,7 +131,8 @@ pub fn detect_by(
 impl Detection {
     /// Whether no larger plan needs to be followed.
     fn is_settled(&self) -> bool {
-        self.symmetries.first().is_some_and(|best| best.plausibility * best.mean_confidence >= SETTLED)
+        let is_sure = |best: &Symmetry| best.plausibility * best.mean_confidence >= SETTLED;
+        self.outcome == Outcome::Found && self.symmetries.first().is_some_and(is_sure)
     }
 
     /// Whether a larger plan would find nothing either.
@@ -141,7 +145,7 @@ impl Detection {
         let doubts = |detection: &Detection| {
             detection.symmetries.first().map_or(f64::INFINITY, |best| doubt(best.plausibility))
         };
-        doubts(self) <= doubts(earlier)
+        (self.outcome, doubts(self)) <= (earlier.outcome, doubts(earlier))
     }
 }
 
@@ -203,12 +207,15 @@ impl<'a> Case<'a> {
         }
         let gatherer = self.gatherer(None);
         let symmetry = gatherer.exact(&found, partners, options.threads, progress)?;
-        let evidence = format!(
+        let mut evidence = format!(
             "the connectivity of the largest part admits one reflection, and lengths agree with it: edges and their images differ by {:.1} % in the median",
             100.0 * change.median
         );
+        let symmetries = vec![symmetry];
+        let (outcome, doubts) = conclusion(&symmetries, ANY);
+        evidence += &doubts;
         let report = Report { evidence, ..Report::of(mesh) };
-        Ok(Some(Detection { outcome: Outcome::Found, symmetries: vec![symmetry], report, judging: None }))
+        Ok(Some(Detection { outcome, symmetries, report, judging: None }))
     }
 
     fn gatherer(&self, proxy: Option<&Proxy>) -> Gatherer<'_> {
@@ -293,6 +300,7 @@ impl<'a> Case<'a> {
         let best = maps.first().cloned();
         retain_symmetries(&mut maps, options.plausibility);
         maps.truncate(options.symmetries);
+        let mut asked = options.plausibility;
         if let Some(map) = mirrored {
             evidence += match self.unrivalled.as_ref().is_some_and(Automorphism::has_defects) {
                 true => "; but for a few defects its connectivity admits one reflection",
@@ -300,27 +308,34 @@ impl<'a> Case<'a> {
             };
             if maps.is_empty() {
                 evidence += ", and that is the answer";
+                asked = ANY;
                 maps.push(self.as_reflection(&assembler, map)?);
             }
         }
         // One that is refused, but not by far.
         let nearly = |(map, _): &(Hypothesis, _)| map.judged.accepted(options.plausibility.div_ceil(2));
-        if let Some((map, kind)) = best.filter(nearly).filter(|_| maps.is_empty())
+        if let Some((map, kind)) = best.clone().filter(nearly).filter(|_| maps.is_empty())
             && assembler.mirrors_vertices(&map, kind, options.threads, progress)?
         {
             evidence += "; but vertices are each other's mirror images near it, and that is the answer";
+            asked = ANY;
             maps.push((map, kind));
-        }
-        if solved.orbits.continuous {
-            evidence += about_family(maps.len());
         }
         if options.rotations > 0 {
             evidence += &self.add_rotations(&mut maps, &assembler, plan, solved)?;
             clock.lap("rotations");
         }
+        if maps.is_empty() {
+            let is_given = |map: &Hypothesis| outcome(map.judged.plausibility, asked, 1.0) != Outcome::None;
+            maps.extend(best.filter(|(map, _)| is_given(map)));
+        }
+        if solved.orbits.continuous {
+            evidence += about_family(maps.len());
+        }
         let (symmetries, judging) = self.assembled(&maps, &assembler, solved)?;
         clock.lap("correspondence");
-        let outcome = if symmetries.is_empty() { Outcome::None } else { Outcome::Found };
+        let (outcome, doubts) = conclusion(&symmetries, asked);
+        evidence += &doubts;
         let filled_holes = self.filled.map_or(0, FilledShell::hole_count);
         let signs = solved.signs.clone();
         let report = Report { filled_holes, signs, judged, evidence, ..Report::of(mesh) };

@@ -22,6 +22,7 @@ pub fn json(mesh: &Mesh, detection: &Detection, options: &Options) -> Result<Val
         let entry = &mut report["symmetries"][index];
         entry["order"] = json!(symmetry.kind.order());
         entry["paired_vertices"] = json!(paired);
+        entry["coverage"] = json!(symmetry.coverage.in_words());
         entry["fixed_curve_length"] = json!(curve_length(mesh, &symmetry.fixed_curve));
         entry["fixed_curve_pieces"] = json!(symmetry.fixed_curve.len());
     }

@@ -7,6 +7,7 @@ use super::status::{Fault, ISYM_ERROR_INDEX, ISYM_ERROR_VALUE, Result, boundary,
 use crate::base::options::Options;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::detect::correspondence::{SurfacePoint, Symmetry};
+use crate::detect::coverage::Coverage;
 use crate::detect::detect_again::Previous;
 use crate::detect::driver::{Detection, Outcome, Report};
 use crate::detect::judging_mesh::JudgingMesh;
@@ -33,6 +34,16 @@ pub const ISYM_KIND_HALF_TURN: isym_kind = 1;
 /// `ISYM_ERROR_OPTION`.
 pub const ISYM_KIND_ROTATION: isym_kind = 2;
 
+/// What was found: one of the `ISYM_OUTCOME_` constants.
+pub type isym_outcome = i32;
+/// At least one symmetry.
+pub const ISYM_OUTCOME_FOUND: isym_outcome = 0;
+/// A map is given, and the report's "evidence" says what speaks against it: it is less plausible than was asked for, or its
+/// confidence is low over most of the surface.
+pub const ISYM_OUTCOME_DOUBTFUL: isym_outcome = 1;
+/// No map came near to a symmetry; the report says why.
+pub const ISYM_OUTCOME_NONE: isym_outcome = 2;
+
 /// No such element, in arrays of unsigned indices.
 pub const ISYM_NONE: u32 = 4294967295;
 
@@ -48,6 +59,14 @@ pub struct isym_summary {
     pub mean_confidence: f64,
     /// Share of the vertices whose partner comes from mirrored connectivity, an exact bijection; 0..=1.
     pub exact_share: f64,
+    /// Share of the surface whose vertices have a partner, 0..=1.
+    pub paired_share: f64,
+    /// Shells (connected components) whose mirror image is another shell.
+    pub shells_paired: usize,
+    /// Shells that are their own mirror image.
+    pub shells_self_mirrored: usize,
+    /// Shells without a mirror image.
+    pub shells_alone: usize,
 }
 
 /// Live results.
@@ -59,6 +78,7 @@ pub struct ResultObject {
     pub mesh: Arc<MeshObject>,
     symmetries: Vec<Symmetry>,
     judging: Option<Arc<JudgingMesh>>,
+    outcome: Outcome,
     continuous_family: bool,
     report: CString,
 }
@@ -75,8 +95,8 @@ impl ResultObject {
         // JSON holds no NUL: it escapes them.
         let report = CString::new(format!("{value:#}\n")).unwrap_or_default();
         let continuous_family = detection.report.continuous_family;
-        let Detection { symmetries, judging, .. } = detection;
-        Ok(ResultObject { mesh, symmetries, judging, continuous_family, report })
+        let Detection { outcome, symmetries, judging, .. } = detection;
+        Ok(ResultObject { mesh, symmetries, judging, outcome, continuous_family, report })
     }
 
     /// All that a later detection on the same connectivity starts from.
@@ -92,7 +112,25 @@ impl ResultObject {
     }
 }
 
-/// Reads the number of symmetries that were found; 0 if the mesh has none.
+/// Reads what was found: an `ISYM_OUTCOME_` constant. `ISYM_OUTCOME_FOUND` for a restored result: it was accepted before.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn isym_result_outcome(
+    result: *const isym_result,
+    outcome: *mut isym_outcome,
+) -> isym_status {
+    boundary(|| {
+        let result = RESULTS.get(result)?;
+        // SAFETY: the caller's one promise.
+        unsafe { Output::new(outcome, 1, "outcome") }?.write(&[match result.outcome {
+            Outcome::Found => ISYM_OUTCOME_FOUND,
+            Outcome::Doubtful => ISYM_OUTCOME_DOUBTFUL,
+            Outcome::None => ISYM_OUTCOME_NONE,
+        }]);
+        Ok(())
+    })
+}
+
+/// Reads the number of symmetries that were found, a doubtful one counted; 0 if the mesh has none.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_symmetry_count(
     result: *const isym_result,
@@ -143,6 +181,10 @@ pub unsafe extern "C" fn isym_result_summary(
             score: found.score,
             mean_confidence: found.mean_confidence,
             exact_share: found.exact_share,
+            paired_share: found.coverage.paired_share,
+            shells_paired: found.coverage.shells_paired,
+            shells_self_mirrored: found.coverage.shells_self_mirrored,
+            shells_alone: found.coverage.shells_alone,
         }]);
         Ok(())
     })
@@ -420,7 +462,7 @@ pub unsafe extern "C" fn isym_result_restore(
                 barycentrics: array(barycentrics, product(vertex_count, 3)?, "barycentrics")?,
             }
         };
-        let symmetry = stored.symmetry(kind, mesh.polygons.face_offsets.len() - 1)?;
+        let symmetry = stored.symmetry(kind, &mesh)?;
         let detection = restored(&mesh, symmetry);
         output.write(&[RESULTS.insert(ResultObject::new(mesh, detection, &Options::default())?)]);
         Ok(())
@@ -438,13 +480,15 @@ struct Stored {
 }
 
 impl Stored {
-    fn symmetry(self, kind: isym_kind, faces: usize) -> Result<Symmetry> {
+    fn symmetry(self, kind: isym_kind, mesh: &MeshObject) -> Result<Symmetry> {
+        let faces = mesh.polygons.face_offsets.len() - 1;
         let points = (0..self.partners.len()).map(|vertex| self.point(vertex, faces));
         let surface_point = points.collect::<Result<Vec<_>>>()?;
         let sum: f64 = self.confidences.iter().copied().map(f64::from).sum();
         Ok(Symmetry {
             kind: kind_of(kind)?,
             mean_confidence: sum / self.partners.len().max(1) as f64,
+            coverage: Coverage::of(&mesh.mesh, &self.partners),
             partner: self.partners,
             surface_point,
             confidence: self.confidences,

@@ -44,6 +44,7 @@ static void null_is_an_error(const isym_mesh *mesh, const isym_result *result, i
     FAILS(ISYM_ERROR_NULL, isym_result_partners(result, 0, NULL, 9));
     FAILS(ISYM_ERROR_NULL, isym_result_report(result, NULL, 9));
     FAILS(ISYM_ERROR_NULL, isym_result_continuous_family(result, NULL));
+    FAILS(ISYM_ERROR_NULL, isym_result_outcome(result, NULL));
     FAILS(ISYM_ERROR_NULL, isym_result_mirror_values(result, 0, NULL, SQUARE, 3, NULL, 9));
     FAILS(ISYM_ERROR_NULL, isym_result_free(NULL));
     FAILS(ISYM_ERROR_NULL, isym_eigen_free(NULL));

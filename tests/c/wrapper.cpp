@@ -71,7 +71,9 @@ void normal_use(const isym::Mesh &mesh) {
   });
   const isym::Result result = mesh.detect(options, progress);
   EXPECT(progress.fraction() == 1 && result.symmetry_count() == 1 && result.summary().kind == ISYM_KIND_REFLECTION);
-  EXPECT(!result.continuous_family());
+  EXPECT(!result.continuous_family() && result.outcome() == ISYM_OUTCOME_FOUND);
+  const isym::Result doubtful = mesh.detect(isym::Options().set("plausibility", 100));
+  EXPECT(doubtful.outcome() == ISYM_OUTCOME_DOUBTFUL && doubtful.symmetry_count() == 1);
   const std::size_t n = result.vertex_count();
   const auto partners = result.partners();
   const auto points = result.surface_points();

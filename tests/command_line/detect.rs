@@ -72,6 +72,12 @@ fn every_shell_of_a_character_has_its_partner_shell() {
     let path = example("human_shells.ply");
     let right = share_right(&path, &partners, &truth);
     assert!(right >= 0.99, "{right}");
+    let said = "of 10 shells ";
+    assert!(
+        stdout(&output).contains(said) && stdout(&output).contains(", 0 without a partner"),
+        "{}",
+        stdout(&output)
+    );
     let limits = Limits::default();
     let mesh = Mesh::new(&io::read(&path, &limits).unwrap().polygons, &limits).unwrap();
     let shell = |vertex: usize| mesh.shell_of_point[mesh.point_of_vertex[vertex] as usize];
@@ -92,12 +98,62 @@ fn an_animal_without_mirrored_connectivity_is_paired() {
 }
 
 #[test]
-fn a_blob_without_symmetry_is_answered_none() {
-    let (folder, output) = detect_example("blob", &[]);
+fn a_blob_without_symmetry_is_not_found_to_have_one() {
+    let (_, output) = detect_example("blob", &[]);
+    assert!([DOUBTFUL, NONE].contains(&output.status.code()), "{}", stderr(&output));
+}
+
+/// Triangles of different shapes, none the mirror image of another.
+fn loose_triangles(path: &Path) {
+    let coordinate = |index: usize| (4321.0 * (index as f64).sin()).fract();
+    let mut text = "OFF\n600 200 0\n".to_string();
+    (0..600).for_each(|v| {
+        text += &format!("{} {} {}\n", coordinate(3 * v), coordinate(3 * v + 1), coordinate(3 * v + 2))
+    });
+    (0..200).for_each(|face| text += &format!("3 {} {} {}\n", 3 * face, 3 * face + 1, 3 * face + 2));
+    std::fs::write(path, text).unwrap();
+}
+
+#[test]
+fn loose_triangles_are_answered_none() {
+    let folder = folder("loose");
+    let (mesh, map, report) = (folder.join("loose.off"), folder.join("out.map"), folder.join("out.json"));
+    loose_triangles(&mesh);
+    let output =
+        command().arg("detect").arg(mesh).arg("--map").arg(&map).arg("--json").arg(&report).output().unwrap();
     assert_eq!(output.status.code(), NONE, "{}", stderr(&output));
     assert!(stdout(&output).contains("no symmetry found"), "{}", stdout(&output));
-    assert_eq!(json(&folder.join("out.json"))["outcome"], "none");
-    assert!(numbers(&folder.join("out.map")).iter().all(|&partner| partner == -1));
+    assert_eq!(json(&report)["outcome"], "none");
+    assert!(numbers(&map).iter().all(|&partner| partner == -1));
+}
+
+#[test]
+fn a_doubtful_map_is_written_and_the_summary_says_what_speaks_against_it() {
+    let (folder, output) = detect_example("quadruped", &["--plausibility", "100"]);
+    assert_eq!(output.status.code(), DOUBTFUL, "{}", stderr(&output));
+    assert_eq!(names(&folder), ["out.json", "out.map", "out.ply", "out.png"]);
+    assert_eq!(json(&folder.join("out.json"))["outcome"], "doubtful");
+    assert!(numbers(&folder.join("out.map")).iter().all(|&partner| partner >= 0));
+    for said in ["doubtful: reflection", "100 % of the surface has a partner", "it is given as doubtful"] {
+        assert!(stdout(&output).contains(said), "{}", stdout(&output));
+    }
+}
+
+#[test]
+fn the_worst_of_many_meshes_is_the_exit_status() {
+    let folder = folder("worst");
+    loose_triangles(&folder.join("loose.off"));
+    let status = |inputs: &[&str]| {
+        let mut command = command();
+        command
+            .args(["detect", "--quiet", "--plausibility", "100", "--write", "json", "--output-dir"])
+            .arg(&folder);
+        let place = |name: &&str| if *name == "loose.off" { folder.join(name) } else { example(name) };
+        command.args(inputs.iter().map(place)).output().unwrap().status.code()
+    };
+    assert_eq!(status(&["human.ply", "quadruped.ply"]), DOUBTFUL);
+    assert_eq!(status(&["loose.off", "quadruped.ply"]), NONE);
+    assert_eq!(status(&["quadruped.ply", "no_such.ply"]), FAILED);
 }
 
 #[test]

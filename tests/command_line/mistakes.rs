@@ -37,7 +37,7 @@ fn help_shows_the_shared_table() {
         }
     }
     assert!(
-        help.contains("0 found (or done), 1 no symmetry found, 2 error, 130 interrupted, 141 nobody reads")
+        help.contains("0 found (or done), 3 doubtful (the files are written), 1 no symmetry found, 2 error, 130 interrupted, 141 nobody reads")
     );
 }
 

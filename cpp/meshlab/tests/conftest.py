@@ -50,6 +50,16 @@ def example(name: str) -> pymeshlab.MeshSet:
     return mesh_set(EXAMPLES / f"{name}.ply")
 
 
+def loose_triangles(folder: Path) -> pymeshlab.MeshSet:
+    """Of different shapes, none the mirror image of another."""
+    rng = np.random.default_rng(1)
+    triangles = rng.random((200, 1, 3)) + 0.05 * rng.random((200, 3, 3))
+    vertices = "".join("%r %r %r\n" % tuple(vertex) for vertex in triangles.reshape(-1, 3).tolist())
+    faces = "".join(f"3 {v} {v + 1} {v + 2}\n" for v in range(0, 600, 3))
+    (folder / "loose.off").write_text(f"OFF\n600 200 0\n{vertices}{faces}")
+    return mesh_set(folder / "loose.off")
+
+
 def attributes(mesh: pymeshlab.Mesh, suffix: str = "") -> dict[str, np.ndarray]:
     scalars = ["sym_vertex", "sym_confidence", "sym_side", "sym_face"]
     points = ["sym_corners", "sym_barycentrics"]

@@ -4,7 +4,7 @@
 import numpy as np
 import pymeshlab
 import pytest
-from conftest import COMPUTE, EXAMPLES, CommandLine, attributes, example, mesh_set, vertex_properties
+from conftest import COMPUTE, EXAMPLES, CommandLine, attributes, example, loose_triangles, mesh_set, vertex_properties
 
 
 @pytest.mark.parametrize("name", ["quadruped", "human_shells"])
@@ -25,6 +25,9 @@ def test_everything_equals_the_command_line_to_the_bit(name, tmp_path):
     for key in ("score", "mean_confidence", "exact_share"):
         assert outputs[key] == symmetry[key]
     assert outputs["found"] and outputs["symmetries_found"] == 1 and outputs["is_reflection"]
+    assert not outputs["doubtful"] and outputs["paired_share"] == symmetry["paired_share"]
+    for key in ("shells_paired", "shells_self_mirrored", "shells_alone"):
+        assert outputs[key] == symmetry[key]
     assert 0 < outputs["seconds"] < 600
 
 
@@ -88,13 +91,21 @@ def test_a_box_has_several_symmetries_and_each_has_its_attributes(tmp_path):
         ms.current_mesh().vertex_custom_scalar_attribute_array("sym_vertex_2")
 
 
-def test_no_symmetry_is_an_answer_and_leaves_no_map():
-    ms = example("blob")
+def test_no_symmetry_is_an_answer_and_leaves_no_map(tmp_path):
+    ms = loose_triangles(tmp_path)
     outputs = ms.apply_filter(COMPUTE)
     assert outputs["found"] is False and outputs["symmetries_found"] == 0 and "score" not in outputs
+    assert outputs["doubtful"] is False
     assert not ms.current_mesh().has_vertex_color()
     with pytest.raises(pymeshlab.PyMeshLabException):
         ms.current_mesh().vertex_custom_scalar_attribute_array("sym_vertex")
+
+
+def test_a_doubtful_symmetry_is_called_so_and_its_map_kept():
+    ms = example("quadruped")
+    outputs = ms.apply_filter(COMPUTE, plausibility=100)
+    assert outputs["doubtful"] and not outputs["found"] and outputs["symmetries_found"] == 1
+    assert (attributes(ms.current_mesh())["sym_vertex"] >= 0).all()
 
 
 def test_parameters_are_the_options_of_the_library():

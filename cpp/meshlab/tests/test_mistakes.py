@@ -4,7 +4,7 @@
 import numpy as np
 import pymeshlab
 import pytest
-from conftest import COMPUTE, FILTERS, KEPT_ALIVE, MIRROR, PACKAGE, PLUGIN, SELECT_VERTICES, TOOLS, example
+from conftest import COMPUTE, FILTERS, KEPT_ALIVE, MIRROR, PACKAGE, PLUGIN, SELECT_VERTICES, TOOLS, example, loose_triangles
 
 
 def refused(ms: pymeshlab.MeshSet, name: str, **parameters: object) -> str:
@@ -73,6 +73,6 @@ def test_a_spoilt_map_is_refused(quadruped, name, value):
     assert name in message or "vertex 5 has" in message
 
 
-def test_a_mesh_without_symmetry_is_refused_by_the_tools():
-    ms = example("blob")
+def test_a_mesh_without_symmetry_is_refused_by_the_tools(tmp_path):
+    ms = loose_triangles(tmp_path)
     assert "No symmetry was found" in refused(ms, TOOLS[0])

@@ -5,7 +5,7 @@ Five lines give a map::
     import intrinsym
     mesh = intrinsym.Mesh.read("human.ply")
     found = mesh.detect()
-    if found:
+    if found:                        # found.outcome says whether it is doubtful
         print(found[0].partner)      # (vertices,) the mirror image of each vertex
 
 The same from arrays: ``intrinsym.detect(V, F)``. Everything that the C library can do is here, with numpy
@@ -28,7 +28,7 @@ from .errors import (
 from .mesh import Eigenpairs, Mesh, Polygons, detect, eigen
 from .options import OptionSpec, option_specs
 from .progress import Progress
-from .symmetry import CurveLine, Detection, Merge, SurfacePoints, Symmetry, SymmetryKind
+from .symmetry import CurveLine, Detection, Merge, Outcome, SurfacePoints, Symmetry, SymmetryKind
 
 __version__ = library_version()
 
@@ -49,6 +49,7 @@ __all__ = [
     "ModelError",
     "OptionError",
     "OptionSpec",
+    "Outcome",
     "Polygons",
     "Progress",
     "SurfacePoints",

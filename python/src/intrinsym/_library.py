@@ -25,6 +25,10 @@ class Summary(ctypes.Structure):
         ("score", ctypes.c_double),
         ("mean_confidence", ctypes.c_double),
         ("exact_share", ctypes.c_double),
+        ("paired_share", ctypes.c_double),
+        ("shells_paired", ctypes.c_size_t),
+        ("shells_self_mirrored", ctypes.c_size_t),
+        ("shells_alone", ctypes.c_size_t),
     ]
 
 
@@ -98,6 +102,7 @@ CHECKED: dict[str, list[Any]] = {
     "isym_mesh_detect_again": [_HANDLE, _HANDLE, _HANDLE, _HANDLE, _OUT_HANDLE],
     "isym_mesh_eigen": [_HANDLE, _SIZE, _HANDLE, _OUT_HANDLE],
     "isym_mesh_free": [_HANDLE],
+    "isym_result_outcome": [_HANDLE, ctypes.POINTER(ctypes.c_int32)],
     "isym_result_symmetry_count": [_HANDLE, _OUT_SIZE],
     "isym_result_continuous_family": [_HANDLE, ctypes.POINTER(ctypes.c_uint8)],
     "isym_result_summary": [_HANDLE, _SIZE, ctypes.POINTER(Summary)],

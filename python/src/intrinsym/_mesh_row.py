@@ -55,7 +55,7 @@ def _answer(mesh: Mesh, found: Detection, write: tuple[str, ...]) -> Row:
     judged = found.report["report"]["judged"]
     symmetries = [_symmetry(symmetry) for symmetry in found]
     row = {
-        "outcome": found.report["outcome"],
+        "outcome": found.outcome.value,
         "vertices": mesh.vertex_count,
         "faces": mesh.face_count,
         "plausibility": judged and judged["plausibility"],
@@ -73,7 +73,10 @@ def _symmetry(symmetry: Symmetry) -> Row:
         "kind": symmetry.kind.name.lower(),
         "order": symmetry.order,
         "plausibility": symmetry.plausibility,
-        "share_paired": float(np.mean(symmetry.partner >= 0)),
+        "paired_share": symmetry.paired_share,
+        "shells_paired": symmetry.shells_paired,
+        "shells_self_mirrored": symmetry.shells_self_mirrored,
+        "shells_alone": symmetry.shells_alone,
         "mean_confidence": symmetry.mean_confidence,
         "exact_share": symmetry.exact_share,
         "partner": symmetry.partner,

@@ -6,7 +6,7 @@ import ctypes
 import json
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from enum import IntEnum
+from enum import Enum, IntEnum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +36,18 @@ class SymmetryKind(IntEnum):
     #: :attr:`Symmetry.order` times, three or more. No sides, no fixed curve, no partners on other shells than the largest,
     #: and the tools that mirror refuse it.
     ROTATION = 2
+
+
+class Outcome(str, Enum):
+    """What was found, in the word that the report has for it."""
+
+    #: At least one symmetry.
+    FOUND = "found"
+    #: A map is given, and :attr:`Detection.evidence` says what speaks against it: it is less plausible than was asked for, or
+    #: its confidence is low over most of the surface.
+    DOUBTFUL = "doubtful"
+    #: No map came near to a symmetry.
+    NONE = "none"
 
 
 class Merge(IntEnum):
@@ -168,6 +180,26 @@ class Symmetry:
     def exact_share(self) -> float:
         """Share of the vertices, 0..1, whose partner comes from mirrored connectivity: an exact bijection."""
         return self._summary.exact_share
+
+    @property
+    def paired_share(self) -> float:
+        """Share of the surface, 0..1, whose vertices have a partner."""
+        return self._summary.paired_share
+
+    @property
+    def shells_paired(self) -> int:
+        """Shells (connected components) whose mirror image is another shell."""
+        return self._summary.shells_paired
+
+    @property
+    def shells_self_mirrored(self) -> int:
+        """Shells that are their own mirror image."""
+        return self._summary.shells_self_mirrored
+
+    @property
+    def shells_alone(self) -> int:
+        """Shells without a mirror image."""
+        return self._summary.shells_alone
 
     @cached_property
     def partner(self) -> NDArray[np.int32]:
@@ -332,7 +364,8 @@ def _mirroring(merge: Merge, minimum_confidence: float, weight_by_confidence: bo
 class Detection(Sequence[Symmetry]):
     """The symmetries that were found, the best first; empty, and false, where there are none.
 
-    Finding none is an answer and no error: :attr:`report` says why. It can be pickled, with the mesh, as its symmetries can.
+    Finding none is an answer and no error: :attr:`evidence` says why. A doubtful one is given, too, and counts: see
+    :attr:`outcome`. It can be pickled, with the mesh, as its symmetries can.
     """
 
     def __init__(self, result: Handle, mesh: Mesh) -> None:
@@ -342,7 +375,7 @@ class Detection(Sequence[Symmetry]):
         self._symmetries = [Symmetry(result, index, mesh) for index in range(count.value)]
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in ("_symmetries", "continuous_family", "report")}
+        return {name: getattr(self, name) for name in ("_symmetries", "outcome", "continuous_family", "report")}
 
     @cached_property
     def _result(self) -> Handle | None:
@@ -359,7 +392,19 @@ class Detection(Sequence[Symmetry]):
         return iter(self._symmetries)
 
     def __repr__(self) -> str:
-        return f"<Detection {self._symmetries!r}>"
+        return f"<Detection {self.outcome.value} {self._symmetries!r}>"
+
+    @cached_property
+    def outcome(self) -> Outcome:
+        """Found, doubtful or none; found where the map was restored, since it was accepted before."""
+        outcome = ctypes.c_int32()
+        LIBRARY.isym_result_outcome(self._result.pointer, ctypes.byref(outcome))
+        return list(Outcome)[outcome.value]
+
+    @property
+    def evidence(self) -> str:
+        """One sentence that says why the outcome is what it is."""
+        return self.report["report"]["evidence"]
 
     @cached_property
     def continuous_family(self) -> bool:

@@ -8,7 +8,9 @@ use intrinsym::base::options::{OPTIONS, OptionSpec, Options};
 use intrinsym::picture::Up;
 use std::path::PathBuf;
 
-const EXIT_STATUS: &str = "Exit status: 0 found (or done), 1 no symmetry found, 2 error, 130 interrupted, 141 nobody reads standard output.";
+const EXIT_STATUS: &str = "Exit status: 0 found (or done), 3 doubtful (the files are written), 1 no symmetry found, 2 error, 130 interrupted, \
+     141 nobody reads standard output. Of several meshes the worst counts: 2 if any is an error, else 1 if any has no symmetry, \
+     else 3 if any is doubtful.";
 
 /// Finds the intrinsic mirror symmetry of a surface mesh, whatever its pose.
 #[derive(Debug, Parser)]

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// What is left of a finished job.
 pub struct Finished {
-    /// Found or none.
+    /// Found, doubtful or none.
     pub ending: Ending,
     /// The mesh, for lengths in the caller's unit.
     pub mesh: Mesh,
@@ -38,6 +38,7 @@ pub fn run(path: &Path, outputs: &Outputs, arguments: &Detect, progress: &Progre
     let written = outputs.write(&input, &detection, arguments)?;
     let ending = match detection.outcome {
         Outcome::Found => Ending::Found,
+        Outcome::Doubtful => Ending::Doubtful,
         Outcome::None => Ending::None,
     };
     Ok(Finished { ending, mesh, detection, notes: file.notes, written })

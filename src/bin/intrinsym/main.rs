@@ -1,6 +1,6 @@
 //! Command line of Intrinsym: `detect`, `info` and `eigen`.
 //!
-//! Exit status: 0 found (or done), 1 no symmetry found, 2 error, 130 interrupted, 141 nobody reads standard output.
+//! Exit status: that of the worst [`Ending`] of all meshes.
 
 mod arguments;
 mod detect;
@@ -18,19 +18,35 @@ use arguments::{Arguments, Command};
 use clap::Parser;
 use std::process::ExitCode;
 
-/// How a command ended, as its exit status.
+/// How a command ended, from best to worst.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Ending {
     /// A symmetry was found, or what was asked is done.
-    Found = 0,
+    Found,
+    /// A map was found and written, but something speaks against it.
+    Doubtful,
     /// No symmetry was found.
-    None = 1,
+    None,
     /// Something went wrong; a message on stderr says what.
-    Failed = 2,
+    Failed,
     /// Ctrl-C.
-    Interrupted = 130,
+    Interrupted,
     /// Whoever read stdout went away, as `head` does.
-    Unheard = 141,
+    Unheard,
+}
+
+impl Ending {
+    /// The exit status.
+    fn status(self) -> u8 {
+        match self {
+            Ending::Found => 0,
+            Ending::Doubtful => 3,
+            Ending::None => 1,
+            Ending::Failed => 2,
+            Ending::Interrupted => 130,
+            Ending::Unheard => 141,
+        }
+    }
 }
 
 fn main() -> ExitCode {
@@ -41,5 +57,5 @@ fn main() -> ExitCode {
         Command::Info(info) => info::run(info),
         Command::Eigen(eigen) => eigen::run(eigen, &token),
     };
-    ExitCode::from(ending as u8)
+    ExitCode::from(ending.status())
 }

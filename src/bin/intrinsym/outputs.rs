@@ -7,6 +7,7 @@ use intrinsym::base::atomic_file::write_atomically;
 use intrinsym::base::error::Result;
 use intrinsym::base::symmetry_kind::SymmetryKind;
 use intrinsym::detect::correspondence::Symmetry;
+use intrinsym::detect::coverage::Coverage;
 use intrinsym::detect::driver::Detection;
 use intrinsym::mesh::Mesh;
 use intrinsym::mesh::io::{self, AttributeValues, MeshFile, VertexAttribute};
@@ -196,6 +197,7 @@ fn no_symmetry(vertices: usize) -> Symmetry {
         plausibility: 0.0,
         mean_confidence: 0.0,
         exact_share: 0.0,
+        coverage: Coverage::default(),
     }
 }
 

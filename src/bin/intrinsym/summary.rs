@@ -1,7 +1,7 @@
 //! What stdout shows: a few lines that a person can read.
 
 use intrinsym::base::symmetry_kind::SymmetryKind;
-use intrinsym::detect::driver::Detection;
+use intrinsym::detect::driver::{Detection, Outcome};
 use intrinsym::detect::report::curve_length;
 use intrinsym::mesh::{Mesh, RepairReport};
 use std::fmt::Write;
@@ -17,6 +17,7 @@ pub fn detection(input: &Path, mesh: &Mesh, detection: &Detection) -> String {
         report.faces,
         counted(report.shells, "shell")
     );
+    let outcome = if detection.outcome == Outcome::Doubtful { "doubtful" } else { "found" };
     for (index, symmetry) in detection.symmetries.iter().enumerate() {
         let kind = kind_name(symmetry.kind);
         let number = if index == 0 { String::new() } else { format!(" {}", index + 1) };
@@ -24,7 +25,7 @@ pub fn detection(input: &Path, mesh: &Mesh, detection: &Detection) -> String {
         let family = if report.continuous_family { ", one of a continuous family" } else { "" };
         let _ = writeln!(
             text,
-            "  found{number}: {kind}{family}, {partners} of {} vertices paired",
+            "  {outcome}{number}: {kind}{family}, {partners} of {} vertices paired",
             report.vertices
         );
         let _ = writeln!(
@@ -33,6 +34,7 @@ pub fn detection(input: &Path, mesh: &Mesh, detection: &Detection) -> String {
             symmetry.mean_confidence,
             100.0 * symmetry.exact_share
         );
+        let _ = writeln!(text, "    {}", symmetry.coverage.in_words());
         if symmetry.kind == SymmetryKind::Reflection {
             let length = curve_length(mesh, &symmetry.fixed_curve);
             let pieces = counted(symmetry.fixed_curve.len(), "piece");
@@ -115,14 +117,23 @@ pub fn one_line(input: &Path, detection: &Detection) -> String {
         (None, None) => "none".to_string(),
         (None, Some(judged)) => format!("none (best map: plausibility {:.0} %)", 100.0 * judged.plausibility),
         (Some(best), _) => format!(
-            "{}{}, mean confidence {:.2}, exact {:.0} %",
+            "{}{}{}, mean confidence {:.2}, exact {:.0} %, partners on {:.0} % of the surface",
+            doubts(detection.outcome, best.plausibility),
             kind_name(best.kind),
             if detection.report.continuous_family { " of a continuous family" } else { "" },
             best.mean_confidence,
-            100.0 * best.exact_share
+            100.0 * best.exact_share,
+            100.0 * best.coverage.paired_share
         ),
     };
     format!("{}: {outcome}, {seconds:.2} s\n", input.display())
+}
+
+fn doubts(outcome: Outcome, plausibility: f64) -> String {
+    match outcome {
+        Outcome::Doubtful => format!("doubtful (plausibility {:.0} %): ", 100.0 * plausibility),
+        Outcome::Found | Outcome::None => String::new(),
+    }
 }
 
 fn kind_name(kind: SymmetryKind) -> String {

@@ -25,7 +25,10 @@ _SYMMETRY = [
     ("kind", pa.string()),
     ("order", pa.int32()),
     ("plausibility", pa.float64()),
-    ("share_paired", pa.float64()),
+    ("paired_share", pa.float64()),
+    ("shells_paired", pa.int64()),
+    ("shells_self_mirrored", pa.int64()),
+    ("shells_alone", pa.int64()),
     ("mean_confidence", pa.float64()),
     ("exact_share", pa.float64()),
 ]
@@ -37,14 +40,14 @@ SCHEMA = pa.schema(
         ("path", pa.string()),
         #: SHA-256 of the file's bytes, in hexadecimal; null where it cannot be read.
         ("content_hash", pa.string()),
-        #: What the report of :class:`intrinsym.Detection` says, such as "found" or "none"; or "error".
+        #: That of :class:`intrinsym.Detection`: "found", "doubtful" or "none"; or "error".
         ("outcome", pa.string()),
         ("vertices", pa.int64()),
         ("faces", pa.int64()),
         ("continuous_family", pa.bool_()),
         #: How many were found.
         ("symmetries", pa.int32()),
-        #: Of the best one; the plausibility also where it was not accepted.
+        #: Of the best one; the plausibility also where there is none.
         *_SYMMETRY,
         *_ARRAYS,
         #: The second and later symmetries, where more than one was asked for.

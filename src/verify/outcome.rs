@@ -1,0 +1,52 @@
+//! What is answered about a mesh: that it has a symmetry, that a map is doubtful, or that there is none.
+
+/// A map of at least this share of the plausibility that is asked for is given as doubtful; one of less is not given at all.
+const GIVEN: f64 = 0.1;
+/// A map of less mean confidence over the surface is doubtful, however plausible it is.
+const CONFIDENT: f64 = 0.5;
+
+/// What was found, the best first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// At least one symmetry.
+    Found,
+    /// A map is given, but the report says what speaks against it.
+    Doubtful,
+    /// No map came near to a symmetry; the report holds the evidence.
+    None,
+}
+
+/// The outcome of a best map of this `plausibility` and `mean_confidence`, each 0..=1, for whoever asks for `asked` percent of plausibility.
+pub fn outcome(plausibility: f64, asked: usize, mean_confidence: f64) -> Outcome {
+    let needed = asked as f64;
+    match 100.0 * plausibility {
+        percent if percent < GIVEN * needed => Outcome::None,
+        percent if percent < needed || mean_confidence < CONFIDENT => Outcome::Doubtful,
+        _ => Outcome::Found,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plausibility_tells_found_from_doubtful_and_from_none() {
+        let of = |plausibility| outcome(plausibility, 50, 0.9);
+        assert_eq!([of(0.5), of(0.49), of(0.05), of(0.04)].map(|outcome| outcome as usize), [0, 1, 1, 2]);
+    }
+
+    #[test]
+    fn a_map_without_confidence_is_doubtful_at_best() {
+        assert_eq!(outcome(0.97, 50, 0.49), Outcome::Doubtful);
+        assert_eq!(outcome(0.04, 50, 0.49), Outcome::None);
+        assert_eq!(outcome(0.97, 50, 0.5), Outcome::Found);
+    }
+
+    #[test]
+    fn whoever_takes_any_map_is_told_of_its_confidence_alone() {
+        assert_eq!(outcome(0.0, 0, 0.9), Outcome::Found);
+        assert_eq!(outcome(0.0, 0, 0.1), Outcome::Doubtful);
+    }
+}
