@@ -25,7 +25,7 @@ def bird(assembly: Assembly, number: int) -> None:
         assembly.bone_pair(name, start, end, [radius, 0.85 * radius], parent)
     for name, axis, low, high in (("arm", Y, -0.6, 0.6), ("forearm", Z, -0.2, 0.7), ("hand", Z, -0.6, 0.2), ("thigh", X, -0.5, 0.7), ("shin", X, -0.5, 0.5), ("neck", X, -0.3, 0.4), ("head", Z, -0.8, 0.8), ("tail", X, -0.3, 0.3), ("foot", X, -0.3, 0.3)):
         assembly.turn(name, axis, low, high)
-    segments(assembly)
+    segments(assembly, moulded=0.0)
     assembly.add("upper beak", Lathe(np.array([[0, 0.35, 0.605], [0, 0.4, 0.6], [0, 0.43, 0.575]]), [[0.02, 0.016], [0.014, 0.012], [0.004, 0.004]], 10, 12, 4.0, 2.0, 0.1, Z), "head")
     assembly.add("lower beak", Lathe(np.array([[0, 0.35, 0.59], [0, 0.41, 0.575]]), [[0.016, 0.01], [0.005, 0.004]], 8, 10, 4.0, 2.0, 0.1, Z), "head")
     assembly.add_pair("eye", ball([0.042, 0.3, 0.605], 0.011), "head")

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from training.damage import Sample, flip_edges
 from training.implicit import rest_mesh
 from training.posing import rotation
-from training.skeleton import Skeleton, unit
+from training.skeleton import MIRROR, Skeleton, unit
 
 from .assembly import Assembly
 from .shells import FRONT, X, Y, Z, Cut, Lathe, Sheet, ball, block, disc
@@ -41,8 +42,61 @@ def human(assembly: Assembly, fingers: bool) -> None:
     assembly.turns["pelvis"] = rotation(unit(rng.normal(size=3)), rng.uniform(0, 0.6))
 
 
-def segments(assembly: Assembly, gap: tuple[float, float] = (-0.07, 0.07), section: float = 2.0, ends: float = 3.5, skip=()) -> None:
-    """Each bone as a closed body of its own; at each joint they overlap, touch (every third) or leave a gap."""
+class Body:
+    """One smooth surface around bones: rows of (start, end, first radius, last radius). It is its own mirror image if `middle`."""
+
+    def __init__(self, bones, cell: float, middle: bool = True):
+        self.skeleton, self.cell, self.middle = Skeleton(), cell, middle
+        for start, end, first, last in bones:
+            self.skeleton.add(start, end, first, last, -1)
+
+    def made(self, cut: Cut) -> tuple[np.ndarray, np.ndarray]:
+        """Vertices and triangles; remeshed, each is sampled on a grid of its own."""
+        own = cut.style == "remeshed"
+        rng = cut.rng if own else np.random.default_rng(0)
+        vertices, faces = rest_mesh(self.skeleton, self.cell / np.sqrt(cut.detail), 0.014, self.middle and not own, rng)
+        if cut.style == "recut":
+            faces = flip_edges(cut.rng, Sample(vertices, vertices, faces), 0.3).faces
+        return vertices, faces
+
+
+def body_of(assembly: Assembly, cell: float, thicker: float = 1.0, names=None) -> Body:
+    """The bones of a figure, or some of them, as one surface."""
+    bones = assembly.skeleton
+    chosen = [assembly.bones[name] for name in names or assembly.bones]
+    return Body([(bones.start[k], bones.end[k], thicker * bones.start_radius[k], thicker * bones.end_radius[k]) for k in chosen], cell)
+
+
+# Lumps of the moulded parts: (start, end, first radius, last radius), those beside the middle of a middle part on both sides.
+MOULDS = {
+    "pelvis": [([0, 0, 0.53], [0, 0, 0.58], 0.07, 0.07), ([0.05, 0.01, 0.5], [0.055, 0, 0.53], 0.045, 0.05), ([0.04, -0.05, 0.52], [0.04, -0.04, 0.55], 0.04, 0.035)],
+    "chest": [([0, 0, 0.7], [0, -0.01, 0.79], 0.07, 0.06), ([0.02, -0.01, 0.8], [0.1, 0, 0.79], 0.032, 0.03), ([0.04, 0.055, 0.74], [0.045, 0.06, 0.73], 0.03, 0.03), ([0.05, -0.05, 0.75], [0.04, -0.05, 0.7], 0.03, 0.025)],
+    "head": [([0, -0.02, 0.94], [0, 0.0, 0.95], 0.058, 0.055), ([0, 0.035, 0.91], [0, 0.045, 0.895], 0.034, 0.026), ([0, 0.06, 0.94], [0, 0.07, 0.925], 0.022, 0.022), ([0.055, -0.01, 0.94], [0.06, -0.02, 0.95], 0.022, 0.022)],
+    "hand": [([0.265, 0.02, 0.52], [0.283, 0.03, 0.485], 0.022, 0.025), ([0.283, 0.03, 0.485], [0.3, 0.03, 0.44], 0.023, 0.022), ([0.272, 0.045, 0.505], [0.27, 0.07, 0.475], 0.022, 0.022)],
+    "foot": [([0.075, -0.025, 0.03], [0.085, 0.05, 0.026], 0.03, 0.026), ([0.085, 0.05, 0.025], [0.092, 0.1, 0.02], 0.027, 0.022), ([0.075, -0.02, 0.03], [0.075, -0.012, 0.06], 0.028, 0.026)],
+    "thigh": [([0.06, 0, 0.46], [0.07, 0.01, 0.3], 0.05, 0.035), ([0.075, 0.02, 0.42], [0.075, 0.03, 0.35], 0.035, 0.03), ([0.07, 0.02, 0.29], [0.07, 0.022, 0.28], 0.033, 0.03)],
+    "shin": [([0.07, 0.01, 0.25], [0.075, -0.01, 0.09], 0.028, 0.022), ([0.073, -0.022, 0.22], [0.075, -0.025, 0.16], 0.028, 0.024)],
+}  # fmt: skip
+
+
+def mould(assembly: Assembly, bones) -> None:
+    """Parts shaped like a body's, on these bones: no two of their sides are alike but those that the plane mirrors."""
+    for bone in bones:
+        middle = bone in assembly.bones
+        lumps = [(np.array(start), np.array(end), *assembly.rng.uniform(0.95, 1.1, 2) * radii) for start, end, *radii in MOULDS[bone]]
+        if middle:
+            lumps += [(start * MIRROR, end * MIRROR, *radii) for start, end, *radii in lumps if start[0] > 0]
+        size = max(np.ptp([end for lump in lumps for end in lump[:2]], axis=0).max(), 0.1)
+        (assembly.add if middle else assembly.add_pair)(bone, Body(lumps, 0.1 * size + 0.004, middle), bone)
+
+
+def segments(assembly: Assembly, gap: tuple[float, float] = (-0.07, 0.07), section: float = 2.0, ends: float = 3.5, skip=(), moulded: float = 0.65) -> None:
+    """Each bone as a closed body of its own; at each joint they overlap, touch (every third) or leave a gap. Some figures are
+    moulded, the others' limbs turned on a lathe."""
+    if assembly.rng.random() < moulded:
+        bones = [name for name in MOULDS if name not in skip]
+        mould(assembly, bones)
+        skip = (*skip, *bones)
     for name, index in assembly.bones.items():
         if name.startswith("right ") or name.removeprefix("left ") in skip:
             continue
@@ -117,7 +171,7 @@ def armour(assembly: Assembly, number: int) -> None:
 def robot(assembly: Assembly, number: int) -> None:
     """Some thirty blocks and discs that touch."""
     human(assembly, fingers=number % 2 == 1)
-    segments(assembly, gap=(0.0, 0.0), section=5.0, ends=9.0, skip=("neck",))
+    segments(assembly, gap=(0.0, 0.0), section=5.0, ends=9.0, skip=("neck",), moulded=0.0)
     middle = assembly.middle
     for joint, axis in (("thigh", X), ("shin", X), ("arm", X), ("forearm", X + 0.3 * Y)):
         radius = assembly.skeleton.start_radius[assembly.bones["left " + joint]]
@@ -133,25 +187,10 @@ def robot(assembly: Assembly, number: int) -> None:
     assembly.add_pair("nozzle", Lathe(middle("chest", 0.2) + np.array([[0.035, -0.14, 0], [0.035, -0.15, -0.06]]), [0.012, 0.022], 6, 12, 8.0), "chest")
 
 
-class Body:
-    """One smooth surface around bones."""
-
-    def __init__(self, skeleton: Skeleton, cell: float, thicker: float = 1.0, bones=None):
-        chosen = range(len(skeleton.start)) if bones is None else bones
-        self.skeleton, self.cell = Skeleton(), cell
-        for k in chosen:
-            radii = skeleton.start_radius[k] * thicker, skeleton.end_radius[k] * thicker
-            self.skeleton.add(skeleton.start[k], skeleton.end[k], *radii, -1, skeleton.side[k])
-
-    def made(self, cut: Cut) -> tuple[np.ndarray, np.ndarray]:
-        """Vertices and triangles; only `same` has a vertex at every mirror image."""
-        return rest_mesh(self.skeleton, self.cell, 0.014, cut.style == "same", cut.rng)
-
-
 def dressed(assembly: Assembly, number: int) -> None:
     """A body with eyes in two layers, teeth, lashes, hair cards, a shirt and shoes."""
     human(assembly, fingers=number % 2 == 0)
-    assembly.add("body", Body(assembly.skeleton, 0.0155), None)
+    assembly.add("body", body_of(assembly, 0.0155), None)
     head, wide = assembly.middle("head"), assembly.skeleton.start_radius[assembly.bones["head"]]
     eye = head + [0.026, 0.82 * wide, 0.012]
     assembly.add_pair("eye", ball(eye, 0.013, 6, 10, Y), "head")
@@ -167,8 +206,8 @@ def dressed(assembly: Assembly, number: int) -> None:
             assembly.add_pair(f"tooth {row} {k}", ball(at, [0.003 + 0.0004 * k, 0.002 + 0.0004 * k, abs(drop)], 4, 8), "head")
     hair(assembly, head, wide, sides=2, rows=8 + number)
     if number % 2 == 0:
-        trunk = [assembly.bones[name] for name in ("belly", "chest", "left arm", "right arm")]
-        assembly.add("shirt", Body(assembly.skeleton, 0.019, 1.18, trunk), None)
+        trunk = ("belly", "chest", "left arm", "right arm")
+        assembly.add("shirt", body_of(assembly, 0.019, 1.18, trunk), None)
     foot = assembly.middle("left foot")
     assembly.add_pair("shoe", Lathe(foot + np.array([[-0.01, -0.085, 0.004], [0.012, 0.08, -0.004]]), [[0.036, 0.036], [0.04, 0.036], [0.034, 0.024]], 12, 16, 4.0, 3.0, 0.1, Z), "foot")
     assembly.add_pair("sole", Lathe(foot + np.array([[-0.01, -0.085, -0.032], [0.012, 0.08, -0.032]]), [[0.036, 0.008], [0.042, 0.008], [0.036, 0.008]], 10, 12, 6.0, 3.0, 0.0, Z), "foot")
@@ -210,7 +249,7 @@ def half_hair(assembly: Assembly, number: int) -> None:
     """Hair on one side only: cards, or one large mass."""
     human(assembly, fingers=False)
     if number % 2:
-        assembly.add("body", Body(assembly.skeleton, 0.0165), None)
+        assembly.add("body", body_of(assembly, 0.0165), None)
     else:
         segments(assembly)
     face(assembly)
