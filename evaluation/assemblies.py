@@ -171,7 +171,7 @@ def judge(partners: np.ndarray, faces: np.ndarray, truth: dict) -> dict:
     by_shell = np.bincount(shell[faces[:, 0]], areas, len(twin))
     judged, known, none = ~np.isnan(true[:, 0]), partner >= 0, partner == -1
     states = [state_of(partners[shell == number], shell, twin[number]) for number in range(len(twin)) if twin[number] >= 0]
-    own = [number for number in range(len(twin)) if twin[number] not in (-1, number) and most(partners[shell == number], shell) == number]
+    own = [number for number in range(len(twin)) if twin[number] >= 0 and twin[number] != number and most(partners[shell == number], shell) == number]
     return {
         "vertices": len(rest), "shells": len(twin), "largest": round(float(by_shell.max() / areas.sum()), 3),
         "paired": share(partners[judged] >= 0), "near": near_share(partners, rest, true, areas.sum()),
@@ -211,7 +211,7 @@ def plane_partners(vertices: np.ndarray) -> np.ndarray:
     """The nearest vertex to each one's image in the best mirror plane of the input: what a single plane achieves."""
     rng = np.random.default_rng(0)
     sample = vertices[rng.permutation(len(vertices))[:1000]]
-    tree, centre = cKDTree(vertices), vertices.mean(0)
+    tree, centre, far = cKDTree(vertices), vertices.mean(0), 0.02 * np.linalg.norm(np.ptp(vertices, axis=0))
     best, plane = np.inf, None
     for normal in [*np.linalg.svd(sample - centre, full_matrices=False)[2], *rng.normal(size=(24, 3))]:
         normal, offset = normal / np.linalg.norm(normal), None
@@ -221,7 +221,7 @@ def plane_partners(vertices: np.ndarray) -> np.ndarray:
             distance, nearest = tree.query(images)
             kept = distance <= np.quantile(distance, 0.8)
             normal, offset = fitted_plane(sample[kept], vertices[nearest[kept]])
-        if (cost := np.minimum(distance, np.median(distance) * 4).mean()) < best:
+        if (cost := np.minimum(distance, far).mean()) < best:
             best, plane = cost, (normal, offset)
     normal, offset = plane
     return tree.query(vertices - 2 * (vertices @ normal - offset)[:, None] * normal)[1]
