@@ -213,7 +213,7 @@ def plane_partners(vertices: np.ndarray) -> np.ndarray:
     sample = vertices[rng.permutation(len(vertices))[:1000]]
     tree, centre, far = cKDTree(vertices), vertices.mean(0), 0.02 * np.linalg.norm(np.ptp(vertices, axis=0))
     best, plane = np.inf, None
-    for normal in [*np.linalg.svd(sample - centre, full_matrices=False)[2], *rng.normal(size=(24, 3))]:
+    for normal in [*np.linalg.svd(vertices - centre, full_matrices=False)[2], *rng.normal(size=(40, 3))]:
         normal, offset = normal / np.linalg.norm(normal), None
         for _ in range(20):
             offset = normal @ centre if offset is None else offset
