@@ -1,5 +1,5 @@
 # Measuring: the published benchmark, generated shapes, damage, and the fits made from generated shapes. Included by Makefile.
-.PHONY: evaluate evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed evaluate-watertight evaluate-family evaluate-symmetries evaluate-ray ablate
+.PHONY: evaluate evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed evaluate-watertight evaluate-family evaluate-symmetries evaluate-assemblies evaluate-ray ablate
 
 EVALUATE_PYTHON = $(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m
 EVALUATE_DATE ?= $(shell date +%Y-%m-%d)
@@ -62,6 +62,12 @@ evaluate-family: train-setup ## Measure the test for a continuous family (EVALUA
 evaluate-symmetries: train-setup ## Measure how many symmetries of solids are listed, and how many listed ones are none
 	cargo build --release --locked --bin intrinsym
 	$(EVALUATE_PYTHON) evaluation.several_symmetries --work $(EVALUATE_DATA)/symmetries
+
+evaluate-assemblies: train-setup ## Measure generated characters, furniture and vehicles of many shells (EVALUATE_ASSEMBLIES: others with truth)
+	cargo build --release --locked --bin intrinsym
+	$(if $(EVALUATE_ASSEMBLIES),,$(EVALUATE_PYTHON) evaluation.assemblies --write $(EVALUATE_DATA)/assemblies)
+	$(EVALUATE_PYTHON) evaluation.assemblies --judge $(or $(EVALUATE_ASSEMBLIES),$(EVALUATE_DATA)/assemblies) --out $(if $(EVALUATE_ASSEMBLIES),out,docs/results)/$(EVALUATE_DATE)-assemblies.json
+	$(EVALUATE_PYTHON) evaluation.pages
 
 evaluate-ray: ray-setup train-setup ## Ten thousand small meshes through two nodes of Ray, killed twice and resumed: rows, overhead
 	$(RAY_VENV)/bin/python -m evaluation.many_meshes --out docs/results/$(EVALUATE_DATE)-ray.json --work $(EVALUATE_DATA)/ray

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from . import ablate_tables, many_meshes_tables, princeton_tables, remeshed, robustness_tables, synthetic_tables, watertight
+from . import ablate_tables, assemblies, many_meshes_tables, princeton_tables, remeshed, robustness_tables, synthetic_tables, watertight
 from .markdown import filled
 
 ROOT = Path(__file__).parent.parent
@@ -18,6 +18,7 @@ PARTS = {
     "remeshed": ("remeshed", remeshed.report),
     "synthetic": ("synthetic", synthetic_tables.report),
     "watertight": ("watertight", watertight.report),
+    "assemblies": ("assemblies", assemblies.report),
     "robustness": ("robustness", robustness_tables.report),
     "ablation": ("ablation", ablate_tables.report),
     "ray": ("ray", many_meshes_tables.report),
