@@ -9,3 +9,4 @@ pub mod sampling;
 pub mod signature;
 pub mod sparse_cholesky;
 pub mod symmetric_sparse;
+pub mod twin_parts;

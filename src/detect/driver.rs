@@ -25,6 +25,7 @@ use crate::mesh::{Mesh, NONE, Shell};
 use crate::search::candidates::GAP;
 use crate::search::sign_network::SignPrediction;
 use crate::search::twin_starts::TwinDistances;
+use crate::spectral::twin_parts::TwinParts;
 use crate::spectral::continuous_family::{Orbits, orbits};
 use crate::spectral::eigenbasis::{Accuracy, Eigenbasis};
 use crate::spectral::laplacian::IntrinsicSurface;
@@ -232,10 +233,11 @@ impl<'a> Case<'a> {
         let solved = proxy.as_ref().map_or(largest, |proxy| &proxy.shell);
         let needed = estimated_memory(mesh.positions.len(), solved.points.len(), plan.eigenfunctions);
         check_memory(needed, options.memory)?;
-        let surface = match self.mechanisms.curvature {
+        let mut surface = match self.mechanisms.curvature {
             true => IntrinsicSurface::with_mean_curvature(solved),
             false => IntrinsicSurface::new(solved),
         };
+        surface.parts = self.parts(solved);
         clock.lap("laplacian");
         let basis = Eigenbasis::new(&surface, plan.eigenfunctions, options.threads, progress)?;
         clock.lap("eigenfunctions");
@@ -248,30 +250,39 @@ impl<'a> Case<'a> {
         };
         let (samples, (orbits, signs)) = threads::join(
             options.threads,
-            || Samples::farthest(&basis, plan.samples),
+            || Samples::farthest(&basis, plan.samples).with_parts(surface.parts.as_ref()),
             || (orbits(&surface, &basis), signs(&surface, &basis, options, &known)),
         );
         clock.lap("samples, signs");
-        let twins = self.twin_distances(solved, &surface, &samples);
+        let twins = TwinDistances::new(&surface, &samples);
         let shell = PreparedShell { surface, basis, samples };
         Ok(Solved { twins, plan: plan.clone(), proxy, shell, signs: signs?, orbits })
     }
 
-    /// Distances from joined shells to the samples.
-    fn twin_distances(
-        &self,
-        solved: &Shell,
-        surface: &IntrinsicSurface,
-        samples: &Samples,
-    ) -> Option<TwinDistances> {
-        let mut parts = vec![Vec::new(); self.twins.len()];
-        let place = |shell: u32| self.twins.iter().position(|&[own, _]| own == shell);
-        for (vertex, &point) in solved.points.iter().enumerate().filter(|(_, point)| **point != NONE) {
-            let part = place(self.mesh.shell_of_point[point as usize])?;
-            parts[part].push(vertex as u32);
+    /// The joined shell that each vertex of the solved one lies on, and its likely twin; what fills a hole goes with what is beside it.
+    fn parts(&self, solved: &Shell) -> Option<TwinParts> {
+        if self.twins.is_empty() {
+            return None;
         }
-        let twins: Vec<usize> = self.twins.iter().filter_map(|&[_, twin]| place(twin)).collect();
-        (!parts.is_empty()).then(|| TwinDistances::new(surface, &samples.vertices, &parts, &twins))
+        let mut part_of = vec![NONE; solved.points.len()];
+        for (part, &point) in part_of.iter_mut().zip(&solved.points).filter(|(_, point)| **point != NONE) {
+            let shell = self.mesh.shell_of_point[point as usize];
+            *part = self.place(shell).expect("a joined shell");
+        }
+        for triangle in &solved.triangles {
+            let known = triangle.iter().map(|&corner| part_of[corner as usize]).find(|&part| part != NONE);
+            for &corner in triangle.iter().filter(|_| known.is_some()) {
+                let part = &mut part_of[corner as usize];
+                *part = if *part == NONE { known.unwrap_or(0) } else { *part };
+            }
+        }
+        let twin = |part: &u32| self.place(self.twins[*part as usize][1]).expect("a joined shell") as u8;
+        Some(TwinParts { twin: part_of.iter().map(twin).collect(), own: part_of.iter().map(|&part| part as u8).collect() })
+    }
+
+    /// Where a shell stands among the joined ones.
+    fn place(&self, shell: u32) -> Option<u32> {
+        self.twins.iter().position(|&[own, _]| own == shell).map(|place| place as u32)
     }
 
     /// Follows a plan.

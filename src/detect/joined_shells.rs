@@ -16,7 +16,7 @@ use std::collections::HashSet;
 /// A largest shell with at least this share of the area speaks for the whole mesh.
 const MAJORITY: f64 = 0.6;
 /// Smaller shells, by their share of the area, are carried along.
-const LEAST: f64 = 0.01;
+const LEAST: f64 = 0.001;
 /// Most shells that are joined.
 const MOST: usize = 64;
 /// Distance of the places on surfaces that are compared, in sqrt(area).

@@ -9,20 +9,22 @@ use crate::mesh::vector::{Vector, cross, dot};
 use crate::mesh::{Mesh, NONE, Shell};
 
 /// What speaks for two shells of one connectivity and size, how much more if it tells their points apart, and for two of one size alone.
-const SAME_CONNECTIVITY: f64 = 2.5;
-const DISTINCT: f64 = 2.4;
-const SAME_SIZE: f64 = 3.1;
+const SAME_CONNECTIVITY: f64 = 3.2;
+const DISTINCT: f64 = 0.7;
+const SAME_SIZE: f64 = 2.1;
 /// What speaks for a shell that is its own image, and how much less if another is of its size, and of its connectivity, which tells its points apart.
-const ITSELF: f64 = 2.9;
-const LESS_BESIDE_SIZE: f64 = 0.3;
-const LESS_BESIDE_TWIN: f64 = 2.7;
+const ITSELF: f64 = 1.1;
+const LESS_BESIDE_SIZE: f64 = 0.25;
+const LESS_BESIDE_TWIN: f64 = 2.3;
 /// Natural logarithms of ratios of two shells' lengths by area, by volume and by extent at which these count as one size by 1 / e.
-const TOLERANCES: [f64; 3] = [0.028, 0.042, 0.084];
+const TOLERANCES: [f64; 3] = [0.04, 0.06, 0.12];
+/// How much more two shells may differ, in all, whose connectivity is the same and tells their points apart.
+const LOOSE: f64 = 1.0;
 /// A change of a distance, in sqrt(area), from which on two pairs exclude each other, and what speaks against a pair that excludes all others.
-const APART: f64 = 0.12;
-const EXCLUDED: f64 = 4.5;
+const APART: f64 = 0.1;
+const EXCLUDED: f64 = 3.2;
 /// Distance, in sqrt(area), at which another shell says 1 / e of what one nearby does.
-const NEARBY: f64 = 0.3;
+const NEARBY: f64 = 0.45;
 
 /// The likely twin of each shell, itself, or [`NONE`]. `distances` are those of shells, row by row. O(shells^3) a change, as many as shells.
 pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64]) -> Vec<u32> {
@@ -42,14 +44,16 @@ pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64]) -> Vec<u32> {
 /// What speaks for each pair of shells, row by row.
 fn evidence(signatures: &[Signature], sizes: &[[f64; 3]]) -> Vec<f64> {
     let count = sizes.len();
-    let alike = |a: usize, b: usize| {
-        let ratio = |k: usize| (sizes[a][k] / sizes[b][k]).ln() / TOLERANCES[k];
-        (-(0..3).map(|k| ratio(k).powi(2)).sum::<f64>()).exp()
-    };
-    let twin = |a: usize, b: usize| match signatures[a].hash == signatures[b].hash {
-        true => alike(a, b) * signatures[a].distinct,
+    let distinct = |a: usize, b: usize| match signatures[a].hash == signatures[b].hash {
+        true => signatures[a].distinct,
         false => 0.0,
     };
+    let alike = |a: usize, b: usize| {
+        let ratio = |k: usize| (sizes[a][k] / sizes[b][k]).ln() / TOLERANCES[k];
+        let apart = (0..3).map(|k| ratio(k).powi(2)).sum::<f64>();
+        (-apart / (1.0 + LOOSE * distinct(a, b)).powi(2)).exp()
+    };
+    let twin = |a: usize, b: usize| alike(a, b) * distinct(a, b);
     let most = |a: usize, of: &dyn Fn(usize, usize) -> f64| {
         (0..count).filter(|&b| b != a).map(|b| of(a, b)).fold(0.0, f64::max)
     };

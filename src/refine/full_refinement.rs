@@ -98,7 +98,7 @@ impl<'a> MatchTarget<'a> {
         let weighted = |(point, mass): (&TrianglePoint, &f64)| {
             (self.corners(point), point.barycentric.map(|weight| weight * *mass as f32))
         };
-        let columns = self.rows.columns(size, Guide::Eigenfunctions);
+        let columns = self.rows.function_columns(size);
         let points = images.iter().zip(&self.surface.lumped_mass).map(weighted);
         let pulled = self.rows.combined(points, columns, self.threads);
         let (from, onto) = (self.rows.functions(size), pulled.functions(size));

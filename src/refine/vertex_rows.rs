@@ -4,6 +4,7 @@ use crate::base::threads;
 use crate::geometry::embedded_triangles::TriangleProducts;
 use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
+use crate::spectral::twin_parts::{CODE, code};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 use pulp::{Arch, Simd, WithSimd};
@@ -29,6 +30,10 @@ pub struct VertexRows {
     values: Vec<f32>,
     width: usize,
     curvature_columns: usize,
+    /// Columns before those of the eigenfunctions: curvature, then the coordinates of parts.
+    leading: usize,
+    /// The part of each row's image, where there are parts.
+    twins: Vec<u8>,
     arch: Arch,
 }
 
@@ -36,10 +41,17 @@ impl VertexRows {
     /// The rows of all vertices. O(vertices x eigenfunctions).
     pub fn new(surface: &IntrinsicSurface, basis: &Eigenbasis) -> VertexRows {
         let (curvature, functions) = (&surface.mean_curvature, &basis.eigenfunctions);
-        let mut rows = VertexRows::zero(functions.nrows(), curvature.len(), functions.ncols());
+        let codes = if surface.parts.is_some() { CODE } else { 0 };
+        let mut rows = VertexRows::zero(functions.nrows(), curvature.len(), codes, functions.ncols());
         for (row, vertex) in rows.values.chunks_exact_mut(rows.width.max(1)).zip(0..) {
             for (value, column) in row.iter_mut().zip(curvature) {
                 *value = (CURVATURE_WEIGHT * column[vertex]) as f32;
+            }
+        }
+        if let Some(parts) = &surface.parts {
+            rows.twins.clone_from(&parts.twin);
+            for (row, &part) in rows.values.chunks_exact_mut(rows.width.max(1)).zip(&parts.own) {
+                row[curvature.len()..rows.leading].copy_from_slice(&code(part));
             }
         }
         // By blocks of rows, which stay in the cache while the columns are read one after the other.
@@ -48,16 +60,18 @@ impl VertexRows {
             for j in 0..functions.ncols() {
                 let column = &functions.col_as_slice(j)[block * BLOCK..];
                 for (row, value) in rows_of_block.chunks_exact_mut(rows.width).zip(column) {
-                    row[curvature.len() + j] = *value as f32;
+                    row[curvature.len() + codes + j] = *value as f32;
                 }
             }
         }
         rows
     }
 
-    fn zero(count: usize, curvature_columns: usize, functions: usize) -> VertexRows {
-        let width = curvature_columns + functions;
-        VertexRows { values: vec![0.0; count * width], width, curvature_columns, arch: Arch::new() }
+    fn zero(count: usize, curvature_columns: usize, codes: usize, functions: usize) -> VertexRows {
+        let leading = curvature_columns + codes;
+        let width = leading + functions;
+        let values = vec![0.0; count * width];
+        VertexRows { values, width, curvature_columns, leading, twins: Vec::new(), arch: Arch::new() }
     }
 
     /// At each of `points` (three rows and their weights) the weighted sum of the rows, of which only `columns`; on at
@@ -69,9 +83,10 @@ impl VertexRows {
         threads: usize,
     ) -> VertexRows {
         let points: Vec<_> = points.collect();
-        let curvature_columns = self.curvature_columns.clamp(columns.start, columns.end) - columns.start;
+        let [curvature, leading] = [self.curvature_columns, self.leading]
+            .map(|before| before.clamp(columns.start, columns.end) - columns.start);
         let mut combined =
-            VertexRows::zero(points.len(), curvature_columns, columns.len() - curvature_columns);
+            VertexRows::zero(points.len(), curvature, leading - curvature, columns.len() - leading);
         combined.fill(threads, |range, out| {
             let (points, columns) = (&points[range], columns.clone());
             self.arch.dispatch(WeightedSums { rows: self, points, columns, out });
@@ -82,16 +97,19 @@ impl VertexRows {
     /// The same points with their eigenfunctions under `map` (size x size): `functions * map`; on at most `threads`
     /// threads.
     pub fn mapped(&self, map: &Mat<f64>, threads: usize) -> VertexRows {
-        let (curvature, size) = (self.curvature_columns, map.ncols());
-        let mut mapped = VertexRows::zero(self.count(), curvature, size);
+        let (curvature, leading, size) = (self.curvature_columns, self.leading, map.ncols());
+        let mut mapped = VertexRows::zero(self.count(), curvature, leading - curvature, size);
         let width = mapped.width;
         let map = Mat::from_fn(map.nrows(), size, |i, j| map[(i, j)] as f32);
         mapped.fill(threads, |range, out| {
             for (out, row) in out.chunks_exact_mut(width.max(1)).zip(range.clone()) {
                 out[..curvature].copy_from_slice(&self.row(row)[..curvature]);
+                if let Some(&twin) = self.twins.get(row) {
+                    out[curvature..leading].copy_from_slice(&code(twin));
+                }
             }
             let from = self.functions(map.nrows()).subrows(range.start, range.len());
-            let out = MatMut::from_row_major_slice_mut(out, range.len(), width).subcols_mut(curvature, size);
+            let out = MatMut::from_row_major_slice_mut(out, range.len(), width).subcols_mut(leading, size);
             matmul(out, Accum::Replace, from, map.as_ref(), 1.0, Par::Seq);
         });
         mapped
@@ -120,13 +138,18 @@ impl VertexRows {
     /// The leading `size` eigenfunctions: points x size.
     pub fn functions(&self, size: usize) -> MatRef<'_, f32> {
         MatRef::from_row_major_slice(&self.values, self.count(), self.width)
-            .subcols(self.curvature_columns, size)
+            .subcols(self.leading, size)
     }
 
-    /// Where the leading `size` eigenfunctions, and the curvature if it guides, stand in a row.
+    /// Where the leading `size` eigenfunctions stand in a row.
+    pub fn function_columns(&self, size: usize) -> Range<usize> {
+        self.leading..self.leading + size
+    }
+
+    /// Where they and the parts, and the curvature if it guides, stand in a row.
     pub fn columns(&self, size: usize, guide: Guide) -> Range<usize> {
         let first = if guide == Guide::MeanCurvature { 0 } else { self.curvature_columns };
-        first..self.curvature_columns + size
+        first..self.leading + size
     }
 
     /// One row.
@@ -250,7 +273,7 @@ mod tests {
         for width in 1..70 {
             let value = |i: usize| ((i * 37) % 11) as f32 - 5.0;
             let values: Vec<f32> = (0..2 * width).map(value).collect();
-            let rows = VertexRows { values, width, curvature_columns: 0, arch: Arch::new() };
+            let rows = VertexRows { values, width, curvature_columns: 0, leading: 0, twins: Vec::new(), arch: Arch::new() };
             for first in 0..width.min(3) {
                 let expected: f32 = (first..width).map(|j| (value(j) - value(width + j)).powi(2)).sum();
                 assert_eq!(rows.distance(0, &rows, 1, &(first..width)), expected, "{first}..{width}");

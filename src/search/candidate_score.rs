@@ -9,7 +9,7 @@
 use crate::base::error::Result;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::search::functional_map::{Projection, commutator, mean_trace};
-use crate::search::refinement::{SampleRefiner, nearest};
+use crate::search::refinement::{SampleRefiner, beside, nearest};
 use crate::spectral::dense::product;
 use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
@@ -18,13 +18,15 @@ use faer::{ColRef, Mat};
 
 /// Eigenfunctions that the orientation and disagreement terms look at.
 pub const ORIENTATION_FUNCTIONS: usize = 12;
+/// The same of a surface with parts: its first functions hardly vary inside parts.
+const ORIENTATION_FUNCTIONS_OF_PARTS: usize = 24;
 /// A pair of functions whose operator hardly varies, as two that depend on the height alone on a surface of revolution, is
 /// weighed as if it varied by this share of the mean of all pairs.
 const LEAST_VARIANCE: f64 = 1e-4;
 /// Samples that move less than this share of the embedding's radius count as fixed.
 const FIXED_RADIUS: f64 = 0.15;
-/// Orientation correlations from minus this to this say neither reflection nor half turn.
-const ORIENTED: f64 = 0.3;
+/// Orientation correlations from minus this to this say neither reflection nor half turn; where parts keep to their twins, any does.
+const UNSIDED: f64 = 0.3;
 /// Weight of the parities that a map contradicts.
 const DISAGREEMENT_WEIGHT: f64 = 4.0;
 /// Times that images are sought when a map is turned over.
@@ -45,6 +47,8 @@ pub struct Score {
     pub disagreement: f64,
     /// Mean trace of the map: 1 for the identity.
     pub trace: f64,
+    /// Orientations from minus this to this say nothing.
+    pub unsided: f64,
 }
 
 impl Score {
@@ -61,8 +65,8 @@ impl Score {
     /// A shell that cannot be oriented gives no evidence (exactly 0) and passes as a reflection.
     pub fn kind(&self) -> Option<SymmetryKind> {
         match self.orientation {
-            o if o < -ORIENTED || o == 0.0 => Some(SymmetryKind::Reflection),
-            o if o > ORIENTED => Some(SymmetryKind::HalfTurn),
+            o if o < -self.unsided || o == 0.0 => Some(SymmetryKind::Reflection),
+            o if o > self.unsided => Some(SymmetryKind::HalfTurn),
             _ => None,
         }
     }
@@ -130,6 +134,7 @@ impl<'a> Scorer<'a> {
             fixed: self.fixed_share(partners),
             disagreement: self.disagreement(&free),
             trace: mean_trace(map),
+            unsided: if self.refiner.samples.parts.is_some() { 0.0 } else { UNSIDED },
         })
     }
 
@@ -184,7 +189,8 @@ struct OrientationOperator {
 
 impl OrientationOperator {
     fn new(surface: &IntrinsicSurface, basis: &Eigenbasis, samples: &Samples) -> OrientationOperator {
-        let functions = basis.count().min(ORIENTATION_FUNCTIONS);
+        let most = if surface.parts.is_some() { ORIENTATION_FUNCTIONS_OF_PARTS } else { ORIENTATION_FUNCTIONS };
+        let functions = basis.count().min(most);
         let pairs = functions * functions.saturating_sub(1) / 2;
         let mut sample_of_vertex = vec![u32::MAX; surface.vertex_count()];
         for (sample, &vertex) in samples.vertices.iter().enumerate() {
@@ -245,7 +251,13 @@ impl OrientationOperator {
         };
         let queries = joined(&|i, j| mapped[(i, j)], &|i, pair| -pulled[(i, pair)]);
         let targets = joined(&|i, j| rows[(i, j)], &|i, pair| self.values[(i, pair)]);
-        nearest(queries.as_ref(), targets.as_ref())
+        match &refiner.samples.parts {
+            None => nearest(queries.as_ref(), targets.as_ref()),
+            Some(parts) => nearest(
+                beside(&parts.twin, queries.as_ref()).as_ref(),
+                beside(&parts.own, targets.as_ref()).as_ref(),
+            ),
+        }
     }
 
     /// What the operators J of functions `phi` are to be multiplied by for those of `phi C`, which are `C^T J C`: the
@@ -271,9 +283,9 @@ fn pair_index(a: usize, b: usize, functions: usize) -> usize {
 
 fn add_wedges(row: &mut [f64], basis: &Eigenbasis, triangle: &[u32; 3], functions: usize) {
     let value = |corner: usize, j: usize| basis.eigenfunctions[(triangle[corner] as usize, j)];
-    let first: [f64; ORIENTATION_FUNCTIONS] =
+    let first: [f64; ORIENTATION_FUNCTIONS_OF_PARTS] =
         std::array::from_fn(|j| if j < functions { value(1, j) - value(0, j) } else { 0.0 });
-    let second: [f64; ORIENTATION_FUNCTIONS] =
+    let second: [f64; ORIENTATION_FUNCTIONS_OF_PARTS] =
         std::array::from_fn(|j| if j < functions { value(2, j) - value(0, j) } else { 0.0 });
     let mut pair = 0;
     for a in 0..functions {

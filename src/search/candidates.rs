@@ -74,8 +74,8 @@ pub fn find(
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
     let (samples, eigenvalues, token) = (refiner.samples, scorer.eigenvalues, progress.token());
-    let mut starts = twins.map_or(Ok(Vec::new()), |twins| twins.starts(refiner))?;
-    starts.extend(propose_signs(signs).into_iter().take(search.network_starts));
+    let mut starts = propose_signs(signs);
+    starts.truncate(search.network_starts);
     // Without a network the beam search stands alone.
     let beam_width = if starts.is_empty() { search.beam_width.max(LEAST_BEAM) } else { search.beam_width };
     let few = if beam_width > 0 { usize::MAX } else { FEW };
@@ -90,7 +90,7 @@ pub fn find(
     }
     progress.report("candidates", 0.45)?;
     let seen = Mutex::default();
-    let mut candidates: Vec<Candidate> = Vec::new();
+    let mut candidates = of_twins(refiner, scorer, twins, &seen)?;
     for starts in starts.chunks(few) {
         let tried = threads::map(options.threads, starts.iter().collect(), |start| {
             token.check()?;
@@ -112,6 +112,28 @@ pub fn find(
     });
     if std::env::var("DBG").is_ok() { eprintln!("signs {:?}", signs.iter().map(|s| (s.logit*10.0).round()/10.0).collect::<Vec<_>>()); eprintln!("ev {:?} orientable {}", scorer.eigenvalues.iter().take(12).map(|s| (s*10.0).round()/10.0).collect::<Vec<_>>(), surface.orientable); for c in candidates.iter().take(6) { eprintln!("total {:.2} {:?}", c.score.total(), c.score); } }
     Ok(candidates)
+}
+
+/// Maps by parts that are likely twins; each also turned over, unless it is a reflection.
+fn of_twins(
+    refiner: &SampleRefiner,
+    scorer: &Scorer,
+    twins: Option<&TwinDistances>,
+    seen: &Mutex<HashSet<Passage>>,
+) -> Result<Vec<Candidate>> {
+    let mut found = Vec::new();
+    for start in twins.map_or(Ok(Vec::new()), |twins| twins.starts(refiner))? {
+        let Some(candidate) = try_start(refiner, scorer, &start, Projection::Involution, seen)? else { continue };
+        if candidate.score.kind() != Some(SymmetryKind::Reflection)
+            && let Some((map, partners)) = scorer.turned_over(&candidate.map)?
+        {
+            let score = scorer.score_of(&map, &partners)?;
+            found.push(Candidate { map, partners, score, doubts: Vec::new() });
+        }
+        found.push(candidate);
+    }
+    if std::env::var("DBG").is_ok() { for c in &found { eprintln!("twin start {:.2} {:?}", c.score.total(), c.score); } }
+    Ok(found)
 }
 
 /// Whether no more of the network's starts need be tried.
@@ -285,7 +307,7 @@ mod tests {
     use super::*;
 
     fn candidate(partners: Vec<u32>, commutator: f64) -> Candidate {
-        let score = Score { commutator, orientation: -1.0, fixed: 0.0, disagreement: 0.0, trace: 0.0 };
+        let score = Score { commutator, orientation: -1.0, fixed: 0.0, disagreement: 0.0, trace: 0.0, unsided: 0.3 };
         Candidate { map: Mat::zeros(1, 1), partners, score, doubts: Vec::new() }
     }
 
@@ -304,7 +326,7 @@ mod tests {
 
     #[test]
     fn better_candidates_doubt_a_map_only_where_one_is_sought() {
-        let samples = Samples { vertices: vec![0, 1], rows: Mat::from_fn(2, 1, |i, _| i as f64) };
+        let samples = Samples { vertices: vec![0, 1], rows: Mat::from_fn(2, 1, |i, _| i as f64), parts: None };
         let candidates = [candidate(vec![1, 0], 0.01), candidate(vec![0, 1], 0.011)];
         let doubts_of_second = |of_all| distinct(&candidates, &samples, &[1.0], 2, of_all)[1].doubts.clone();
         assert_eq!(doubts_of_second(false), [0.0; 2]);

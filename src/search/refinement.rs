@@ -8,6 +8,7 @@ use crate::base::error::Result;
 use crate::search::functional_map::{self, Projection};
 use crate::spectral::dense::product;
 use crate::spectral::sampling::Samples;
+use crate::spectral::twin_parts::{CODE, code};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par, Side};
 use pulp::{Arch, Simd, WithSimd};
@@ -30,7 +31,10 @@ impl<'a> SampleRefiner<'a> {
         let gram = product(rows.transpose(), rows);
         let single = Mat::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] as f32);
         let lower = gram.llt(Side::Lower).ok().map(|factor| factor.L().to_owned());
-        let packed = PackedRows::new(single.as_ref());
+        let packed = match &samples.parts {
+            None => PackedRows::new(single.as_ref()),
+            Some(parts) => PackedRows::new(beside(&parts.own, single.as_ref()).as_ref()),
+        };
         SampleRefiner { samples, gram, lower, single, packed }
     }
 
@@ -38,7 +42,10 @@ impl<'a> SampleRefiner<'a> {
     pub fn partners(&self, map: &Mat<f64>) -> Vec<u32> {
         let size = map.nrows();
         let rows = self.single.subcols(0, size);
-        let (images, norms) = (embed(rows, map), half_squared_norms(rows));
+        let (mut images, norms) = (embed(rows, map), half_squared_norms(rows));
+        if let Some(parts) = &self.samples.parts {
+            images = beside(&parts.twin, images.as_ref());
+        }
         Arch::new().dispatch(Nearest { queries: images.as_ref(), targets: &self.packed, norms: &norms })
     }
 
@@ -65,6 +72,14 @@ impl<'a> SampleRefiner<'a> {
         }
         Ok(map)
     }
+}
+
+/// Rows with the coordinates of parts before their own.
+pub fn beside(parts: &[u8], rows: MatRef<f32>) -> Mat<f32> {
+    Mat::from_fn(rows.nrows(), CODE + rows.ncols(), |i, j| match j.checked_sub(CODE) {
+        Some(j) => rows[(i, j)],
+        None => code(parts[i])[j],
+    })
 }
 
 /// `rows * map` in single precision.

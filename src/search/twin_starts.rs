@@ -8,10 +8,12 @@ use crate::geometry::shortest_paths::EdgeLengths;
 use crate::search::functional_map::Projection;
 use crate::search::refinement::{SampleRefiner, nearest};
 use crate::spectral::laplacian::IntrinsicSurface;
+use crate::spectral::sampling::Samples;
+use crate::spectral::twin_parts::TwinParts;
 use faer::Mat;
 
 /// Sizes of the starts.
-const SIZES: [usize; 3] = [8, 12, 24];
+const SIZES: [usize; 2] = [12, 30];
 
 /// Distances of samples from parts, and from their twins in the same order.
 pub struct TwinDistances {
@@ -20,15 +22,22 @@ pub struct TwinDistances {
 }
 
 impl TwinDistances {
-    /// `parts` are vertices of each part, `twins` the index of each one's twin. O(parts x vertices log vertices).
-    pub fn new(surface: &IntrinsicSurface, samples: &[u32], parts: &[Vec<u32>], twins: &[usize]) -> TwinDistances {
+    /// `None` of a surface without parts. O(parts x vertices log vertices).
+    pub fn new(surface: &IntrinsicSurface, samples: &Samples) -> Option<TwinDistances> {
+        let TwinParts { own, twin } = surface.parts.as_ref()?;
         let edges = EdgeLengths::new(surface.vertex_count(), &surface.triangles, &surface.edge_lengths);
-        let from: Vec<Vec<f64>> = parts.iter().map(|part| edges.distances(part)).collect();
-        let at = |i: usize, part: usize| from[part][samples[i] as usize].sqrt() as f32;
-        TwinDistances {
-            own: Mat::from_fn(samples.len(), parts.len(), at),
-            twins: Mat::from_fn(samples.len(), parts.len(), |i, part| at(i, twins[part])),
+        let count = own.iter().max().map_or(0, |&last| usize::from(last) + 1);
+        let (mut members, mut twins) = (vec![Vec::new(); count], vec![0; count]);
+        for (vertex, (&part, &twin)) in (0..).zip(own.iter().zip(twin)) {
+            members[usize::from(part)].push(vertex);
+            twins[usize::from(part)] = usize::from(twin);
         }
+        let from: Vec<Vec<f64>> = members.iter().map(|part| edges.distances(part)).collect();
+        let at = |i: usize, part: usize| from[part][samples.vertices[i] as usize].sqrt() as f32;
+        Some(TwinDistances {
+            own: Mat::from_fn(samples.len(), count, at),
+            twins: Mat::from_fn(samples.len(), count, |i, part| at(i, twins[part])),
+        })
     }
 
     /// Functional maps of some sizes.

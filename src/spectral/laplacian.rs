@@ -13,6 +13,7 @@ use crate::base::error::Result;
 use crate::mesh::Shell;
 use crate::spectral::sparse_cholesky::Analysis;
 pub use crate::spectral::symmetric_sparse::SymmetricSparse;
+use crate::spectral::twin_parts::TwinParts;
 use std::sync::{Arc, OnceLock};
 
 /// Relative slack of the mollified triangle inequalities, in mean edge lengths.
@@ -36,6 +37,8 @@ pub struct IntrinsicSurface {
     ///
     /// Each column has mean 0; the squares of all columns together have mean 1. All else here is intrinsic.
     pub mean_curvature: Vec<Vec<f64>>,
+    /// Parts that go to each other; `None` of a surface of one piece.
+    pub parts: Option<TwinParts>,
     /// Whether "clockwise" means the same on the whole shell.
     pub orientable: bool,
     /// Made when it is first asked for.
@@ -65,6 +68,7 @@ impl IntrinsicSurface {
             triangles: shell.triangles.clone(),
             edge_lengths,
             mean_curvature: Vec::new(),
+            parts: None,
             stiffness,
             lumped_mass,
             orientable: shell.orientable,

@@ -5,6 +5,7 @@
 //! on the pose. Each prefix of the samples is itself a farthest-point sampling.
 
 use crate::spectral::eigenbasis::Eigenbasis;
+use crate::spectral::twin_parts::TwinParts;
 use faer::Mat;
 
 /// Coordinates of the embedding that spreads the samples.
@@ -19,6 +20,8 @@ pub struct Samples {
     pub vertices: Vec<u32>,
     /// samples x count: the eigenfunctions at the samples.
     pub rows: Mat<f64>,
+    /// Their parts, where the surface has parts.
+    pub parts: Option<TwinParts>,
 }
 
 impl Samples {
@@ -37,7 +40,12 @@ impl Samples {
     pub fn at(basis: &Eigenbasis, vertices: Vec<u32>) -> Samples {
         let functions = &basis.eigenfunctions;
         let rows = Mat::from_fn(vertices.len(), basis.count(), |i, j| functions[(vertices[i] as usize, j)]);
-        Samples { vertices, rows }
+        Samples { vertices, rows, parts: None }
+    }
+
+    /// The same of a surface with parts.
+    pub fn with_parts(self, parts: Option<&TwinParts>) -> Samples {
+        Samples { parts: parts.map(|parts| parts.at(&self.vertices)), ..self }
     }
 
     /// Number of samples.
@@ -54,7 +62,9 @@ impl Samples {
     pub fn prefix(&self, count: usize) -> Samples {
         let count = count.min(self.len());
         let rows = self.rows.subrows(0, count).to_owned();
-        Samples { vertices: self.vertices[..count].to_vec(), rows }
+        let all: Vec<u32> = (0..count as u32).collect();
+        let parts = self.parts.as_ref().map(|parts| parts.at(&all));
+        Samples { vertices: self.vertices[..count].to_vec(), rows, parts }
     }
 }
 

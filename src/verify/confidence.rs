@@ -6,7 +6,7 @@
 //! are fitted on generated shapes with known truth (`docs/method.md`).
 
 use crate::refine::full_refinement::MatchTarget;
-use crate::refine::vertex_rows::{Guide, VertexRows};
+use crate::refine::vertex_rows::VertexRows;
 use crate::spectral::laplacian::IntrinsicSurface;
 use crate::verify::hypothesis::Hypothesis;
 use std::collections::VecDeque;
@@ -35,7 +35,7 @@ impl Evidence {
     /// Gathers the evidence of a shell's map onto itself, which is the identity after `order` times.
     /// O(order x vertices x eigenfunctions).
     pub fn new(target: &MatchTarget, found: &Hypothesis, order: usize) -> Evidence {
-        let columns = target.rows.columns(found.map.nrows(), Guide::Eigenfunctions);
+        let columns = target.rows.function_columns(found.map.nrows());
         let images = target.rows_at(&target.rows, &found.images.points);
         let mut back = target.rows_at(&images, &found.images.points);
         for _ in 2..order {
