@@ -5,6 +5,7 @@
 
 use crate::base::error::Result;
 use crate::base::progress::Progress;
+use crate::connectivity::automorphism::shell_signatures;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
@@ -12,6 +13,8 @@ use crate::mesh::{Mesh, Shell};
 use crate::refine::rigid_parts::Carrier;
 use crate::search::refinement::nearest;
 use faer::Mat;
+use pathfinding::matrix::Matrix;
+use pathfinding::prelude::kuhn_munkres_min;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use std::collections::BTreeMap;
@@ -24,6 +27,8 @@ const FARTHEST: f32 = 0.06;
 const LEAST_TRUST: f32 = 0.65;
 /// Natural logarithm of the largest ratio of two partners' areas.
 const AREA_TOLERANCE: f64 = 0.3;
+/// Most shells that are assigned together.
+const MOST_TOGETHER: usize = 300;
 /// Rounds in which a shell is shifted onto its partner.
 const SHIFTING_ROUNDS: usize = 5;
 
@@ -70,7 +75,7 @@ pub fn find(
 ) -> Result<Vec<Option<Companion>>> {
     let places = Places::new(mesh, shells, anchors, primary);
     let mut companions: Vec<Option<Companion>> = shells.iter().map(|_| None).collect();
-    for (first, second, mismatch) in pair_shells(shells, &places, primary.index) {
+    for (first, second, mismatch) in pair_shells(mesh, shells, &places, primary.index) {
         progress.report("other shells", 0.95)?;
         for (source, target) in [(first, second), (second, first)] {
             if companions[source].is_none() {
@@ -126,7 +131,7 @@ impl Alike {
     /// Shells looked at in each tree: of them about a half are of the size that is wanted.
     const LOOKS: usize = 64;
     /// Shells tried as partners of one.
-    const TRIED: usize = 4;
+    const TRIED: usize = 8;
 
     fn new(shells: &[Shell], middles: &[Vector], others: impl Iterator<Item = usize>) -> Alike {
         let sizes: Vec<f64> = shells.iter().map(|shell| shell.area().max(f64::MIN_POSITIVE).ln()).collect();
@@ -158,29 +163,99 @@ impl Alike {
     }
 }
 
-/// Pairs of shells (equal where a shell mirrors onto itself) with their mismatch, best first.
-fn pair_shells(shells: &[Shell], places: &Places, primary: usize) -> Vec<(usize, usize, f32)> {
+/// Pairs of shells (equal where a shell mirrors onto itself) with their mismatch.
+///
+/// Of lashes, feathers or teeth in a row all are assigned together: if each took what is nearest, a map that is off by half their distance would send each to its twin's
+/// neighbour; but then one has nobody left at each end of the row.
+fn pair_shells(
+    mesh: &Mesh,
+    shells: &[Shell],
+    places: &Places,
+    primary: usize,
+) -> Vec<(usize, usize, f32)> {
     let middles = |of: &[Vec<Vector>]| -> Vec<Vector> { of.iter().map(|points| mean(points)).collect() };
     let (mirrored, own) = (middles(&places.mirrored), middles(&places.own));
     let others = (0..shells.len()).filter(|&shell| shell != primary);
     let alike = Alike::new(shells, &own, others.clone());
-    let mut options = Vec::new();
+    let signatures = shell_signatures(mesh);
+    let signature = |shell: usize| {
+        signatures[mesh.shell_of_point[shells[shell].points[0] as usize] as usize].hash
+    };
+    let mut options: BTreeMap<(usize, usize), f32> = BTreeMap::new();
     for source in others {
-        for target in alike.nearest(source, mirrored[source]) {
+        let near: Vec<usize> = alike.nearest(source, mirrored[source]).collect();
+        // One that is its own image has no other of its connectivity nearby.
+        let same = |&&target: &&usize| signature(target) == signature(source);
+        let any_other = near.iter().filter(same).any(|&target| target != source);
+        for &target in near.iter().filter(|target| !any_other || same(target)) {
             let both = 0.5 * (places.mismatch(source, target) + places.mismatch(target, source));
-            options.push((both, source.min(target), source.max(target)));
+            if both < FARTHEST {
+                options.insert((source.min(target), source.max(target)), both);
+            }
         }
     }
-    options.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-    let mut taken = vec![false; shells.len()];
+    involution(&options)
+}
+
+/// The involution whose pairs are of least mismatch in all, squared, where a shell without a partner counts as the farthest: by swarms, the shells that
+/// [`pair_shells`] may pair with each other, directly or over others.
+fn involution(options: &BTreeMap<(usize, usize), f32>) -> Vec<(usize, usize, f32)> {
+    let last = options.keys().map(|&(_, second)| second + 1).max().unwrap_or(0);
+    let mut swarm_of: Vec<usize> = (0..last).collect();
+    for &(first, second) in options.keys() {
+        let (from, to) = (swarm_of[first], swarm_of[second]);
+        if from != to {
+            swarm_of.iter_mut().filter(|swarm| **swarm == from).for_each(|swarm| *swarm = to);
+        }
+    }
+    let mut swarms: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    options.keys().flat_map(|&(first, second)| [first, second]).for_each(|shell| swarms.entry(swarm_of[shell]).or_default().push(shell));
     let mut pairs = Vec::new();
-    for (mismatch, first, second) in options {
-        if mismatch < FARTHEST && !taken[first] && !taken[second] {
+    let mut left: Vec<(f32, usize, usize)> = Vec::new();
+    for mut swarm in swarms.into_values() {
+        swarm.sort_unstable();
+        swarm.dedup();
+        let within = |&a: &usize, &b: &usize| options.get(&(a.min(b), a.max(b))).copied();
+        let mut free = vec![true; swarm.len()];
+        if swarm.len() <= MOST_TOGETHER {
+            let partners = assigned(swarm.len(), |i, j| within(&swarm[i], &swarm[j]));
+            for (i, &j) in partners.iter().enumerate().filter(|(i, j)| **j < swarm.len() && *i <= **j) {
+                if partners[j] == i
+                    && let Some(mismatch) = within(&swarm[i], &swarm[j])
+                {
+                    (free[i], free[j]) = (false, false);
+                    pairs.push((swarm[i], swarm[j], mismatch));
+                }
+            }
+        }
+        let free: Vec<usize> = swarm.iter().zip(free).filter(|(_, free)| *free).map(|(shell, _)| *shell).collect();
+        for (place, first) in free.iter().enumerate() {
+            left.extend(free[place..].iter().filter_map(|second| Some((within(first, second)?, *first, *second))));
+        }
+    }
+    // What was sent around in a ring, the best first.
+    left.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let mut taken = vec![false; last];
+    for (mismatch, first, second) in left {
+        if !taken[first] && !taken[second] {
             (taken[first], taken[second]) = (true, true);
             pairs.push((first, second, mismatch));
         }
     }
+    pairs.sort_by(|a, b| a.2.total_cmp(&b.2).then((a.0, a.1).cmp(&(b.0, b.1))));
     pairs
+}
+
+/// For each of `count` its partner, or a number from `count` on if it has none (H. W. Kuhn, "The Hungarian method for the assignment problem", 1955). O(count^3).
+fn assigned(count: usize, mismatch: impl Fn(usize, usize) -> Option<f32>) -> Vec<usize> {
+    let square = |mismatch: f32| (1e9 * f64::from(mismatch).powi(2)) as i64;
+    let farthest = square(FARTHEST);
+    let cost = |(i, j): (usize, usize)| match j < count {
+        true => mismatch(i, j).map_or(4 * farthest, square),
+        false => farthest,
+    };
+    let costs = Matrix::from_fn(count, 2 * count, cost);
+    kuhn_munkres_min(&costs).1
 }
 
 /// Images of the points of `source` on `target`: the nearest points to where they should be, once the two shells lie over each other.
