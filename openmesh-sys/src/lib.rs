@@ -1,17 +1,19 @@
-//! The only bridge to C++: half-edge connectivity built by OpenMesh (see `cpp/openmesh`).
+//! Half-edge connectivity of polygon meshes, built by OpenMesh (see `cpp/`).
 //!
-//! Every bridged function returns `Result`, because a C++ exception terminates the process elsewhere.
-//! Callers use [`crate::mesh::half_edges::HalfEdges`], which prepares the input so that OpenMesh
-//! refuses nothing (a refusal would print to standard error).
-#![allow(unsafe_code)]
+//! OpenMesh is found by pkg-config, or in the folder that the environment variable `OPENMESH_DIR` names, or built from the
+//! source that `OPENMESH_SOURCE` names. Every bridged function returns `Result`, because a C++ exception terminates the process
+//! elsewhere.
+#![allow(unsafe_code)] // The bridge is one of the two places that may.
 
-use crate::base::error::{Error, Result};
-use crate::mesh::NONE;
+pub use cxx::Exception;
+
+/// No face, or no half-edge.
+pub const NONE: u32 = u32::MAX;
 
 #[cxx::bridge(namespace = "intrinsym")]
 mod bridge {
     unsafe extern "C++" {
-        include!("intrinsym/cpp/openmesh/half_edges.h");
+        include!("openmesh-sys/cpp/half_edges.h");
 
         type HalfEdgeMesh;
 
@@ -33,7 +35,8 @@ mod bridge {
 }
 
 /// Half-edge connectivity as OpenMesh numbers it: `h ^ 1` is the opposite of `h`.
-pub(crate) struct HalfEdgeArrays {
+#[derive(Debug, Clone)]
+pub struct HalfEdgeArrays {
     /// Vertex a half-edge points to.
     pub to_vertex: Vec<u32>,
     /// Next half-edge around the face or the hole.
@@ -49,14 +52,14 @@ pub(crate) struct HalfEdgeArrays {
 /// Builds the connectivity of manifold polygons: face `f` is `vertices[offsets[f]..offsets[f + 1]]`.
 ///
 /// # Errors
-/// [`Error::Internal`] with OpenMesh's reason for polygons that are not manifold.
-pub(crate) fn half_edge_arrays(
+/// OpenMesh's reason for polygons that are not manifold.
+pub fn half_edge_arrays(
     vertex_count: usize,
     offsets: &[u32],
     vertices: &[u32],
-) -> Result<HalfEdgeArrays> {
-    let mesh = bridge::build_half_edge_mesh(vertex_count, offsets, vertices).map_err(internal)?;
-    let empty = vec![NONE; mesh.half_edge_count().map_err(internal)?];
+) -> Result<HalfEdgeArrays, Exception> {
+    let mesh = bridge::build_half_edge_mesh(vertex_count, offsets, vertices)?;
+    let empty = vec![NONE; mesh.half_edge_count()?];
     let mut arrays = HalfEdgeArrays {
         to_vertex: empty.clone(),
         next: empty.clone(),
@@ -64,14 +67,9 @@ pub(crate) fn half_edge_arrays(
         face: empty,
         outgoing: vec![NONE; vertex_count],
     };
-    mesh.copy_half_edges(&mut arrays.to_vertex, &mut arrays.next, &mut arrays.previous, &mut arrays.face)
-        .map_err(internal)?;
-    mesh.copy_outgoing(&mut arrays.outgoing).map_err(internal)?;
+    mesh.copy_half_edges(&mut arrays.to_vertex, &mut arrays.next, &mut arrays.previous, &mut arrays.face)?;
+    mesh.copy_outgoing(&mut arrays.outgoing)?;
     Ok(arrays)
-}
-
-fn internal(exception: cxx::Exception) -> Error {
-    Error::Internal(format!("half-edge bridge: {exception}"))
 }
 
 #[cfg(test)]
@@ -81,7 +79,7 @@ mod tests {
     #[test]
     fn a_refused_face_arrives_as_an_error() {
         let missing_vertex = half_edge_arrays(3, &[0, 3], &[0, 1, 7]);
-        assert!(matches!(missing_vertex, Err(Error::Internal(reason)) if reason.contains("face 0")));
+        assert!(matches!(missing_vertex, Err(reason) if reason.what().contains("face 0")));
         assert!(half_edge_arrays(3, &[0, 2], &[0, 1]).is_err());
         assert!(half_edge_arrays(3, &[0, 9], &[0, 1, 2]).is_err());
         assert!(half_edge_arrays(3, &[], &[]).is_err());

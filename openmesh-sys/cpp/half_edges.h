@@ -1,4 +1,4 @@
-// Half-edge connectivity of polygons by OpenMesh, for the Rust side (src/mesh/openmesh.rs).
+// Half-edge connectivity of polygons by OpenMesh, for the Rust side (src/lib.rs).
 #pragma once
 
 #include <OpenMesh/Core/Mesh/PolyConnectivity.hh>

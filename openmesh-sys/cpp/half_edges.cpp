@@ -1,4 +1,4 @@
-#include "intrinsym/cpp/openmesh/half_edges.h"
+#include "openmesh-sys/cpp/half_edges.h"
 
 #include <algorithm>
 #include <stdexcept>
