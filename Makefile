@@ -30,14 +30,14 @@ test: setup-test ## Check format and lints, run all tests
 	@$(MAKE) --no-print-directory test-blender BPY=4.5.15
 
 test-c: ## Test the C library: C and C++ programs under sanitizers, and an installed copy
-	cmake -S . -B out/cmake -DCMAKE_BUILD_TYPE=Release -DINTRINSYM_CARGO_FLAGS=
+	cmake -S . -B out/cmake -DCMAKE_BUILD_TYPE=Release
 	cmake --build out/cmake
 	ctest --test-dir out/cmake --output-on-failure
 
-header: ## Make include/isym.h again from src/ffi
+header: ## Make include/isym.h again from capi/src
 	cargo run --quiet --locked --target-dir target/header --manifest-path tools/header/Cargo.toml -- --write
 
-check-header: ## Check that include/isym.h is what src/ffi says
+check-header: ## Check that include/isym.h is what capi/src says
 	cargo run --quiet --locked --target-dir target/header --manifest-path tools/header/Cargo.toml
 
 fmt: ## Format the sources

@@ -28,13 +28,11 @@
 //! | [`verify`] | a finished map -> is it a symmetry, and how sure is each vertex |
 //! | [`mod@detect`] | the driver, simplified meshes, other shells, the answer |
 //! | [`mirror`] | a symmetry -> mirrored selections, attributes, displacements, positions, colours |
-//! | [`ffi`] | all of it for C |
-#![deny(unsafe_code)]
+#![forbid(unsafe_code)]
 
 pub mod base;
 pub mod connectivity;
 pub mod detect;
-pub mod ffi;
 pub mod geometry;
 pub mod mesh;
 pub mod mirror;

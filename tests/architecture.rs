@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// The folders of `src/`, and the products, in the order of the data. Each imports only from those above it.
-const ORDER: [&str; 12] = [
+const ORDER: [&str; 11] = [
     "base",
     "mesh",
     "geometry",
@@ -15,7 +15,6 @@ const ORDER: [&str; 12] = [
     "detect",
     "mirror",
     "picture",
-    "ffi",
 ];
 
 /// Folders and files that see no positions, but for what is [`EXTRINSIC`].
@@ -99,16 +98,4 @@ fn the_search_and_the_spectral_refinement_see_no_positions() {
         seen += usize::from(intrinsic && may && sees(&code));
     }
     assert!(seen > 0, "the check sees what it looks for");
-}
-
-#[test]
-fn unsafe_code_is_allowed_in_the_c_abi_alone() {
-    let mut allowing: Vec<PathBuf> = Vec::new();
-    for (path, code) in source_files() {
-        if code.contains("allow(unsafe_code)") {
-            allowing.push(path);
-        }
-    }
-    allowing.sort();
-    assert_eq!(allowing, ["ffi.rs"].map(PathBuf::from));
 }

@@ -3,7 +3,7 @@
 use super::handles::Table;
 use super::memory::Output;
 use super::status::{Fault, ISYM_ERROR_CALLBACK, ISYM_ERROR_NULL, Result, boundary, isym_status};
-use crate::base::progress::{CancelToken, Progress};
+use intrinsym::base::progress::{CancelToken, Progress};
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,7 +19,7 @@ pub type isym_progress_callback =
     Option<unsafe extern "C" fn(stage: *const c_char, fraction: f64, user_data: *mut c_void) -> i32>;
 
 unsafe extern "C" {
-    /// `cpp/ffi/callback.cpp`.
+    /// `cpp/callback.cpp`.
     fn isym_internal_call_progress(
         callback: isym_progress_callback,
         stage: *const c_char,
@@ -53,7 +53,7 @@ pub static PROGRESSES: Table<isym_progress, ProgressObject> = Table::new("progre
 
 impl ProgressObject {
     /// Runs a stage with this progress. A callback's exception is the result, whatever the stage answers.
-    pub fn run<T>(&self, stage: impl FnOnce(&Progress) -> crate::base::error::Result<T>) -> Result<T> {
+    pub fn run<T>(&self, stage: impl FnOnce(&Progress) -> intrinsym::base::error::Result<T>) -> Result<T> {
         let callback = *self.callback.lock().unwrap_or_else(PoisonError::into_inner);
         let thrown = RefCell::new(None);
         let report = |stage: &str, fraction: f64| {

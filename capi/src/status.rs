@@ -1,6 +1,6 @@
 //! Status codes, the text of the last error, and the border that no panic crosses.
 
-use crate::base::error::Error;
+use intrinsym::base::error::Error;
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
@@ -88,7 +88,8 @@ impl From<Error> for Fault {
             Error::Model(_) => ISYM_ERROR_MODEL,
             Error::Limit { .. } => ISYM_ERROR_LIMIT,
             Error::Cancelled => ISYM_ERROR_CANCELLED,
-            Error::Internal(_) => ISYM_ERROR_INTERNAL,
+            // `Error::Internal`, and a kind that has no status yet.
+            _ => ISYM_ERROR_INTERNAL,
         };
         Fault::new(status, error.to_string())
     }

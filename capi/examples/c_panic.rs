@@ -1,8 +1,12 @@
-//! A library for `panic.c` alone: the C library with one more function, which panics behind the border.
+//! A library for `tests/c/panic.c` alone: the C library with one more function, which panics behind the border.
 //! It is an example of cargo's, so that the product has no such function.
 #![allow(unsafe_code)] // `no_mangle`
 
-use intrinsym::ffi::status::{boundary, isym_status};
+#[allow(dead_code)]
+#[path = "../src/lib.rs"]
+mod capi;
+
+use capi::status::{boundary, isym_status};
 
 /// Panics, as a defect of ours would.
 #[unsafe(no_mangle)]

@@ -7,11 +7,11 @@ use super::options::{isym_options, options_of};
 use super::progress::{PROGRESSES, isym_progress};
 use super::result::{RESULTS, ResultObject, isym_result};
 use super::status::{Fault, ISYM_ERROR_VALUE, Result, boundary, isym_status};
-use crate::base::limits::Limits;
-use crate::detect::detect_again::detect_again;
-use crate::detect::driver::{detect, eigen};
-use crate::mesh::io::{self, Format};
-use crate::mesh::{Mesh, PolygonMesh};
+use intrinsym::base::limits::Limits;
+use intrinsym::detect::detect_again::detect_again;
+use intrinsym::detect::driver::{detect, eigen};
+use intrinsym::mesh::io::{self, Format};
+use intrinsym::mesh::{Mesh, PolygonMesh};
 use std::ffi::c_char;
 use std::path::{Path, PathBuf};
 
@@ -261,7 +261,7 @@ pub unsafe extern "C" fn isym_mesh_connectivity_hash(mesh: *const isym_mesh, has
         let mesh = MESHES.get(mesh)?;
         // SAFETY: the caller's one promise.
         let output = unsafe { Output::new(hash, 1, "hash") }?;
-        output.write(&[crate::mesh::connectivity_hash(&mesh.polygons)]);
+        output.write(&[intrinsym::mesh::connectivity_hash(&mesh.polygons)]);
         Ok(())
     })
 }

@@ -5,12 +5,12 @@ use super::mesh::expect_vertices;
 use super::progress::{PROGRESSES, isym_progress};
 use super::result::{RESULTS, ResultObject, isym_result};
 use super::status::{Fault, ISYM_ERROR_LENGTH, ISYM_ERROR_VALUE, Result, boundary, isym_status};
-use crate::mesh::vector::Vector;
-use crate::mirror::curve_distance::curve_distances;
-use crate::mirror::faces::mirror_face_selection;
-use crate::mirror::frames::carry_displacement;
-use crate::mirror::positions::symmetrize;
-use crate::mirror::{Merge, Mirroring, mirror_selection, mirror_values};
+use intrinsym::mesh::vector::Vector;
+use intrinsym::mirror::curve_distance::curve_distances;
+use intrinsym::mirror::faces::mirror_face_selection;
+use intrinsym::mirror::frames::carry_displacement;
+use intrinsym::mirror::positions::symmetrize;
+use intrinsym::mirror::{Merge, Mirroring, mirror_selection, mirror_values};
 use std::sync::Arc;
 
 /// Which vertices take the value of their mirror image: one of the `ISYM_MERGE_` constants.
