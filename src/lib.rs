@@ -36,8 +36,6 @@ pub mod detect;
 pub mod geometry;
 pub mod mesh;
 pub mod mirror;
-#[cfg(feature = "cli")]
-pub mod picture;
 pub mod refine;
 pub mod search;
 pub mod spectral;

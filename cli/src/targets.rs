@@ -2,8 +2,8 @@
 //! written, unless `--force` is given.
 
 use crate::arguments::Kind;
+use crate::picture;
 use intrinsym::mesh::io;
-use intrinsym::picture;
 use serde_json::Value;
 use std::collections::HashMap;
 use std::ffi::{OsStr, OsString};

@@ -1,6 +1,7 @@
 //! Where the results of one input go, and writing them.
 
 use crate::arguments::{Colors, Detect, Kind};
+use crate::picture;
 use crate::report;
 use crate::targets::{self, Claims, Evidence};
 use intrinsym::base::atomic_file::write_atomically;
@@ -12,7 +13,6 @@ use intrinsym::detect::driver::Detection;
 use intrinsym::mesh::Mesh;
 use intrinsym::mesh::io::{self, AttributeValues, MeshFile, VertexAttribute};
 use intrinsym::mirror::pair_colour::pair_colours;
-use intrinsym::picture;
 use std::path::{Path, PathBuf};
 
 /// Kinds of results in the order in which they are written: the report, which lists the others, is last.

@@ -9,6 +9,7 @@ mod info;
 mod job;
 mod numpy_archive;
 mod outputs;
+mod picture;
 mod report;
 mod summary;
 mod targets;

@@ -56,7 +56,7 @@ fn a_missing_file_is_named() {
 #[test]
 #[cfg(feature = "onnx")]
 fn a_model_of_ones_own_needs_onnx_runtime() {
-    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/signnet.onnx");
+    let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/signnet.onnx");
     let arguments = ["detect".into(), example("quadruped.ply"), "--model".into(), model];
     let output = command().args(arguments).env("ORT_DYLIB_PATH", "no/such/library.so").output().unwrap();
     assert_eq!(output.status.code(), FAILED);

@@ -9,10 +9,10 @@ mod view;
 
 pub use view::Up;
 
-use crate::base::error::{Error, Result};
-use crate::detect::correspondence::Symmetry;
-use crate::mesh::Mesh;
 use facets::Surface;
+use intrinsym::base::error::{Error, Result};
+use intrinsym::detect::correspondence::Symmetry;
+use intrinsym::mesh::Mesh;
 use tiny_skia::Pixmap;
 use view::View;
 

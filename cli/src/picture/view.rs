@@ -1,8 +1,8 @@
 //! Where to look from: upright, and so that both sides of the symmetry are seen.
 
-use crate::detect::correspondence::Symmetry;
-use crate::mesh::vector::{Vector, cross, dot, subtract, triangle_area};
-use crate::mesh::{Mesh, NONE};
+use intrinsym::detect::correspondence::Symmetry;
+use intrinsym::mesh::vector::{Vector, cross, dot, subtract, triangle_area};
+use intrinsym::mesh::{Mesh, NONE};
 
 /// The direction that points up in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -172,8 +172,8 @@ fn normalised(vector: Vector) -> Option<Vector> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::limits::Limits;
-    use crate::mesh::PolygonMesh;
+    use intrinsym::base::limits::Limits;
+    use intrinsym::mesh::PolygonMesh;
 
     #[test]
     fn an_orbit_is_a_right_handed_frame_with_the_eye_above() {
