@@ -3,10 +3,11 @@
 const CALLBACK: &str = "cpp/callback.cpp";
 
 fn main() {
-    cc::Build::new().cpp(true).std("c++17").file(CALLBACK).compile("intrinsym_callback");
-    // What is linked for the library alone, `examples/c_panic.rs` needs, too.
-    let folder = std::env::var("OUT_DIR").expect("cargo's folder");
-    println!("cargo:rustc-link-arg-examples={folder}/libintrinsym_callback.a");
+    let mut build = cc::Build::new();
+    build.cpp(true).std("c++17").file(CALLBACK);
+    // `src/progress.rs` names what is linked: cargo would link it into the library alone, and the example needs it, too.
+    build.cargo_metadata(false).compile("intrinsym_callback");
+    println!("cargo:rustc-link-search=native={}", std::env::var("OUT_DIR").expect("cargo's folder"));
     name_shared_library();
     for path in [CALLBACK, "build.rs"] {
         println!("cargo:rerun-if-changed={path}");

@@ -18,6 +18,7 @@ pub struct isym_progress(());
 pub type isym_progress_callback =
     Option<unsafe extern "C" fn(stage: *const c_char, fraction: f64, user_data: *mut c_void) -> i32>;
 
+#[link(name = "intrinsym_callback", kind = "static")]
 unsafe extern "C" {
     /// `cpp/callback.cpp`.
     fn isym_internal_call_progress(
