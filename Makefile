@@ -16,7 +16,7 @@ demo: setup ## Build, find the symmetry of a posed human and of real animals, wr
 	@scripts/demo.sh
 
 test: setup-test ## Check format and lints, run all tests
-	cargo fmt --check
+	cargo fmt --all --check
 	@$(MAKE) --no-print-directory check-header
 	cargo clippy --release --locked --all-targets --features criterion -- -D warnings
 	cargo test --release --locked --doc --quiet
@@ -41,7 +41,7 @@ check-header: ## Check that include/isym.h is what capi/src says
 	cargo run --quiet --locked --target-dir target/header --manifest-path tools/header/Cargo.toml
 
 fmt: ## Format the sources
-	cargo fmt
+	cargo fmt --all
 
 clean: ## Remove everything that was built or written
 	cargo clean
