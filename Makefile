@@ -16,7 +16,7 @@ demo: setup ## Build, find the symmetry of a posed human and of real animals, wr
 	@scripts/demo.sh
 
 test: setup-test ## Check format and lints, run all tests
-	cargo fmt --check
+	cargo fmt --all --check
 	@$(MAKE) --no-print-directory check-header
 	cargo clippy --release --locked --all-targets --features criterion -- -D warnings
 	cargo test --release --locked --doc --quiet
@@ -30,18 +30,18 @@ test: setup-test ## Check format and lints, run all tests
 	@$(MAKE) --no-print-directory test-blender BPY=4.5.15
 
 test-c: ## Test the C library: C and C++ programs under sanitizers, and an installed copy
-	cmake -S . -B out/cmake -DCMAKE_BUILD_TYPE=Release -DINTRINSYM_CARGO_FLAGS=
+	cmake -S . -B out/cmake -DCMAKE_BUILD_TYPE=Release
 	cmake --build out/cmake
 	ctest --test-dir out/cmake --output-on-failure
 
-header: ## Make include/isym.h again from src/ffi
+header: ## Make include/isym.h again from capi/src
 	cargo run --quiet --locked --target-dir target/header --manifest-path tools/header/Cargo.toml -- --write
 
-check-header: ## Check that include/isym.h is what src/ffi says
+check-header: ## Check that include/isym.h is what capi/src says
 	cargo run --quiet --locked --target-dir target/header --manifest-path tools/header/Cargo.toml
 
 fmt: ## Format the sources
-	cargo fmt
+	cargo fmt --all
 
 clean: ## Remove everything that was built or written
 	cargo clean

@@ -1,6 +1,6 @@
 // Intrinsym: the intrinsic mirror symmetry of a surface mesh. This is the C library's only header.
 //
-// Made by cbindgen from src/ffi (`make header`); do not edit.
+// Made by cbindgen from capi/src (`make header`); do not edit.
 //
 // Every function that can fail returns an isym_status: ISYM_OK, or a code and, in this thread, a text
 // (isym_error_message). On failure nothing is written. Every NULL is an error, except for user_data. Sizes of
@@ -242,14 +242,6 @@ isym_status isym_options_set_known_signs(isym_options *options,
 
 // Frees a set of options.
 isym_status isym_options_free(isym_options *options);
-
-// `cpp/ffi/callback.cpp`.
-extern int32_t isym_internal_call_progress(isym_progress_callback callback,
-                                           const char *stage,
-                                           double fraction,
-                                           void *user_data,
-                                           char *what,
-                                           size_t capacity);
 
 // Makes a progress without a callback. Free it with `isym_progress_free`.
 isym_status isym_progress_new(isym_progress **progress);

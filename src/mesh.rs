@@ -7,7 +7,6 @@ mod fans;
 mod frame;
 pub mod half_edges;
 pub mod io;
-pub mod openmesh;
 mod orient;
 mod polygons;
 pub mod rotation;

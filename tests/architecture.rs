@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-/// The folders of `src/`, and the products, in the order of the data. Each imports only from those above it.
-const ORDER: [&str; 12] = [
+/// The folders of `src/`, in the order of the data. Each imports only from those above it.
+const ORDER: [&str; 10] = [
     "base",
     "mesh",
     "geometry",
@@ -14,8 +14,6 @@ const ORDER: [&str; 12] = [
     "verify",
     "detect",
     "mirror",
-    "picture",
-    "ffi",
 ];
 
 /// Folders and files that see no positions, but for what is [`EXTRINSIC`].
@@ -63,7 +61,7 @@ fn words(code: &str) -> impl Iterator<Item = &str> {
     code.split(|character: char| !character.is_alphanumeric() && character != '_')
 }
 
-/// Place in [`ORDER`] of the folder that a file is in; none for `lib.rs` and the command line.
+/// Place in [`ORDER`] of the folder that a file is in; none for `lib.rs`.
 fn rank(path: &Path) -> Option<usize> {
     let folder = Path::new(path.iter().next()?).file_stem()?;
     ORDER.iter().position(|name| folder == *name)
@@ -78,7 +76,7 @@ fn upward_imports(own: usize, code: &str) -> Vec<&str> {
 #[test]
 fn a_folder_imports_only_from_folders_above_it() {
     for (path, code) in source_files() {
-        if path == Path::new("lib.rs") || path.starts_with("bin") {
+        if path == Path::new("lib.rs") {
             continue;
         }
         let own = rank(&path).unwrap_or_else(|| panic!("src/{} is in no folder of ORDER", path.display()));
@@ -99,16 +97,4 @@ fn the_search_and_the_spectral_refinement_see_no_positions() {
         seen += usize::from(intrinsic && may && sees(&code));
     }
     assert!(seen > 0, "the check sees what it looks for");
-}
-
-#[test]
-fn unsafe_code_is_allowed_in_the_bridge_and_the_c_abi_alone() {
-    let mut allowing: Vec<PathBuf> = Vec::new();
-    for (path, code) in source_files() {
-        if code.contains("allow(unsafe_code)") {
-            allowing.push(path);
-        }
-    }
-    allowing.sort();
-    assert_eq!(allowing, ["ffi.rs", "mesh/openmesh.rs"].map(PathBuf::from));
 }

@@ -3,14 +3,19 @@
 //! The one promise that the library trusts is kept: an array has at least the length that is said of it.
 #![no_main]
 
-use intrinsym::ffi::eigen::isym_eigen_free;
-use intrinsym::ffi::handles::isym_handle_count;
-use intrinsym::ffi::mesh::*;
-use intrinsym::ffi::options::*;
-use intrinsym::ffi::progress::*;
-use intrinsym::ffi::result::*;
-use intrinsym::ffi::status::*;
-use intrinsym::ffi::tools::*;
+// A library for C programs cannot be a dependency.
+#[allow(dead_code)]
+#[path = "../../capi/src/lib.rs"]
+mod capi;
+
+use capi::eigen::isym_eigen_free;
+use capi::handles::isym_handle_count;
+use capi::mesh::*;
+use capi::options::*;
+use capi::progress::*;
+use capi::result::*;
+use capi::status::*;
+use capi::tools::*;
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use std::ffi::{CStr, c_void};
 use std::ptr;

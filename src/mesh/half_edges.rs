@@ -1,11 +1,11 @@
 //! Half-edge connectivity of the polygons, for the traversals that need topology.
 //!
-//! Built by OpenMesh ([`super::openmesh`]) from polygons that are made manifold first (`super::fans`),
+//! Built by OpenMesh ([`openmesh_sys`]) from polygons that are made manifold first (`super::fans`),
 //! so that no file is refused for one bad edge. The structure is that of Botsch, Steinberg, Bischoff and
 //! Kobbelt, "OpenMesh: a generic and efficient polygon mesh data structure" (2002). Memory is linear:
 //! about 36 bytes per half-edge while it is built, 16 afterwards.
 
-use super::{NONE, fans, openmesh};
+use super::{NONE, fans};
 use crate::base::error::{Error, Result};
 
 /// Half-edges of a manifold polygon mesh with boundary, as flat arrays.
@@ -42,7 +42,8 @@ impl HalfEdges {
     pub fn new(point_count: usize, offsets: &[u32], points: &[u32]) -> Result<HalfEdges> {
         check(point_count, offsets, points)?;
         let fans = fans::split(point_count, offsets, points);
-        let arrays = openmesh::half_edge_arrays(fans.point_of_vertex.len(), offsets, &fans.corner_vertex)?;
+        let arrays = openmesh_sys::half_edge_arrays(fans.point_of_vertex.len(), offsets, &fans.corner_vertex)
+            .map_err(|reason| Error::Internal(format!("half-edge bridge: {reason}")))?;
         Ok(HalfEdges {
             to_vertex: arrays.to_vertex,
             next: arrays.next,

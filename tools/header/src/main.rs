@@ -1,4 +1,4 @@
-//! `include/isym.h` is what cbindgen makes of `src/ffi`: checks that, or with `--write` makes it.
+//! `include/isym.h` is what cbindgen makes of `capi/src`: checks that, or with `--write` makes it.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -6,7 +6,7 @@ use std::process::ExitCode;
 const INTRODUCTION: &str = "\
 // Intrinsym: the intrinsic mirror symmetry of a surface mesh. This is the C library's only header.
 //
-// Made by cbindgen from src/ffi (`make header`); do not edit.
+// Made by cbindgen from capi/src (`make header`); do not edit.
 //
 // Every function that can fail returns an isym_status: ISYM_OK, or a code and, in this thread, a text
 // (isym_error_message). On failure nothing is written. Every NULL is an error, except for user_data. Sizes of
@@ -30,7 +30,7 @@ fn version() -> String {
 /// The sources in the order in which the header reads best.
 fn sources() -> [PathBuf; 8] {
     ["version", "status", "options", "progress", "mesh", "result", "tools", "eigen"]
-        .map(|name| root().join(format!("src/ffi/{name}.rs")))
+        .map(|name| root().join(format!("capi/src/{name}.rs")))
 }
 
 fn version_macros() -> String {
@@ -54,16 +54,16 @@ fn generated() -> String {
     for source in sources() {
         builder = builder.with_src(source);
     }
-    builder = builder.with_src(root().join("src/ffi/handles.rs"));
+    builder = builder.with_src(root().join("capi/src/handles.rs"));
     let mut text = Vec::new();
-    builder.generate().expect("src/ffi can be read").write(&mut text);
+    builder.generate().expect("capi/src can be read").write(&mut text);
     String::from_utf8(text).unwrap()
 }
 
-/// The names of all functions that `src/ffi` exports.
+/// The names of all functions that `capi/src` exports.
 fn exported() -> Vec<String> {
     let mut names = Vec::new();
-    for entry in std::fs::read_dir(root().join("src/ffi")).expect("src/ffi") {
+    for entry in std::fs::read_dir(root().join("capi/src")).expect("capi/src") {
         let source = std::fs::read_to_string(entry.expect("a file").path()).expect("a source file");
         let starts = source.match_indices("extern \"C\" fn ").map(|(at, text)| at + text.len());
         names.extend(starts.filter_map(|start| source[start..].split('(').next()).map(str::to_string));

@@ -1,0 +1,179 @@
+//! Status codes, the text of the last error, and the border that no panic crosses.
+
+use intrinsym::base::error::Error;
+use std::any::Any;
+use std::cell::RefCell;
+use std::ffi::{CStr, CString, c_char};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// What a call answers: `ISYM_OK`, or one of the `ISYM_ERROR_` codes. A code is never given another meaning;
+/// treat one that you do not know as an error.
+pub type isym_status = i32;
+
+/// Done.
+pub const ISYM_OK: isym_status = 0;
+/// A pointer argument is NULL.
+pub const ISYM_ERROR_NULL: isym_status = 1;
+/// A handle was freed already, was never made, or is of another kind.
+pub const ISYM_ERROR_HANDLE: isym_status = 2;
+/// A length does not fit: an array has not the length that the mesh or result asks for.
+pub const ISYM_ERROR_LENGTH: isym_status = 3;
+/// An index is past the end: a symmetry or an option that does not exist.
+pub const ISYM_ERROR_INDEX: isym_status = 4;
+/// A text is not UTF-8.
+pub const ISYM_ERROR_TEXT: isym_status = 5;
+/// A value in an array, or a constant, is not among the accepted ones.
+pub const ISYM_ERROR_VALUE: isym_status = 6;
+/// A pointer is not aligned to its type.
+pub const ISYM_ERROR_ALIGNMENT: isym_status = 7;
+/// The mesh cannot be used; the text names the element and the reason.
+pub const ISYM_ERROR_MESH: isym_status = 16;
+/// The file cannot be read or written; the text names the line or byte and what to do.
+pub const ISYM_ERROR_FILE: isym_status = 17;
+/// An option is unknown or outside its range.
+pub const ISYM_ERROR_OPTION: isym_status = 18;
+/// The sign network's model cannot be used.
+pub const ISYM_ERROR_MODEL: isym_status = 19;
+/// The mesh or file is larger than the limits allow.
+pub const ISYM_ERROR_LIMIT: isym_status = 20;
+/// The call was cancelled, by `isym_progress_cancel` or by the progress callback.
+pub const ISYM_ERROR_CANCELLED: isym_status = 21;
+/// The progress callback threw a C++ exception, which was stopped at the border.
+pub const ISYM_ERROR_CALLBACK: isym_status = 22;
+/// A defect of the library; please report it with the text. Handles stay usable.
+pub const ISYM_ERROR_INTERNAL: isym_status = 32;
+
+const NAMES: [(isym_status, &CStr); 17] = [
+    (ISYM_OK, c"ISYM_OK"),
+    (ISYM_ERROR_NULL, c"ISYM_ERROR_NULL"),
+    (ISYM_ERROR_HANDLE, c"ISYM_ERROR_HANDLE"),
+    (ISYM_ERROR_LENGTH, c"ISYM_ERROR_LENGTH"),
+    (ISYM_ERROR_INDEX, c"ISYM_ERROR_INDEX"),
+    (ISYM_ERROR_TEXT, c"ISYM_ERROR_TEXT"),
+    (ISYM_ERROR_VALUE, c"ISYM_ERROR_VALUE"),
+    (ISYM_ERROR_ALIGNMENT, c"ISYM_ERROR_ALIGNMENT"),
+    (ISYM_ERROR_MESH, c"ISYM_ERROR_MESH"),
+    (ISYM_ERROR_FILE, c"ISYM_ERROR_FILE"),
+    (ISYM_ERROR_OPTION, c"ISYM_ERROR_OPTION"),
+    (ISYM_ERROR_MODEL, c"ISYM_ERROR_MODEL"),
+    (ISYM_ERROR_LIMIT, c"ISYM_ERROR_LIMIT"),
+    (ISYM_ERROR_CANCELLED, c"ISYM_ERROR_CANCELLED"),
+    (ISYM_ERROR_CALLBACK, c"ISYM_ERROR_CALLBACK"),
+    (ISYM_ERROR_INTERNAL, c"ISYM_ERROR_INTERNAL"),
+    (-1, c"unknown status"),
+];
+
+/// A status and what to tell about it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fault {
+    /// Not `ISYM_OK`.
+    pub status: isym_status,
+    /// What is wrong, where, and what to do about it.
+    pub message: String,
+}
+
+impl Fault {
+    /// A fault with its text.
+    pub fn new(status: isym_status, message: impl Into<String>) -> Fault {
+        Fault { status, message: message.into() }
+    }
+}
+
+impl From<Error> for Fault {
+    fn from(error: Error) -> Fault {
+        let status = match &error {
+            Error::Mesh(_) => ISYM_ERROR_MESH,
+            Error::File { .. } => ISYM_ERROR_FILE,
+            Error::Option { .. } => ISYM_ERROR_OPTION,
+            Error::Model(_) => ISYM_ERROR_MODEL,
+            Error::Limit { .. } => ISYM_ERROR_LIMIT,
+            Error::Cancelled => ISYM_ERROR_CANCELLED,
+            // `Error::Internal`, and a kind that has no status yet.
+            _ => ISYM_ERROR_INTERNAL,
+        };
+        Fault::new(status, error.to_string())
+    }
+}
+
+/// What the functions behind the border return.
+pub type Result<T = (), E = Fault> = std::result::Result<T, E>;
+
+thread_local! {
+    static MESSAGE: RefCell<CString> = RefCell::default();
+}
+
+/// Runs the inside of an exported function: keeps the error's text for `isym_error_message`, and turns a
+/// panic into [`ISYM_ERROR_INTERNAL`].
+pub fn boundary(call: impl FnOnce() -> Result) -> isym_status {
+    let outcome = catch_unwind(AssertUnwindSafe(call)).unwrap_or_else(|panic| {
+        Err(Fault::new(
+            ISYM_ERROR_INTERNAL,
+            format!("internal error, please report it: {}", text_of(&*panic)),
+        ))
+    });
+    let (status, message) = match outcome {
+        Ok(()) => (ISYM_OK, String::new()),
+        Err(fault) => (fault.status, fault.message.replace('\0', "?")),
+    };
+    // A thread that is ending has no text any more; the status still says what happened.
+    let _ = MESSAGE.try_with(|kept| *kept.borrow_mut() = CString::new(message).unwrap_or_default());
+    status
+}
+
+fn text_of(panic: &(dyn Any + Send)) -> &str {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic without text")
+}
+
+/// What went wrong in the last call of this thread that returned a status: a sentence in UTF-8, for
+/// people; empty if that call returned `ISYM_OK`. Never NULL. Valid until this thread's next such call.
+#[unsafe(no_mangle)]
+pub extern "C" fn isym_error_message() -> *const c_char {
+    MESSAGE.try_with(|kept| kept.borrow().as_ptr()).unwrap_or(c"".as_ptr())
+}
+
+/// The name of a status in this header, such as "ISYM_ERROR_MESH"; "unknown status" for any other number.
+/// Never NULL, never freed.
+#[unsafe(no_mangle)]
+pub extern "C" fn isym_status_name(status: isym_status) -> *const c_char {
+    let known = NAMES.iter().find(|(code, _)| *code == status);
+    known.unwrap_or(&NAMES[NAMES.len() - 1]).1.as_ptr()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message() -> String {
+        // SAFETY: never NULL, and no call of this thread comes between.
+        unsafe { CStr::from_ptr(isym_error_message()) }.to_str().unwrap().to_string()
+    }
+
+    #[test]
+    fn a_panic_becomes_a_status_with_its_text() {
+        assert_eq!(boundary(|| panic!("vertex {} went missing", 7)), ISYM_ERROR_INTERNAL);
+        assert_eq!(message(), "internal error, please report it: vertex 7 went missing");
+        assert_eq!(boundary(|| std::panic::panic_any(3)), ISYM_ERROR_INTERNAL);
+        assert!(message().ends_with("a panic without text"));
+    }
+
+    #[test]
+    fn the_text_is_that_of_this_thread_s_last_call() {
+        let fail = || boundary(|| Err(Fault::new(ISYM_ERROR_VALUE, "no \0 here")));
+        assert_eq!(fail(), ISYM_ERROR_VALUE);
+        assert_eq!(message(), "no ? here");
+        std::thread::spawn(|| assert_eq!(message(), "")).join().unwrap();
+        assert_eq!(boundary(|| Ok(())), ISYM_OK);
+        assert_eq!(message(), "");
+    }
+
+    #[test]
+    fn no_code_is_used_twice_and_each_has_its_name() {
+        for (index, (code, name)) in NAMES.iter().enumerate() {
+            assert!(NAMES[..index].iter().all(|(other, _)| other != code), "{code} twice");
+            // SAFETY: never NULL, never freed.
+            let found = unsafe { CStr::from_ptr(isym_status_name(*code)) };
+            assert_eq!(found, *name);
+        }
+    }
+}
