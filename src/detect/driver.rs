@@ -16,6 +16,8 @@ use crate::detect::filled_holes::FilledShell;
 use crate::detect::finishing::{Finished, finish_best};
 use crate::detect::joined_shells::JoinedShells;
 use crate::detect::judging_mesh::JudgingMesh;
+use crate::detect::companions;
+use crate::detect::mirror_plane::MirrorPlane;
 use crate::detect::proxy::Proxy;
 use crate::detect::rotations;
 use crate::detect::shell_symmetry::{PreparedShell, candidates, of_images, signs};
@@ -97,6 +99,13 @@ pub fn detect_by(
         exact.report.seconds = clock.laps;
         return Ok(exact.without_empty(options.plausibility));
     }
+    if let Some(mut at_rest) = case.at_rest()? {
+        clock.lap("mirror plane");
+        progress.report("done", 1.0)?;
+        at_rest.report.seconds = clock.laps;
+        return Ok(at_rest.without_empty(options.plausibility));
+    }
+    clock.lap("mirror plane");
     let (mut best, mut solved): (Option<Detection>, _) = (None, None);
     // Maps finished on what is solved.
     let mut finished = Vec::new();
@@ -217,6 +226,22 @@ impl<'a> Case<'a> {
         evidence += &doubts;
         let report = Report { evidence, ..Report::of(mesh) };
         Ok(Some(Detection { outcome, symmetries, report, judging: None }))
+    }
+
+    /// The answer where a plane in space mirrors the mesh, as it does what is not posed yet: nothing is solved then.
+    fn at_rest(&self) -> Result<Option<Detection>> {
+        let Case { mesh, options, progress, .. } = *self;
+        let wanted = options.symmetries == 1 && options.rotations == 0 && !options.states_signs();
+        let Some(plane) = wanted.then(|| MirrorPlane::of(mesh)).flatten() else { return Ok(None) };
+        let shells = mesh.shells();
+        let companions = companions::by_plane(mesh, &shells, &plane, progress)?;
+        let gatherer = Gatherer::new(mesh, &shells, None, self.connectivity.as_ref(), self.mechanisms.mirrored_vertices);
+        let Some((symmetry, share)) = gatherer.by_plane(&plane, &companions, options.threads, progress)? else {
+            return Ok(None);
+        };
+        let evidence = format!("a plane in space mirrors {:.0} % of the surface", 100.0 * share);
+        let (outcome, report) = (Outcome::Found, Report { evidence, ..Report::of(mesh) });
+        Ok(Some(Detection { outcome, symmetries: vec![symmetry], report, judging: None }))
     }
 
     fn gatherer(&self, proxy: Option<&Proxy>) -> Gatherer<'_> {

@@ -6,6 +6,7 @@
 
 use crate::detect::twins;
 use crate::geometry::shortest_paths::EdgeLengths;
+use crate::geometry::surface_grid::{Place, places};
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell};
@@ -30,8 +31,6 @@ const APART: f64 = 0.03;
 const MOST_JOINTS: usize = 32;
 /// Part of a shell's largest contact that another of its contacts must have.
 const SMALLEST_CONTACT: f64 = 0.5;
-/// Most places on the longest edge of a triangle.
-const MOST_PLACES: usize = 64;
 
 /// Shells of which the first is that on which the symmetry is sought.
 pub struct JoinedShells {
@@ -54,13 +53,11 @@ impl JoinedShells {
         let contacts = Contacts::between(mesh, &shells[..members]);
         let distances = contacts.distances(mesh, &shells[..members]);
         let twins = twins::likely(mesh, &shells[..members], &distances);
-        if std::env::var("DBG").is_ok() { eprintln!("{twins:?}"); }
         let is_joined = |shell: usize| shell < members && twins[shell] != NONE;
         let joints = contacts.joints(&twins);
         let (joined, rest): (Vec<_>, Vec<_>) =
             shells.into_iter().enumerate().partition(|(index, _)| is_joined(*index));
         let joined: Vec<Shell> = joined.into_iter().map(|(_, shell)| shell).collect();
-        if joined.is_empty() { panic!(); }
         let whole = union(mesh, &joined);
         let local = |point: u32| whole.points.binary_search(&point).expect("a point of it") as u32;
         let joints = joints.into_iter().map(|triangle| triangle.map(local)).collect();
@@ -84,13 +81,6 @@ fn union(mesh: &Mesh, shells: &[Shell]) -> Shell {
     Shell { triangle_of_local: of_mesh, ..mesh.shell_of(points, triangles, orientable) }
 }
 
-/// A place on a shell, and the corners of its triangle, the nearest first.
-#[derive(Clone, Copy)]
-struct Place {
-    at: Vector,
-    corners: [u32; 3],
-}
-
 /// Where two shells come near each other.
 struct Contact {
     shells: [usize; 2],
@@ -109,7 +99,11 @@ struct Contacts {
 
 impl Contacts {
     fn between(mesh: &Mesh, shells: &[Shell]) -> Contacts {
-        let places: Vec<Vec<Place>> = shells.iter().map(|shell| places(mesh, shell)).collect();
+        let on_shell = |shell: &Shell| {
+            let triangles = shell.triangle_of_local.iter().map(|&triangle| &mesh.triangles[triangle as usize]);
+            places(&mesh.positions, triangles, SPACING)
+        };
+        let places: Vec<Vec<Place>> = shells.iter().map(on_shell).collect();
         let tree = |places: &Vec<Place>| {
             RTree::bulk_load(
                 places.iter().enumerate().map(|(i, place)| GeomWithData::new(place.at, i)).collect(),
@@ -235,28 +229,4 @@ fn contact(shells: [usize; 2], places: &[Vec<Place>], trees: &[RTree<GeomWithDat
         }
     }
     Contact { shells, distance: near.first().map_or(f64::INFINITY, |near| near.0), joints }
-}
-
-/// Places on a shell, one in each cell of a grid.
-fn places(mesh: &Mesh, shell: &Shell) -> Vec<Place> {
-    let (mut cells, mut places) = (HashSet::new(), Vec::new());
-    for &triangle in &shell.triangle_of_local {
-        let corners = mesh.triangles[triangle as usize];
-        let ends = corners.map(|point| mesh.positions[point as usize]);
-        let length = |a: usize, b: usize| squared_norm(subtract(ends[a], ends[b])).sqrt();
-        let longest = length(0, 1).max(length(1, 2)).max(length(2, 0));
-        let steps = ((longest / SPACING).ceil() as usize).clamp(1, MOST_PLACES);
-        for i in 0..=steps {
-            for j in 0..=steps - i {
-                let weights = [i, j, steps - i - j].map(|count| count as f64 / steps as f64);
-                let at: Vector = std::array::from_fn(|axis| (0..3).map(|c| weights[c] * ends[c][axis]).sum());
-                if cells.insert(at.map(|x| (x / SPACING).floor() as i64)) {
-                    let mut order = [0, 1, 2];
-                    order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
-                    places.push(Place { at, corners: order.map(|corner| corners[corner]) });
-                }
-            }
-        }
-    }
-    places
 }

@@ -110,7 +110,6 @@ pub fn find(
     candidates.sort_by(|a, b| {
         a.score.total().total_cmp(&b.score.total()).then_with(|| a.partners.cmp(&b.partners))
     });
-    if std::env::var("DBG").is_ok() { eprintln!("signs {:?}", signs.iter().map(|s| (s.logit*10.0).round()/10.0).collect::<Vec<_>>()); eprintln!("ev {:?} orientable {}", scorer.eigenvalues.iter().take(12).map(|s| (s*10.0).round()/10.0).collect::<Vec<_>>(), surface.orientable); for c in candidates.iter().take(6) { eprintln!("total {:.2} {:?}", c.score.total(), c.score); } }
     Ok(candidates)
 }
 
@@ -132,7 +131,6 @@ fn of_twins(
         }
         found.push(candidate);
     }
-    if std::env::var("DBG").is_ok() { for c in &found { eprintln!("twin start {:.2} {:?}", c.score.total(), c.score); } }
     Ok(found)
 }
 
