@@ -31,7 +31,7 @@ use crate::verify::hypothesis::{Hypothesis, exchanges_sheets};
 const MIRRORED: f64 = 0.006;
 const LOST: f64 = 0.03;
 /// The least share of the surface that a mirror plane of the mesh mirrors.
-const MOSTLY: f64 = 0.9;
+const MOSTLY: f64 = 0.75;
 
 /// What completing the map of the largest shell to all shells needs.
 pub struct Gatherer<'a> {

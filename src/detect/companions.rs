@@ -194,20 +194,14 @@ impl Alike {
 ///
 /// Of lashes, feathers or teeth in a row all are assigned together: if each took what is nearest, a map that is off by half their distance would send each to its twin's
 /// neighbour; but then one has nobody left at each end of the row.
-fn pair_shells(
-    mesh: &Mesh,
-    shells: &[Shell],
-    places: &Places,
-    primary: usize,
-) -> Vec<(usize, usize, f32)> {
+fn pair_shells(mesh: &Mesh, shells: &[Shell], places: &Places, primary: usize) -> Vec<(usize, usize, f32)> {
     let middles = |of: &[Vec<Vector>]| -> Vec<Vector> { of.iter().map(|points| mean(points)).collect() };
     let (mirrored, own) = (middles(&places.mirrored), middles(&places.own));
     let others = (0..shells.len()).filter(|&shell| shell != primary);
     let alike = Alike::new(shells, &own, others.clone());
     let signatures = shell_signatures(mesh);
-    let signature = |shell: usize| {
-        signatures[mesh.shell_of_point[shells[shell].points[0] as usize] as usize].hash
-    };
+    let signature =
+        |shell: usize| signatures[mesh.shell_of_point[shells[shell].points[0] as usize] as usize].hash;
     let mut options: BTreeMap<(usize, usize), f32> = BTreeMap::new();
     for source in others {
         let near: Vec<usize> = alike.nearest(source, mirrored[source]).collect();
@@ -236,7 +230,10 @@ fn involution(options: &BTreeMap<(usize, usize), f32>) -> Vec<(usize, usize, f32
         }
     }
     let mut swarms: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    options.keys().flat_map(|&(first, second)| [first, second]).for_each(|shell| swarms.entry(swarm_of[shell]).or_default().push(shell));
+    options
+        .keys()
+        .flat_map(|&(first, second)| [first, second])
+        .for_each(|shell| swarms.entry(swarm_of[shell]).or_default().push(shell));
     let mut pairs = Vec::new();
     let mut left: Vec<(f32, usize, usize)> = Vec::new();
     for mut swarm in swarms.into_values() {
@@ -255,9 +252,12 @@ fn involution(options: &BTreeMap<(usize, usize), f32>) -> Vec<(usize, usize, f32
                 }
             }
         }
-        let free: Vec<usize> = swarm.iter().zip(free).filter(|(_, free)| *free).map(|(shell, _)| *shell).collect();
+        let free: Vec<usize> =
+            swarm.iter().zip(free).filter(|(_, free)| *free).map(|(shell, _)| *shell).collect();
         for (place, first) in free.iter().enumerate() {
-            left.extend(free[place..].iter().filter_map(|second| Some((within(first, second)?, *first, *second))));
+            left.extend(
+                free[place..].iter().filter_map(|second| Some((within(first, second)?, *first, *second))),
+            );
         }
     }
     // What was sent around in a ring, the best first.

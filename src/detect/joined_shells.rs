@@ -15,7 +15,7 @@ use rstar::primitives::GeomWithData;
 use std::collections::HashSet;
 
 /// A largest shell with at least this share of the area speaks for the whole mesh.
-const MAJORITY: f64 = 0.6;
+const MAJORITY: f64 = 0.5;
 /// Smaller shells, by their share of the area, are carried along.
 const LEAST: f64 = 0.001;
 /// Most shells that are joined.
@@ -43,12 +43,17 @@ pub struct JoinedShells {
 }
 
 impl JoinedShells {
+    /// The largest shell alone.
+    pub fn alone(shells: Vec<Shell>) -> JoinedShells {
+        JoinedShells { shells, joints: Vec::new(), twins: Vec::new() }
+    }
+
     /// O(area / spacing^2 x log + mesh).
     pub fn new(mesh: &Mesh, shells: Vec<Shell>) -> JoinedShells {
         let large = |shell: &&Shell| shell.area() >= LEAST;
         let members = shells.iter().take_while(large).take(MOST).count();
         if members < 2 || shells[0].area() >= MAJORITY {
-            return JoinedShells { shells, joints: Vec::new(), twins: Vec::new() };
+            return JoinedShells::alone(shells);
         }
         let contacts = Contacts::between(mesh, &shells[..members]);
         let distances = contacts.distances(mesh, &shells[..members]);
@@ -62,7 +67,8 @@ impl JoinedShells {
         let local = |point: u32| whole.points.binary_search(&point).expect("a point of it") as u32;
         let joints = joints.into_iter().map(|triangle| triangle.map(local)).collect();
         let rest = rest.into_iter().map(|(_, shell)| shell);
-        let twins = twins.into_iter().zip(0..).filter(|(twin, _)| *twin != NONE).map(|(twin, own)| [own, twin]);
+        let twins =
+            twins.into_iter().zip(0..).filter(|(twin, _)| *twin != NONE).map(|(twin, own)| [own, twin]);
         JoinedShells { shells: [whole].into_iter().chain(rest).collect(), joints, twins: twins.collect() }
     }
 }
@@ -100,7 +106,8 @@ struct Contacts {
 impl Contacts {
     fn between(mesh: &Mesh, shells: &[Shell]) -> Contacts {
         let on_shell = |shell: &Shell| {
-            let triangles = shell.triangle_of_local.iter().map(|&triangle| &mesh.triangles[triangle as usize]);
+            let triangles =
+                shell.triangle_of_local.iter().map(|&triangle| &mesh.triangles[triangle as usize]);
             places(&mesh.positions, triangles, SPACING)
         };
         let places: Vec<Vec<Place>> = shells.iter().map(on_shell).collect();
@@ -161,7 +168,9 @@ impl Contacts {
     /// Joints of each shell's largest contact with another one `among` some.
     fn largest(&self, among: impl Fn(usize) -> bool) -> Vec<usize> {
         let mut largest = vec![0; self.places.len()];
-        for contact in self.near.iter().filter(|contact| contact.distance <= TOUCHING && contact.shells.iter().all(|&shell| among(shell))) {
+        for contact in self.near.iter().filter(|contact| {
+            contact.distance <= TOUCHING && contact.shells.iter().all(|&shell| among(shell))
+        }) {
             for shell in contact.shells {
                 largest[shell] = largest[shell].max(contact.joints.len());
             }
@@ -172,7 +181,12 @@ impl Contacts {
     /// Triangles over the mesh's points that make one surface of the shells that have a twin, where the twins of two that touch do, too.
     fn joints(&self, twins: &[u32]) -> Vec<[u32; 3]> {
         let is_joined = |shell: usize| twins[shell] != NONE;
-        let touching: HashSet<[usize; 2]> = self.near.iter().filter(|contact| contact.distance <= TOUCHING).map(|contact| contact.shells).collect();
+        let touching: HashSet<[usize; 2]> = self
+            .near
+            .iter()
+            .filter(|contact| contact.distance <= TOUCHING)
+            .map(|contact| contact.shells)
+            .collect();
         let is_kept = |contact: &Contact| {
             let [a, b] = contact.shells.map(|shell| twins[shell] as usize);
             touching.contains(&contact.shells) && touching.contains(&[a.min(b), a.max(b)])
@@ -205,7 +219,11 @@ impl Contacts {
 }
 
 /// The nearest places of two shells, and the triangles there.
-fn contact(shells: [usize; 2], places: &[Vec<Place>], trees: &[RTree<GeomWithData<Vector, usize>>]) -> Contact {
+fn contact(
+    shells: [usize; 2],
+    places: &[Vec<Place>],
+    trees: &[RTree<GeomWithData<Vector, usize>>],
+) -> Contact {
     let [first, second] = shells;
     let mut near: Vec<(f64, usize, usize)> = Vec::new();
     let mut reach = f64::INFINITY;

@@ -18,6 +18,8 @@ const ROUNDS: usize = 8;
 const KEPT: f64 = 0.8;
 /// Images of a plane worth looking at are this near to the surface, in sqrt(area), in the median.
 const NEAR: f64 = 0.015;
+/// From this median on a plane is not fitted any more.
+const HOPELESS: f64 = 0.04;
 /// Second moments as near to each other as this, in parts of the largest, leave the plane's normal open.
 const DISTINCT: f64 = 0.02;
 
@@ -31,7 +33,7 @@ pub struct MirrorPlane {
 }
 
 impl MirrorPlane {
-    /// The plane whose images are nearest to the surface; `None` if they are not near it, or if the moments of the shape single no plane out. Some 20 ms.
+    /// The plane whose images are nearest to the surface; `None` if they are not near it, or if the moments of the shape single no plane out. Some ms, if they are not near it.
     pub fn of(mesh: &Mesh) -> Option<MirrorPlane> {
         let places: Vec<Place> = places(&mesh.positions, &mesh.triangles, SPACING);
         let middle = mean(places.iter().map(|place| place.at), places.len());
@@ -44,9 +46,9 @@ impl MirrorPlane {
         let tree = RTree::bulk_load(places.iter().map(|place| place.at).collect());
         let step = places.len().div_ceil(FITTED).max(1);
         let fitted: Vec<Vector> = places.iter().step_by(step).map(|place| place.at).collect();
-        let planes = (0..3).filter(|&k| !is_open(k)).map(|k| {
-            MirrorPlane { normal: axes[k], offset: dot(axes[k], middle) }.fitted(&fitted, &tree)
-        });
+        let planes = (0..3)
+            .filter(|&k| !is_open(k))
+            .map(|k| MirrorPlane { normal: axes[k], offset: dot(axes[k], middle) }.fitted(&fitted, &tree));
         let best = planes.min_by(|a, b| a.1.total_cmp(&b.1))?;
         (best.1 < NEAR).then_some(best.0)
     }
@@ -68,6 +70,9 @@ impl MirrorPlane {
             let mut pairs: Vec<(f64, Vector, Vector)> = sought.iter().map(pair).collect();
             pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
             median = pairs[pairs.len() / 2].0.sqrt();
+            if median > HOPELESS {
+                break;
+            }
             pairs.truncate((KEPT * pairs.len() as f64).ceil() as usize);
             let [from, to] = [0, 1].map(|end| {
                 mean(pairs.iter().map(|pair| if end == 0 { pair.1 } else { pair.2 }), pairs.len())

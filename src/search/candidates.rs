@@ -122,7 +122,9 @@ fn of_twins(
 ) -> Result<Vec<Candidate>> {
     let mut found = Vec::new();
     for start in twins.map_or(Ok(Vec::new()), |twins| twins.starts(refiner))? {
-        let Some(candidate) = try_start(refiner, scorer, &start, Projection::Involution, seen)? else { continue };
+        let Some(candidate) = try_start(refiner, scorer, &start, Projection::Involution, seen)? else {
+            continue;
+        };
         if candidate.score.kind() != Some(SymmetryKind::Reflection)
             && let Some((map, partners)) = scorer.turned_over(&candidate.map)?
         {
@@ -305,7 +307,8 @@ mod tests {
     use super::*;
 
     fn candidate(partners: Vec<u32>, commutator: f64) -> Candidate {
-        let score = Score { commutator, orientation: -1.0, fixed: 0.0, disagreement: 0.0, trace: 0.0, unsided: 0.3 };
+        let score =
+            Score { commutator, orientation: -1.0, fixed: 0.0, disagreement: 0.0, trace: 0.0, unsided: 0.3 };
         Candidate { map: Mat::zeros(1, 1), partners, score, doubts: Vec::new() }
     }
 
@@ -324,7 +327,8 @@ mod tests {
 
     #[test]
     fn better_candidates_doubt_a_map_only_where_one_is_sought() {
-        let samples = Samples { vertices: vec![0, 1], rows: Mat::from_fn(2, 1, |i, _| i as f64), parts: None };
+        let samples =
+            Samples { vertices: vec![0, 1], rows: Mat::from_fn(2, 1, |i, _| i as f64), parts: None };
         let candidates = [candidate(vec![1, 0], 0.01), candidate(vec![0, 1], 0.011)];
         let doubts_of_second = |of_all| distinct(&candidates, &samples, &[1.0], 2, of_all)[1].doubts.clone();
         assert_eq!(doubts_of_second(false), [0.0; 2]);
