@@ -12,7 +12,7 @@ use rstar::RTree;
 
 /// Distance of the places that are compared, in sqrt(area), and how many are fitted.
 const SPACING: f64 = 0.02;
-const FITTED: usize = 200;
+const FITTED: usize = 100;
 /// Rounds of the fit; the share of the places that is fitted, the nearest to the surface.
 const ROUNDS: usize = 8;
 const KEPT: f64 = 0.8;

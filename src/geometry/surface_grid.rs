@@ -27,8 +27,10 @@ pub fn places<'a>(
         let length = |a: usize, b: usize| squared_norm(subtract(ends[a], ends[b])).sqrt();
         let longest = length(0, 1).max(length(1, 2)).max(length(2, 0));
         let steps = ((longest / spacing).ceil() as usize).clamp(1, MOST_PLACES);
-        for i in 0..=steps {
-            for j in 0..=steps - i {
+        // Of a triangle smaller than a cell one corner is enough.
+        let last = if steps == 1 { 0 } else { steps };
+        for i in 0..=last {
+            for j in 0..=last.saturating_sub(i) {
                 let weights = [i, j, steps - i - j].map(|count| count as f64 / steps as f64);
                 let at: Vector = std::array::from_fn(|axis| (0..3).map(|c| weights[c] * ends[c][axis]).sum());
                 if cells.insert(at.map(|x| (x / spacing).floor() as i64)) {
