@@ -48,7 +48,8 @@ const HOPELESS: f64 = 0.01;
 
 /// Finds the intrinsic symmetries of `mesh`.
 ///
-/// The symmetry is sought on the largest shell; every other shell is then given its partner.
+/// The symmetry is sought on the largest shell or, where that is not most of the mesh, on shells joined where they touch; every other
+/// shell is then given its partner (`docs/method.md`).
 ///
 /// # Errors
 /// [`crate::Error::Option`], [`crate::Error::Limit`], [`crate::Error::Cancelled`], [`crate::Error::Internal`].
