@@ -43,7 +43,7 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let solved = proxy.as_ref().map_or(&shells[0], |proxy| &proxy.shell);
     let shell = PreparedShell::new(IntrinsicSurface::with_mean_curvature(solved), &plan, 1, &progress)?;
     let signs = signs(&shell.surface, &shell.basis, &options, &[])?;
-    let found = candidates(&shell, &signs, &plan.search, &options, &progress)?;
+    let found = candidates(&shell, &signs, None, &plan.search, &options, &progress)?;
     let Some(candidate) = found.first() else { return Ok(String::new()) };
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
     let map = finish(&shell, &target, candidate, &plan, 0, &progress)?;

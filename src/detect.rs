@@ -13,6 +13,7 @@ pub mod finishing;
 pub mod fixed_curve;
 pub mod joined_shells;
 pub mod judging_mesh;
+pub mod mirror_plane;
 pub mod proxy;
 pub mod report;
 pub mod rotations;

@@ -3,5 +3,6 @@
 pub mod adjacency;
 pub mod embedded_triangles;
 pub mod shortest_paths;
+pub mod surface_grid;
 pub mod surface_walk;
 pub mod vertex_map;

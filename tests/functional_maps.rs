@@ -445,8 +445,14 @@ fn signatures_of_true_partners_agree_and_those_of_others_do_not() {
 
 #[test]
 fn a_map_is_the_less_plausible_the_worse_any_measure_is() {
-    let score =
-        |commutator: f64| Score { commutator, orientation: -1.0, fixed: 0.05, disagreement: 0.0, trace: 0.0, unsided: 0.3 };
+    let score = |commutator: f64| Score {
+        commutator,
+        orientation: -1.0,
+        fixed: 0.05,
+        disagreement: 0.0,
+        trace: 0.0,
+        unsided: 0.3,
+    };
     let judge = |score: &Score, mismatch| Judgement::new(score, mismatch, 1.0);
     let plausibility = |commutator, mismatch| judge(&score(commutator), mismatch).plausibility;
     assert!(plausibility(0.001, 0.05) > 0.99 && plausibility(0.5, 1.0) < 0.01);

@@ -233,7 +233,7 @@ fn with_signs(shell: &mut PreparedShell, signs: &[bool]) -> (Candidate, Vec<u32>
     shell.samples = Samples::at(&shell.basis, shell.samples.vertices.clone());
     let (options, plan, progress) = (Options::default(), Plan::small(), Progress::default());
     let predicted = shell_symmetry::signs(&shell.surface, &shell.basis, &options, &[]).unwrap();
-    let best = shell_symmetry::candidates(shell, &predicted, &plan.search, &options, &progress)
+    let best = shell_symmetry::candidates(shell, &predicted, None, &plan.search, &options, &progress)
         .unwrap()
         .swap_remove(0);
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);

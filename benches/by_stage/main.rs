@@ -181,7 +181,7 @@ fn time_search(
     let quiet = Progress::default();
     timer.time("sign network", || signs(&shell.surface, &shell.basis, options, &[]));
     let signs = signs(&shell.surface, &shell.basis, options, &[]).expect("signs");
-    let search = || candidates(shell, &signs, &plan.search, options, &quiet);
+    let search = || candidates(shell, &signs, None, &plan.search, options, &quiet);
     timer.time("candidates", search);
     let best = &search().expect("candidates")[0];
     timer.time("refinement", || finish(shell, target, best, plan, 0, &quiet));

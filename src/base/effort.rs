@@ -48,11 +48,19 @@ pub struct Mechanisms {
     pub curvature: bool,
     /// Small holes filled for the search.
     pub filled_holes: bool,
+    /// A mirror plane in space.
+    pub mirror_plane: bool,
 }
 
 impl Default for Mechanisms {
     fn default() -> Mechanisms {
-        Mechanisms { connectivity: true, mirrored_vertices: true, curvature: true, filled_holes: true }
+        Mechanisms {
+            connectivity: true,
+            mirrored_vertices: true,
+            curvature: true,
+            filled_holes: true,
+            mirror_plane: true,
+        }
     }
 }
 

@@ -9,22 +9,29 @@ use crate::base::symmetry_kind::SymmetryKind;
 use crate::connectivity::automorphism::{Automorphism, Connectivity};
 use crate::connectivity::mirrored_vertices;
 use crate::detect::assembly::{PointMap, Summary, symmetry};
-use crate::detect::companions::{self, Primary};
+use crate::detect::companions::{self, Companion, Primary};
 use crate::detect::correspondence::Symmetry;
 use crate::detect::filled_holes::FilledShell;
 use crate::detect::fixed_curve::{odd_function, zero_set};
+use crate::detect::mirror_plane::MirrorPlane;
 use crate::detect::proxy::Proxy;
 use crate::detect::shell_symmetry::PreparedShell;
 use crate::geometry::adjacency::nearest_seeds;
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
 use crate::geometry::vertex_map::VertexMap;
-use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::vector::{Vector, dot, point_areas, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell, anchors};
 use crate::refine::full_refinement::MatchTarget;
 use crate::refine::rigid_parts::{self, Carrier, Fitted};
 use crate::spectral::displacement::mean_displacement;
 use crate::verify::confidence::Evidence;
-use crate::verify::hypothesis::Hypothesis;
+use crate::verify::hypothesis::{Hypothesis, exchanges_sheets};
+
+/// Distance of a plane's image from the surface, in sqrt(area), up to which a point counts as mirrored, and from which on it has no partner.
+const MIRRORED: f64 = 0.006;
+const LOST: f64 = 0.03;
+/// The least share of the surface that a mirror plane of the mesh mirrors.
+const MOSTLY: f64 = 0.75;
 
 /// What completing the map of the largest shell to all shells needs.
 pub struct Gatherer<'a> {
@@ -87,6 +94,50 @@ impl<'a> Gatherer<'a> {
         self.complete(map, known, threads, progress)
     }
 
+    /// The symmetry that a plane in space is, and the share of the surface that it mirrors; `None` if that is not nearly all, or if it but exchanges the sides of a thin sheet.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+    pub fn by_plane(
+        &self,
+        plane: &MirrorPlane,
+        companions: &[Option<Companion>],
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<Option<(Symmetry, f64)>> {
+        let mesh = self.mesh;
+        let mut map = PointMap::empty(mesh);
+        let odd: Vec<f64> = mesh.positions.iter().map(|&at| dot(plane.normal, at) - plane.offset).collect();
+        for (own, companion) in companions.iter().enumerate() {
+            let Some(companion) = companion else { continue };
+            let (shell, target) = (&self.shells[own], &self.shells[companion.target]);
+            map.insert(shell, target, &companion.images, &vec![companion.trust(); shell.points.len()]);
+        }
+        let areas = point_areas(&mesh.positions, &mesh.triangles);
+        let (mut mirrored, mut moved) = (0.0, 0.0);
+        for (point, &at) in mesh.positions.iter().enumerate() {
+            if map.partner[point] == NONE {
+                continue;
+            }
+            let image = map.image[point].interpolate_vectors(&mesh.triangles, &mesh.positions);
+            let off = squared_norm(subtract(plane.image(at), image)).sqrt();
+            moved += areas[point] * squared_norm(subtract(image, at)).sqrt();
+            mirrored += if off < MIRRORED { areas[point] } else { 0.0 };
+            if off > LOST {
+                map.partner[point] = NONE;
+                map.confidence[point] = 0.0;
+            }
+        }
+        let total: f64 = areas.iter().sum();
+        let share = mirrored / total;
+        if share < MOSTLY || exchanges_sheets(moved / total) {
+            return Ok(None);
+        }
+        map.odd = odd;
+        let summary = Summary { kind: SymmetryKind::Reflection, score: 0.0, plausibility: share };
+        Ok(Some((self.finished(map, summary, threads, progress)?, share)))
+    }
+
     /// The symmetry of all shells, from a `map` that holds the largest one's.
     fn complete(
         &self,
@@ -100,6 +151,18 @@ impl<'a> Gatherer<'a> {
         if self.shells.len() > 1 && !kind.is_rotation() {
             self.add_companions(&mut map, &known, progress)?;
         }
+        self.finished(map, known.summary, threads, progress)
+    }
+
+    /// The symmetry that a `map` of all shells is, with what connectivity and vertices say of it.
+    fn finished(
+        &self,
+        mut map: PointMap,
+        summary: Summary,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<Symmetry> {
+        let kind = summary.kind;
         progress.report("connectivity", 0.97)?;
         let exact = match self.connectivity {
             Some(connectivity) => connectivity.find(&map.partner, &map.confidence, kind, progress)?,
@@ -121,7 +184,7 @@ impl<'a> Gatherer<'a> {
             SymmetryKind::Reflection => zero_set(&self.mesh.triangles, &map.odd),
             SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => Vec::new(),
         };
-        Ok(symmetry(self.mesh, &map, curve, known.summary))
+        Ok(symmetry(self.mesh, &map, curve, summary))
     }
 
     fn add_companions(&self, map: &mut PointMap, known: &Known, progress: &Progress) -> Result<()> {

@@ -6,6 +6,7 @@
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::connectivity::automorphism::shell_signatures;
+use crate::detect::mirror_plane::MirrorPlane;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
@@ -73,13 +74,39 @@ pub fn find(
     primary: &Primary,
     progress: &Progress,
 ) -> Result<Vec<Option<Companion>>> {
-    let places = Places::new(mesh, shells, anchors, primary);
+    paired(mesh, shells, &Places::new(mesh, shells, anchors, primary), primary.index, progress)
+}
+
+/// The same of all shells, for a mesh with a mirror plane in space.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+pub fn by_plane(
+    mesh: &Mesh,
+    shells: &[Shell],
+    plane: &MirrorPlane,
+    progress: &Progress,
+) -> Result<Vec<Option<Companion>>> {
+    let place = |shell: &Shell| shell.points.iter().map(|&point| mesh.positions[point as usize]).collect();
+    let own: Vec<Vec<Vector>> = shells.iter().map(place).collect();
+    let image = |points: &Vec<Vector>| points.iter().map(|&point| plane.image(point)).collect();
+    let places = Places { mirrored: own.iter().map(image).collect(), own };
+    paired(mesh, shells, &places, usize::MAX, progress)
+}
+
+fn paired(
+    mesh: &Mesh,
+    shells: &[Shell],
+    places: &Places,
+    primary: usize,
+    progress: &Progress,
+) -> Result<Vec<Option<Companion>>> {
     let mut companions: Vec<Option<Companion>> = shells.iter().map(|_| None).collect();
-    for (first, second, mismatch) in pair_shells(mesh, shells, &places, primary.index) {
+    for (first, second, mismatch) in pair_shells(mesh, shells, places, primary) {
         progress.report("other shells", 0.95)?;
         for (source, target) in [(first, second), (second, first)] {
             if companions[source].is_none() {
-                let images = match_shells(shells, &places, source, target);
+                let images = match_shells(shells, places, source, target);
                 companions[source] = Some(Companion { target, images, mismatch });
             }
         }
@@ -167,20 +194,14 @@ impl Alike {
 ///
 /// Of lashes, feathers or teeth in a row all are assigned together: if each took what is nearest, a map that is off by half their distance would send each to its twin's
 /// neighbour; but then one has nobody left at each end of the row.
-fn pair_shells(
-    mesh: &Mesh,
-    shells: &[Shell],
-    places: &Places,
-    primary: usize,
-) -> Vec<(usize, usize, f32)> {
+fn pair_shells(mesh: &Mesh, shells: &[Shell], places: &Places, primary: usize) -> Vec<(usize, usize, f32)> {
     let middles = |of: &[Vec<Vector>]| -> Vec<Vector> { of.iter().map(|points| mean(points)).collect() };
     let (mirrored, own) = (middles(&places.mirrored), middles(&places.own));
     let others = (0..shells.len()).filter(|&shell| shell != primary);
     let alike = Alike::new(shells, &own, others.clone());
     let signatures = shell_signatures(mesh);
-    let signature = |shell: usize| {
-        signatures[mesh.shell_of_point[shells[shell].points[0] as usize] as usize].hash
-    };
+    let signature =
+        |shell: usize| signatures[mesh.shell_of_point[shells[shell].points[0] as usize] as usize].hash;
     let mut options: BTreeMap<(usize, usize), f32> = BTreeMap::new();
     for source in others {
         let near: Vec<usize> = alike.nearest(source, mirrored[source]).collect();
@@ -209,7 +230,10 @@ fn involution(options: &BTreeMap<(usize, usize), f32>) -> Vec<(usize, usize, f32
         }
     }
     let mut swarms: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    options.keys().flat_map(|&(first, second)| [first, second]).for_each(|shell| swarms.entry(swarm_of[shell]).or_default().push(shell));
+    options
+        .keys()
+        .flat_map(|&(first, second)| [first, second])
+        .for_each(|shell| swarms.entry(swarm_of[shell]).or_default().push(shell));
     let mut pairs = Vec::new();
     let mut left: Vec<(f32, usize, usize)> = Vec::new();
     for mut swarm in swarms.into_values() {
@@ -228,9 +252,12 @@ fn involution(options: &BTreeMap<(usize, usize), f32>) -> Vec<(usize, usize, f32
                 }
             }
         }
-        let free: Vec<usize> = swarm.iter().zip(free).filter(|(_, free)| *free).map(|(shell, _)| *shell).collect();
+        let free: Vec<usize> =
+            swarm.iter().zip(free).filter(|(_, free)| *free).map(|(shell, _)| *shell).collect();
         for (place, first) in free.iter().enumerate() {
-            left.extend(free[place..].iter().filter_map(|second| Some((within(first, second)?, *first, *second))));
+            left.extend(
+                free[place..].iter().filter_map(|second| Some((within(first, second)?, *first, *second))),
+            );
         }
     }
     // What was sent around in a ring, the best first.
@@ -265,8 +292,13 @@ fn match_shells(shells: &[Shell], places: &Places, source: usize, target: usize)
     let shift = shift_onto(&picked(goals), &places.own[target]);
     let goals: Vec<Vector> =
         goals.iter().map(|goal| [0, 1, 2].map(|axis| goal[axis] + shift[axis])).collect();
-    let starts = nearest(rows(&goals).as_ref(), rows(&places.own[target]).as_ref());
-    let (partners, points) = goals.iter().zip(starts).map(|(goal, start)| walk.nearest(*goal, start)).unzip();
+    let leaves = places.own[target].iter().copied().zip(0..);
+    let tree = RTree::bulk_load(leaves.map(|(at, local)| GeomWithData::new(at, local)).collect());
+    let image = |goal: &Vector| {
+        let start: u32 = tree.nearest_neighbor(*goal).expect("a shell has points").data;
+        walk.nearest(*goal, start)
+    };
+    let (partners, points) = goals.iter().map(image).unzip();
     VertexMap { partners, points }
 }
 

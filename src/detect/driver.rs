@@ -9,6 +9,7 @@ use crate::base::symmetry_kind::SymmetryKind;
 use crate::base::threads;
 use crate::connectivity::automorphism::{Automorphism, Connectivity, LengthChange};
 use crate::detect::assembler::{Assembler, Gatherer};
+use crate::detect::companions;
 use crate::detect::correspondence::Symmetry;
 use crate::detect::detection::{Clock, about_family, about_rotations, conclusion, verdict};
 pub use crate::detect::detection::{Detection, Outcome, Report};
@@ -16,6 +17,7 @@ use crate::detect::filled_holes::FilledShell;
 use crate::detect::finishing::{Finished, finish_best};
 use crate::detect::joined_shells::JoinedShells;
 use crate::detect::judging_mesh::JudgingMesh;
+use crate::detect::mirror_plane::MirrorPlane;
 use crate::detect::proxy::Proxy;
 use crate::detect::rotations;
 use crate::detect::shell_symmetry::{PreparedShell, candidates, of_images, signs};
@@ -25,11 +27,11 @@ use crate::mesh::{Mesh, NONE, Shell};
 use crate::search::candidates::GAP;
 use crate::search::sign_network::SignPrediction;
 use crate::search::twin_starts::TwinDistances;
-use crate::spectral::twin_parts::TwinParts;
 use crate::spectral::continuous_family::{Orbits, orbits};
 use crate::spectral::eigenbasis::{Accuracy, Eigenbasis};
 use crate::spectral::laplacian::IntrinsicSurface;
 use crate::spectral::sampling::Samples;
+use crate::spectral::twin_parts::TwinParts;
 use crate::verify::acceptance::doubt;
 use crate::verify::hypothesis::Hypothesis;
 use crate::verify::hypothesis::exchanges_sheets;
@@ -41,6 +43,8 @@ const CERTAIN: usize = 90;
 /// An answer whose plausibility times mean confidence is at least this leaves no doubts. On generated shapes 0.6 gives the same errors
 /// for a fifth less time, but it let a wrong map of remeshed TOSCA pass (`docs/results.md`).
 const SETTLED: f64 = 0.75;
+/// The same product from which on a mirror plane in space is the answer, and nothing is searched.
+const AT_REST: f64 = 0.9;
 /// What is asked of the plausibility of a map for which the connectivity or the vertices speak, in percent.
 const ANY: usize = 0;
 /// A wide search whose best map is less plausible than this ends with "none".
@@ -48,8 +52,8 @@ const HOPELESS: f64 = 0.01;
 
 /// Finds the intrinsic symmetries of `mesh`.
 ///
-/// The symmetry is sought on the largest shell or, where that is not most of the mesh, on shells joined where they touch; every other
-/// shell is then given its partner (`docs/method.md`).
+/// A mesh that a plane in space mirrors is answered by that. Else the symmetry is sought on the largest shell, or on the large shells joined where no shell holds most of
+/// the surface; every other shell is then given its partner.
 ///
 /// # Errors
 /// [`crate::Error::Option`], [`crate::Error::Limit`], [`crate::Error::Cancelled`], [`crate::Error::Internal`].
@@ -71,63 +75,110 @@ pub fn detect_by(
 ) -> Result<Detection> {
     let mut clock = Clock::start();
     progress.report("shells", 0.0)?;
-    let JoinedShells { shells, joints, twins } = JoinedShells::new(mesh, mesh.shells());
-    // Who states signs means those of the functions that the mesh has as it is.
-    let fills = mechanisms.filled_holes && !options.states_signs();
-    let filled = FilledShell::new(&shells[0], &joints, fills);
-    progress.report("connectivity", 0.02)?;
     let (connectivity, unrivalled) = match mechanisms.connectivity {
         true => connectivity(mesh, progress)?,
         false => (None, None),
     };
     clock.lap("connectivity");
-    let case = Case {
-        mesh,
-        shells: &shells,
-        filled: filled.as_ref(),
-        twins: &twins,
-        connectivity,
-        unrivalled,
-        mechanisms,
-        options,
-        progress,
+    let about = About { mesh, connectivity, unrivalled, mechanisms, options, progress };
+    let at_rest = about.at_rest()?;
+    clock.lap("mirror plane");
+    let mut best = match at_rest {
+        Some(at_rest) if at_rest.worth() >= AT_REST => at_rest,
+        other => {
+            let found = about.searched(plans, &mut clock)?;
+            other.filter(|at_rest| at_rest.worth() > found.worth()).unwrap_or(found)
+        }
     };
-    if let Some(mut exact) = case.exact()? {
-        clock.lap("correspondence");
-        progress.report("done", 1.0)?;
-        exact.report.seconds = clock.laps;
-        return Ok(exact.without_empty(options.plausibility));
-    }
-    let (mut best, mut solved): (Option<Detection>, _) = (None, None);
-    // Maps finished on what is solved.
-    let mut finished = Vec::new();
-    for plan in plans {
-        let kept = solved.take().filter(|kept: &Solved| kept.serves(plan));
-        let current = match kept {
-            Some(kept) => kept,
-            None => match case.solve(plan, &mut clock) {
-                // What a smaller plan has answered stands.
-                Err(Error::Limit { .. }) if best.is_some() => break,
-                solved => {
-                    finished.clear();
-                    solved?
-                }
-            },
-        };
-        let found = case.attempt(plan, &current, &mut finished, &mut clock)?;
-        solved = Some(current);
-        let settled = found.is_settled() || plan.search.beam_width > 0 && found.is_hopeless();
-        if best.as_ref().is_none_or(|best| found.is_better(best)) {
-            best = Some(found);
-        }
-        if settled {
-            break;
-        }
-    }
     progress.report("done", 1.0)?;
-    let mut best = best.expect("a plan");
     best.report.seconds = clock.laps;
     Ok(best.without_empty(options.plausibility))
+}
+
+/// What is known of a mesh before its shells are joined.
+struct About<'a> {
+    mesh: &'a Mesh,
+    /// `None` where it is not mirrored.
+    connectivity: Option<Connectivity>,
+    /// The only reflection that the connectivity admits.
+    unrivalled: Option<Automorphism>,
+    mechanisms: Mechanisms,
+    options: &'a Options,
+    progress: &'a Progress<'a>,
+}
+
+impl About<'_> {
+    /// The answer where a plane in space mirrors the mesh, as it does what is not posed yet: nothing is solved then.
+    fn at_rest(&self) -> Result<Option<Detection>> {
+        let About { mesh, options, progress, .. } = *self;
+        let wanted = self.mechanisms.mirror_plane
+            && options.symmetries == 1
+            && options.rotations == 0
+            && !options.states_signs();
+        let Some(plane) = wanted.then(|| MirrorPlane::of(mesh)).flatten() else { return Ok(None) };
+        let shells = mesh.shells();
+        let companions = companions::by_plane(mesh, &shells, &plane, progress)?;
+        let vertices = self.mechanisms.mirrored_vertices;
+        let gatherer = Gatherer::new(mesh, &shells, None, self.connectivity.as_ref(), vertices);
+        let found = gatherer.by_plane(&plane, &companions, options.threads, progress)?;
+        Ok(found.map(|(symmetry, share)| {
+            let evidence = format!("a plane in space mirrors {:.0} % of the surface", 100.0 * share);
+            let report = Report { evidence, ..Report::of(mesh) };
+            Detection { outcome: Outcome::Found, symmetries: vec![symmetry], report, judging: None }
+        }))
+    }
+
+    /// The answer of the joined shells; if it leaves doubts that of the largest one alone, if that leaves fewer.
+    fn searched(&self, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
+        let joined = JoinedShells::new(self.mesh, self.mesh.shells());
+        let is_alone = joined.twins.is_empty();
+        let found = self.of_shells(&joined, plans, clock)?;
+        if is_alone || found.is_settled() {
+            return Ok(found);
+        }
+        let alone = JoinedShells::alone(self.mesh.shells());
+        let other = self.of_shells(&alone, plans, clock)?;
+        Ok(if other.worth() > found.worth() { other } else { found })
+    }
+
+    fn of_shells(&self, joined: &JoinedShells, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
+        // Who states signs means those of the functions that the mesh has as it is.
+        let fills = self.mechanisms.filled_holes && !self.options.states_signs();
+        let filled = FilledShell::new(&joined.shells[0], &joined.joints, fills);
+        let case =
+            Case { about: self, shells: &joined.shells, filled: filled.as_ref(), twins: &joined.twins };
+        if let Some(exact) = case.exact()? {
+            clock.lap("correspondence");
+            return Ok(exact);
+        }
+        let (mut best, mut solved): (Option<Detection>, _) = (None, None);
+        // Maps finished on what is solved.
+        let mut finished = Vec::new();
+        for plan in plans {
+            let kept = solved.take().filter(|kept: &Solved| kept.serves(plan));
+            let current = match kept {
+                Some(kept) => kept,
+                None => match case.solve(plan, clock) {
+                    // What a smaller plan has answered stands.
+                    Err(Error::Limit { .. }) if best.is_some() => break,
+                    solved => {
+                        finished.clear();
+                        solved?
+                    }
+                },
+            };
+            let found = case.attempt(plan, &current, &mut finished, clock)?;
+            solved = Some(current);
+            let settled = found.is_settled() || plan.search.beam_width > 0 && found.is_hopeless();
+            if best.as_ref().is_none_or(|best| found.is_better(best)) {
+                best = Some(found);
+            }
+            if settled {
+                break;
+            }
+        }
+        Ok(best.expect("a plan"))
+    }
 }
 
 impl Detection {
@@ -142,6 +193,11 @@ impl Detection {
         self.report.judged.is_none_or(|judged| judged.plausibility < HOPELESS)
     }
 
+    /// How much of the surface is answered, and how surely.
+    fn worth(&self) -> f64 {
+        self.symmetries.first().map_or(0.0, |best| best.plausibility * best.mean_confidence)
+    }
+
     /// Whether this answer, by a larger plan, takes the place of an earlier one.
     fn is_better(&self, earlier: &Detection) -> bool {
         let doubts = |detection: &Detection| {
@@ -151,21 +207,15 @@ impl Detection {
     }
 }
 
-/// A mesh whose symmetries are sought.
+/// A mesh with the shell on which its symmetries are sought.
 struct Case<'a> {
-    mesh: &'a Mesh,
+    about: &'a About<'a>,
+    /// That shell, joined of several or the largest one, and the others.
     shells: &'a [Shell],
-    /// The largest shell, its holes filled, if it has some.
+    /// The first of those, its holes filled, if it has some.
     filled: Option<&'a FilledShell>,
     /// The shells that are joined to the first of those, and their likely twins.
     twins: &'a [[u32; 2]],
-    /// `None` where it is not mirrored.
-    connectivity: Option<Connectivity>,
-    /// The only reflection that the connectivity admits.
-    unrivalled: Option<Automorphism>,
-    mechanisms: Mechanisms,
-    options: &'a Options,
-    progress: &'a Progress<'a>,
 }
 
 /// The largest shell or its proxy with all that does not depend on the search.
@@ -192,9 +242,10 @@ impl Solved<'_> {
 impl<'a> Case<'a> {
     /// The answer where the connectivity of the largest shell admits one reflection and the shape agrees with it: nothing is solved then.
     fn exact(&self) -> Result<Option<Detection>> {
-        let Case { mesh, shells, options, progress, .. } = *self;
+        let Case { shells, about: About { mesh, options, progress, .. }, .. } = *self;
         let wanted = options.symmetries == 1 && options.rotations == 0 && !options.states_signs();
-        let Some(found) = self.unrivalled.as_ref().filter(|found| wanted && !found.has_defects()) else {
+        let Some(found) = self.about.unrivalled.as_ref().filter(|found| wanted && !found.has_defects())
+        else {
             return Ok(None);
         };
         let found = found.within(&shells[0].points);
@@ -221,20 +272,26 @@ impl<'a> Case<'a> {
     }
 
     fn gatherer(&self, proxy: Option<&Proxy>) -> Gatherer<'_> {
-        let mirrored_vertices = self.mechanisms.mirrored_vertices;
-        Gatherer::new(self.mesh, self.shells, proxy, self.connectivity.as_ref(), mirrored_vertices)
+        let mirrored_vertices = self.about.mechanisms.mirrored_vertices;
+        Gatherer::new(
+            self.about.mesh,
+            self.shells,
+            proxy,
+            self.about.connectivity.as_ref(),
+            mirrored_vertices,
+        )
     }
 
     /// Simplifies and solves the largest shell.
     fn solve(&self, plan: &Plan, clock: &mut Clock) -> Result<Solved<'a>> {
-        let Case { mesh, options, progress, .. } = *self;
+        let About { mesh, options, progress, .. } = *self.about;
         let largest = self.filled.map_or(&self.shells[0], |filled| &filled.shell);
         let proxy = Proxy::new(largest, plan.proxy_vertices, options.threads);
         clock.lap("proxy");
         let solved = proxy.as_ref().map_or(largest, |proxy| &proxy.shell);
         let needed = estimated_memory(mesh.positions.len(), solved.points.len(), plan.eigenfunctions);
         check_memory(needed, options.memory)?;
-        let mut surface = match self.mechanisms.curvature {
+        let mut surface = match self.about.mechanisms.curvature {
             true => IntrinsicSurface::with_mean_curvature(solved),
             false => IntrinsicSurface::new(solved),
         };
@@ -267,7 +324,7 @@ impl<'a> Case<'a> {
         }
         let mut part_of = vec![NONE; solved.points.len()];
         for (part, &point) in part_of.iter_mut().zip(&solved.points).filter(|(_, point)| **point != NONE) {
-            let shell = self.mesh.shell_of_point[point as usize];
+            let shell = self.about.mesh.shell_of_point[point as usize];
             *part = self.place(shell).expect("a joined shell");
         }
         for triangle in &solved.triangles {
@@ -278,7 +335,10 @@ impl<'a> Case<'a> {
             }
         }
         let twin = |part: &u32| self.place(self.twins[*part as usize][1]).expect("a joined shell") as u8;
-        Some(TwinParts { twin: part_of.iter().map(twin).collect(), own: part_of.iter().map(|&part| part as u8).collect() })
+        Some(TwinParts {
+            twin: part_of.iter().map(twin).collect(),
+            own: part_of.iter().map(|&part| part as u8).collect(),
+        })
     }
 
     /// Where a shell stands among the joined ones.
@@ -294,7 +354,7 @@ impl<'a> Case<'a> {
         finished: &mut Vec<Finished>,
         clock: &mut Clock,
     ) -> Result<Detection> {
-        let Case { mesh, options, progress, .. } = *self;
+        let About { mesh, options, progress, .. } = *self.about;
         let proxy = solved.proxy.as_ref();
         let assembler =
             Assembler::new(self.gatherer(proxy), self.filled, &solved.shell, proxy, plan, options);
@@ -302,7 +362,14 @@ impl<'a> Case<'a> {
         let mut maps = match mirrored.as_ref().filter(|map| self.is_certain(map)) {
             Some(map) => vec![self.as_reflection(&assembler, map.clone())?],
             None => {
-                let found = candidates(&solved.shell, &solved.signs, solved.twins.as_ref(), &plan.search, options, progress)?;
+                let found = candidates(
+                    &solved.shell,
+                    &solved.signs,
+                    solved.twins.as_ref(),
+                    &plan.search,
+                    options,
+                    progress,
+                )?;
                 clock.lap("candidates");
                 finish_best(&assembler, &found, finished, options, progress)?
             }
@@ -314,7 +381,7 @@ impl<'a> Case<'a> {
         maps.truncate(options.symmetries);
         let mut asked = options.plausibility;
         if let Some(map) = mirrored {
-            evidence += match self.unrivalled.as_ref().is_some_and(Automorphism::has_defects) {
+            evidence += match self.about.unrivalled.as_ref().is_some_and(Automorphism::has_defects) {
                 true => "; but for a few defects its connectivity admits one reflection",
                 false => "; its connectivity admits one reflection",
             };
@@ -357,20 +424,20 @@ impl<'a> Case<'a> {
 
     /// The map of the only reflection that the connectivity admits.
     fn mirrored(&self, assembler: &Assembler) -> Result<Option<Hypothesis>> {
-        let images = self.unrivalled.as_ref().and_then(|found| assembler.images_of_all(found));
+        let images = self.about.unrivalled.as_ref().and_then(|found| assembler.images_of_all(found));
         let map = images.map(|images| of_images(assembler.shell, &assembler.target, images)).transpose()?;
         Ok(map.map(|map| Hypothesis { moved: assembler.moved(&map.images), ..map }))
     }
 
     /// Whether it needs no search. Whoever states signs asks for the symmetry that has them.
     fn is_certain(&self, map: &Hypothesis) -> bool {
-        let any_will_do = self.options.symmetries == 1 && !self.options.states_signs();
+        let any_will_do = self.about.options.symmetries == 1 && !self.about.options.states_signs();
         any_will_do && map.judged.accepted(CERTAIN) && !map.exchanges_sheets()
     }
 
     fn as_reflection(&self, assembler: &Assembler, map: Hypothesis) -> Result<(Hypothesis, SymmetryKind)> {
-        let (kind, token) = (SymmetryKind::Reflection, self.progress.token());
-        Ok((assembler.with_parts(map, kind, self.options.threads, token)?, kind))
+        let (kind, token) = (SymmetryKind::Reflection, self.about.progress.token());
+        Ok((assembler.with_parts(map, kind, self.about.options.threads, token)?, kind))
     }
 
     /// Adds rotations of order three or more; gives what is said of them.
@@ -381,7 +448,7 @@ impl<'a> Case<'a> {
         plan: &Plan,
         solved: &Solved,
     ) -> Result<String> {
-        let (options, progress, listed) = (self.options, self.progress, maps.len());
+        let (options, progress, listed) = (self.about.options, self.about.progress, maps.len());
         if !solved.orbits.continuous {
             let found = rotations::find(&solved.shell, &assembler.target, maps, plan, options, progress)?;
             for (map, kind) in found {
@@ -401,7 +468,7 @@ impl<'a> Case<'a> {
         assembler: &Assembler,
         solved: &Solved,
     ) -> Result<(Vec<Symmetry>, Option<Arc<JudgingMesh>>)> {
-        let Case { mesh, shells, filled, options, progress, .. } = *self;
+        let Case { shells, filled, about: About { mesh, options, progress, .. }, .. } = *self;
         let assembled =
             maps.iter().map(|(map, kind)| assembler.assemble(map, *kind, options.threads, progress));
         let mut symmetries = assembled.collect::<Result<Vec<Symmetry>>>()?;

@@ -62,9 +62,14 @@ impl FilledShell {
         points.resize(positions.len(), NONE);
         let mut triangle_of_local = shell.triangle_of_local.clone();
         triangle_of_local.resize(triangles.len(), NONE);
-        let filled =
-            Shell { points, positions, triangles, triangle_of_local, scale: shell.scale, ..*shell };
-        Some(FilledShell { shell: filled.rescaled(), own_triangles: shell.triangles.len(), rims, holes, rim_of })
+        let filled = Shell { points, positions, triangles, triangle_of_local, scale: shell.scale, ..*shell };
+        Some(FilledShell {
+            shell: filled.rescaled(),
+            own_triangles: shell.triangles.len(),
+            rims,
+            holes,
+            rim_of,
+        })
     }
 
     /// How many holes are filled.

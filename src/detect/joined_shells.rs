@@ -6,6 +6,7 @@
 
 use crate::detect::twins;
 use crate::geometry::shortest_paths::EdgeLengths;
+use crate::geometry::surface_grid::{Place, places};
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell};
@@ -14,7 +15,7 @@ use rstar::primitives::GeomWithData;
 use std::collections::HashSet;
 
 /// A largest shell with at least this share of the area speaks for the whole mesh.
-const MAJORITY: f64 = 0.6;
+const MAJORITY: f64 = 0.5;
 /// Smaller shells, by their share of the area, are carried along.
 const LEAST: f64 = 0.001;
 /// Most shells that are joined.
@@ -30,8 +31,6 @@ const APART: f64 = 0.03;
 const MOST_JOINTS: usize = 32;
 /// Part of a shell's largest contact that another of its contacts must have.
 const SMALLEST_CONTACT: f64 = 0.5;
-/// Most places on the longest edge of a triangle.
-const MOST_PLACES: usize = 64;
 
 /// Shells of which the first is that on which the symmetry is sought.
 pub struct JoinedShells {
@@ -44,28 +43,32 @@ pub struct JoinedShells {
 }
 
 impl JoinedShells {
+    /// The largest shell alone.
+    pub fn alone(shells: Vec<Shell>) -> JoinedShells {
+        JoinedShells { shells, joints: Vec::new(), twins: Vec::new() }
+    }
+
     /// O(area / spacing^2 x log + mesh).
     pub fn new(mesh: &Mesh, shells: Vec<Shell>) -> JoinedShells {
         let large = |shell: &&Shell| shell.area() >= LEAST;
         let members = shells.iter().take_while(large).take(MOST).count();
         if members < 2 || shells[0].area() >= MAJORITY {
-            return JoinedShells { shells, joints: Vec::new(), twins: Vec::new() };
+            return JoinedShells::alone(shells);
         }
         let contacts = Contacts::between(mesh, &shells[..members]);
         let distances = contacts.distances(mesh, &shells[..members]);
         let twins = twins::likely(mesh, &shells[..members], &distances);
-        if std::env::var("DBG").is_ok() { eprintln!("{twins:?}"); }
         let is_joined = |shell: usize| shell < members && twins[shell] != NONE;
         let joints = contacts.joints(&twins);
         let (joined, rest): (Vec<_>, Vec<_>) =
             shells.into_iter().enumerate().partition(|(index, _)| is_joined(*index));
         let joined: Vec<Shell> = joined.into_iter().map(|(_, shell)| shell).collect();
-        if joined.is_empty() { panic!(); }
         let whole = union(mesh, &joined);
         let local = |point: u32| whole.points.binary_search(&point).expect("a point of it") as u32;
         let joints = joints.into_iter().map(|triangle| triangle.map(local)).collect();
         let rest = rest.into_iter().map(|(_, shell)| shell);
-        let twins = twins.into_iter().zip(0..).filter(|(twin, _)| *twin != NONE).map(|(twin, own)| [own, twin]);
+        let twins =
+            twins.into_iter().zip(0..).filter(|(twin, _)| *twin != NONE).map(|(twin, own)| [own, twin]);
         JoinedShells { shells: [whole].into_iter().chain(rest).collect(), joints, twins: twins.collect() }
     }
 }
@@ -82,13 +85,6 @@ fn union(mesh: &Mesh, shells: &[Shell]) -> Shell {
     let triangles = of_mesh.iter().map(corners).collect();
     let orientable = shells.iter().all(|shell| shell.orientable);
     Shell { triangle_of_local: of_mesh, ..mesh.shell_of(points, triangles, orientable) }
-}
-
-/// A place on a shell, and the corners of its triangle, the nearest first.
-#[derive(Clone, Copy)]
-struct Place {
-    at: Vector,
-    corners: [u32; 3],
 }
 
 /// Where two shells come near each other.
@@ -109,7 +105,12 @@ struct Contacts {
 
 impl Contacts {
     fn between(mesh: &Mesh, shells: &[Shell]) -> Contacts {
-        let places: Vec<Vec<Place>> = shells.iter().map(|shell| places(mesh, shell)).collect();
+        let on_shell = |shell: &Shell| {
+            let triangles =
+                shell.triangle_of_local.iter().map(|&triangle| &mesh.triangles[triangle as usize]);
+            places(&mesh.positions, triangles, SPACING)
+        };
+        let places: Vec<Vec<Place>> = shells.iter().map(on_shell).collect();
         let tree = |places: &Vec<Place>| {
             RTree::bulk_load(
                 places.iter().enumerate().map(|(i, place)| GeomWithData::new(place.at, i)).collect(),
@@ -167,7 +168,9 @@ impl Contacts {
     /// Joints of each shell's largest contact with another one `among` some.
     fn largest(&self, among: impl Fn(usize) -> bool) -> Vec<usize> {
         let mut largest = vec![0; self.places.len()];
-        for contact in self.near.iter().filter(|contact| contact.distance <= TOUCHING && contact.shells.iter().all(|&shell| among(shell))) {
+        for contact in self.near.iter().filter(|contact| {
+            contact.distance <= TOUCHING && contact.shells.iter().all(|&shell| among(shell))
+        }) {
             for shell in contact.shells {
                 largest[shell] = largest[shell].max(contact.joints.len());
             }
@@ -178,7 +181,12 @@ impl Contacts {
     /// Triangles over the mesh's points that make one surface of the shells that have a twin, where the twins of two that touch do, too.
     fn joints(&self, twins: &[u32]) -> Vec<[u32; 3]> {
         let is_joined = |shell: usize| twins[shell] != NONE;
-        let touching: HashSet<[usize; 2]> = self.near.iter().filter(|contact| contact.distance <= TOUCHING).map(|contact| contact.shells).collect();
+        let touching: HashSet<[usize; 2]> = self
+            .near
+            .iter()
+            .filter(|contact| contact.distance <= TOUCHING)
+            .map(|contact| contact.shells)
+            .collect();
         let is_kept = |contact: &Contact| {
             let [a, b] = contact.shells.map(|shell| twins[shell] as usize);
             touching.contains(&contact.shells) && touching.contains(&[a.min(b), a.max(b)])
@@ -211,7 +219,11 @@ impl Contacts {
 }
 
 /// The nearest places of two shells, and the triangles there.
-fn contact(shells: [usize; 2], places: &[Vec<Place>], trees: &[RTree<GeomWithData<Vector, usize>>]) -> Contact {
+fn contact(
+    shells: [usize; 2],
+    places: &[Vec<Place>],
+    trees: &[RTree<GeomWithData<Vector, usize>>],
+) -> Contact {
     let [first, second] = shells;
     let mut near: Vec<(f64, usize, usize)> = Vec::new();
     let mut reach = f64::INFINITY;
@@ -235,28 +247,4 @@ fn contact(shells: [usize; 2], places: &[Vec<Place>], trees: &[RTree<GeomWithDat
         }
     }
     Contact { shells, distance: near.first().map_or(f64::INFINITY, |near| near.0), joints }
-}
-
-/// Places on a shell, one in each cell of a grid.
-fn places(mesh: &Mesh, shell: &Shell) -> Vec<Place> {
-    let (mut cells, mut places) = (HashSet::new(), Vec::new());
-    for &triangle in &shell.triangle_of_local {
-        let corners = mesh.triangles[triangle as usize];
-        let ends = corners.map(|point| mesh.positions[point as usize]);
-        let length = |a: usize, b: usize| squared_norm(subtract(ends[a], ends[b])).sqrt();
-        let longest = length(0, 1).max(length(1, 2)).max(length(2, 0));
-        let steps = ((longest / SPACING).ceil() as usize).clamp(1, MOST_PLACES);
-        for i in 0..=steps {
-            for j in 0..=steps - i {
-                let weights = [i, j, steps - i - j].map(|count| count as f64 / steps as f64);
-                let at: Vector = std::array::from_fn(|axis| (0..3).map(|c| weights[c] * ends[c][axis]).sum());
-                if cells.insert(at.map(|x| (x / SPACING).floor() as i64)) {
-                    let mut order = [0, 1, 2];
-                    order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
-                    places.push(Place { at, corners: order.map(|corner| corners[corner]) });
-                }
-            }
-        }
-    }
-    places
 }

@@ -100,13 +100,19 @@ impl Involution<'_> {
 
     /// What becomes of `a` and all that it concerns if its twin is `b`, which may be itself, or none.
     fn change(&self, a: usize, b: Option<usize>) -> Vec<(usize, u32)> {
-        let former = [Some(a), b].into_iter().flatten().map(|own| self.twins[own]).filter(|&twin| twin != NONE);
+        let former =
+            [Some(a), b].into_iter().flatten().map(|own| self.twins[own]).filter(|&twin| twin != NONE);
         let mut change: Vec<(usize, u32)> = former.map(|twin| (twin as usize, NONE)).collect();
         change.push((a, b.map_or(NONE, |b| b as u32)));
         change.extend(b.filter(|&b| b != a).map(|b| (b, a as u32)));
         change.reverse();
         let mut seen = Vec::new();
-        change.retain(|&(shell, _)| !seen.contains(&shell) && { seen.push(shell); true });
+        change.retain(|&(shell, _)| {
+            !seen.contains(&shell) && {
+                seen.push(shell);
+                true
+            }
+        });
         change
     }
 

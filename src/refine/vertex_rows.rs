@@ -137,8 +137,7 @@ impl VertexRows {
 
     /// The leading `size` eigenfunctions: points x size.
     pub fn functions(&self, size: usize) -> MatRef<'_, f32> {
-        MatRef::from_row_major_slice(&self.values, self.count(), self.width)
-            .subcols(self.leading, size)
+        MatRef::from_row_major_slice(&self.values, self.count(), self.width).subcols(self.leading, size)
     }
 
     /// Where the leading `size` eigenfunctions stand in a row.
@@ -273,7 +272,14 @@ mod tests {
         for width in 1..70 {
             let value = |i: usize| ((i * 37) % 11) as f32 - 5.0;
             let values: Vec<f32> = (0..2 * width).map(value).collect();
-            let rows = VertexRows { values, width, curvature_columns: 0, leading: 0, twins: Vec::new(), arch: Arch::new() };
+            let rows = VertexRows {
+                values,
+                width,
+                curvature_columns: 0,
+                leading: 0,
+                twins: Vec::new(),
+                arch: Arch::new(),
+            };
             for first in 0..width.min(3) {
                 let expected: f32 = (first..width).map(|j| (value(j) - value(width + j)).powi(2)).sum();
                 assert_eq!(rows.distance(0, &rows, 1, &(first..width)), expected, "{first}..{width}");

@@ -189,7 +189,8 @@ struct OrientationOperator {
 
 impl OrientationOperator {
     fn new(surface: &IntrinsicSurface, basis: &Eigenbasis, samples: &Samples) -> OrientationOperator {
-        let most = if surface.parts.is_some() { ORIENTATION_FUNCTIONS_OF_PARTS } else { ORIENTATION_FUNCTIONS };
+        let most =
+            if surface.parts.is_some() { ORIENTATION_FUNCTIONS_OF_PARTS } else { ORIENTATION_FUNCTIONS };
         let functions = basis.count().min(most);
         let pairs = functions * functions.saturating_sub(1) / 2;
         let mut sample_of_vertex = vec![u32::MAX; surface.vertex_count()];

@@ -110,7 +110,6 @@ pub fn find(
     candidates.sort_by(|a, b| {
         a.score.total().total_cmp(&b.score.total()).then_with(|| a.partners.cmp(&b.partners))
     });
-    if std::env::var("DBG").is_ok() { eprintln!("signs {:?}", signs.iter().map(|s| (s.logit*10.0).round()/10.0).collect::<Vec<_>>()); eprintln!("ev {:?} orientable {}", scorer.eigenvalues.iter().take(12).map(|s| (s*10.0).round()/10.0).collect::<Vec<_>>(), surface.orientable); for c in candidates.iter().take(6) { eprintln!("total {:.2} {:?}", c.score.total(), c.score); } }
     Ok(candidates)
 }
 
@@ -123,7 +122,9 @@ fn of_twins(
 ) -> Result<Vec<Candidate>> {
     let mut found = Vec::new();
     for start in twins.map_or(Ok(Vec::new()), |twins| twins.starts(refiner))? {
-        let Some(candidate) = try_start(refiner, scorer, &start, Projection::Involution, seen)? else { continue };
+        let Some(candidate) = try_start(refiner, scorer, &start, Projection::Involution, seen)? else {
+            continue;
+        };
         if candidate.score.kind() != Some(SymmetryKind::Reflection)
             && let Some((map, partners)) = scorer.turned_over(&candidate.map)?
         {
@@ -132,7 +133,6 @@ fn of_twins(
         }
         found.push(candidate);
     }
-    if std::env::var("DBG").is_ok() { for c in &found { eprintln!("twin start {:.2} {:?}", c.score.total(), c.score); } }
     Ok(found)
 }
 
@@ -307,7 +307,8 @@ mod tests {
     use super::*;
 
     fn candidate(partners: Vec<u32>, commutator: f64) -> Candidate {
-        let score = Score { commutator, orientation: -1.0, fixed: 0.0, disagreement: 0.0, trace: 0.0, unsided: 0.3 };
+        let score =
+            Score { commutator, orientation: -1.0, fixed: 0.0, disagreement: 0.0, trace: 0.0, unsided: 0.3 };
         Candidate { map: Mat::zeros(1, 1), partners, score, doubts: Vec::new() }
     }
 
@@ -326,7 +327,8 @@ mod tests {
 
     #[test]
     fn better_candidates_doubt_a_map_only_where_one_is_sought() {
-        let samples = Samples { vertices: vec![0, 1], rows: Mat::from_fn(2, 1, |i, _| i as f64), parts: None };
+        let samples =
+            Samples { vertices: vec![0, 1], rows: Mat::from_fn(2, 1, |i, _| i as f64), parts: None };
         let candidates = [candidate(vec![1, 0], 0.01), candidate(vec![0, 1], 0.011)];
         let doubts_of_second = |of_all| distinct(&candidates, &samples, &[1.0], 2, of_all)[1].doubts.clone();
         assert_eq!(doubts_of_second(false), [0.0; 2]);

@@ -107,8 +107,14 @@ fn probability(weights: &[f64], features: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    const SCORE: Score =
-        Score { commutator: 0.05, orientation: -1.0, fixed: 0.1, disagreement: 0.0, trace: 0.0, unsided: 0.3 };
+    const SCORE: Score = Score {
+        commutator: 0.05,
+        orientation: -1.0,
+        fixed: 0.1,
+        disagreement: 0.0,
+        trace: 0.0,
+        unsided: 0.3,
+    };
 
     #[test]
     fn parts_that_agree_speak_for_a_reflection_and_others_against_it() {
