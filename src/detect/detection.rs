@@ -22,20 +22,20 @@ pub struct Report {
     pub faces: usize,
     /// Shells (connected components).
     pub shells: usize,
-    /// Small holes of the largest shell that were filled for the search; nothing of them is in the result.
+    /// Small holes of the largest shell, or of the joined ones, that were filled for the search; nothing of them is in the result.
     pub filled_holes: usize,
-    /// Vertices on which the map was sought: those of the largest shell and of what fills its holes, or of its proxy.
+    /// Vertices on which the map was sought: those of the largest shell, or of the joined ones, and of what fills their holes, or of the proxy.
     pub solved_vertices: usize,
     /// What was repaired.
     pub repairs: RepairReport,
-    /// Eigenvalues of the largest shell, its holes filled, scaled to unit area, the constant function's zero left out.
+    /// Eigenvalues of the largest shell, or of the joined ones, holes filled, scaled to unit area, the constant function's zero left out.
     pub eigenvalues: Vec<f64>,
     /// Parity of the first eigenfunctions of the largest shell, its holes filled, or its proxy as the sign network sees it, overruled by what the caller
     /// states; empty without both.
     pub signs: Vec<SignPrediction>,
     /// How the best finished map was judged, accepted or not; `None` if no candidate reverses orientation.
     pub judged: Option<Judgement>,
-    /// Whether the largest shell has infinitely many symmetries, as a sphere, a torus or a vase has: the one given is
+    /// Whether the largest shell, or the joined ones, have infinitely many symmetries, as a sphere, a torus or a vase has: the one given is
     /// then an arbitrary one of them.
     pub continuous_family: bool,
     /// What that is judged by: 0 for such a shell, large for others (`docs/method.md`); `None` if it cannot be oriented.
