@@ -2,9 +2,10 @@
 
 mod support;
 
+use intrinsym::base::effort::{Mechanisms, Plan};
 use intrinsym::base::options::Options;
 use intrinsym::base::progress::Progress;
-use intrinsym::detect::driver::{Detection, Outcome, detect};
+use intrinsym::detect::driver::{Detection, Outcome, detect_by};
 use intrinsym::detect::filled_holes::FilledShell;
 use intrinsym::geometry::embedded_triangles::TrianglePoint;
 use intrinsym::geometry::vertex_map::VertexMap;
@@ -101,7 +102,9 @@ fn an_image_in_a_filling_goes_to_its_rim_and_is_less_trusted() {
 
 fn found(polygons: &PolygonMesh) -> Detection {
     let (mesh, options) = (validated(polygons), Options::default());
-    let found = detect(&mesh, &options, &Progress::default()).unwrap();
+    // At rest nothing would be searched.
+    let mechanisms = Mechanisms { mirror_plane: false, ..Mechanisms::default() };
+    let found = detect_by(&mesh, &options, &Plan::of(&options), mechanisms, &Progress::default()).unwrap();
     println!("{} holes: {}", found.report.filled_holes, found.report.evidence);
     assert_keeps_its_contract(&mesh, &options, &found);
     found

@@ -2,12 +2,13 @@
 
 mod support;
 
+use intrinsym::base::effort::{Mechanisms, Plan};
 use intrinsym::base::options::{Effort, Options};
 use intrinsym::base::progress::Progress;
 use intrinsym::base::symmetry_kind::SymmetryKind;
 use intrinsym::detect::correspondence::Symmetry;
 use intrinsym::detect::detect_again::detect_again;
-use intrinsym::detect::driver::{Detection, detect};
+use intrinsym::detect::driver::{Detection, detect, detect_by};
 use intrinsym::detect::report;
 use intrinsym::mesh::PolygonMesh;
 use std::f64::consts::TAU;
@@ -122,7 +123,11 @@ fn who_does_not_ask_gets_none_and_the_same_besides() {
     let polygons = bar();
     // Rotations are sought by the large plan.
     let thorough = Options { effort: Effort::Thorough, ..Options::default() };
-    let (without, with) = (found(&polygons, &thorough), found(&polygons, &asking(2)));
+    // Who asks for none, and whose mesh is at rest, gets what a plane in space says.
+    let mechanisms = Mechanisms { mirror_plane: false, ..Mechanisms::default() };
+    let (mesh, plans) = (validated(&polygons), Plan::of(&thorough));
+    let without = detect_by(&mesh, &thorough, &plans, mechanisms, &Progress::default()).unwrap();
+    let with = found(&polygons, &asking(2));
     assert!(rotations(&without).is_empty() && !without.report.evidence.contains("rotation"));
     assert_eq!(format!("{:?}", without.symmetries[0]), format!("{:?}", with.symmetries[0]));
     assert!(rotations(&found(&pinwheel(3), &Options::default())).is_empty());

@@ -9,7 +9,7 @@ use crate::connectivity::automorphism::shell_signatures;
 use crate::detect::mirror_plane::MirrorPlane;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
-use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::vector::{Vector, point_areas, squared_norm, subtract};
 use crate::mesh::{Mesh, Shell};
 use crate::refine::rigid_parts::Carrier;
 use crate::search::refinement::nearest;
@@ -92,6 +92,26 @@ pub fn by_plane(
     let image = |points: &Vec<Vector>| points.iter().map(|&point| plane.image(point)).collect();
     let places = Places { mirrored: own.iter().map(image).collect(), own };
     paired(mesh, shells, &places, usize::MAX, progress)
+}
+
+/// Points with their images and areas, in the unit of the mesh.
+pub fn pairs(mesh: &Mesh, shells: &[Shell], companions: &[Option<Companion>]) -> Vec<(Vector, Vector, f64)> {
+    let areas = point_areas(&mesh.positions, &mesh.triangles);
+    let mut pairs = Vec::new();
+    for (shell, companion) in shells.iter().zip(companions) {
+        let Some(companion) = companion else { continue };
+        let target = &shells[companion.target];
+        for (&point, image) in shell.points.iter().zip(&companion.images.points) {
+            let triangle =
+                target.triangles[image.triangle as usize].map(|local| target.points[local as usize]);
+            let corner = |k: usize, axis: usize| {
+                f64::from(image.barycentric[k]) * mesh.positions[triangle[k] as usize][axis]
+            };
+            let to: Vector = std::array::from_fn(|axis| (0..3).map(|k| corner(k, axis)).sum());
+            pairs.push((mesh.positions[point as usize], to, areas[point as usize]));
+        }
+    }
+    pairs
 }
 
 fn paired(

@@ -45,6 +45,9 @@ const CERTAIN: usize = 90;
 const SETTLED: f64 = 0.75;
 /// The same product from which on a mirror plane in space is the answer, and nothing is searched.
 const AT_REST: f64 = 0.9;
+/// Times that it is fitted to the images of all points, at most, and how little it then moves, in sqrt(area).
+const PLANE_ROUNDS: usize = 12;
+const RESTS: f64 = 1e-4;
 /// What is asked of the plausibility of a map for which the connectivity or the vertices speak, in percent.
 const ANY: usize = 0;
 /// A wide search whose best map is less plausible than this ends with "none".
@@ -117,7 +120,17 @@ impl About<'_> {
             && !options.states_signs();
         let Some(plane) = wanted.then(|| MirrorPlane::of(mesh)).flatten() else { return Ok(None) };
         let shells = mesh.shells();
-        let companions = companions::by_plane(mesh, &shells, &plane, progress)?;
+        let mut plane = plane;
+        let mut companions = companions::by_plane(mesh, &shells, &plane, progress)?;
+        for _ in 0..PLANE_ROUNDS {
+            let next = plane.through(&companions::pairs(mesh, &shells, &companions));
+            let moved = next.distance(&plane);
+            plane = next;
+            companions = companions::by_plane(mesh, &shells, &plane, progress)?;
+            if moved < RESTS {
+                break;
+            }
+        }
         let vertices = self.mechanisms.mirrored_vertices;
         let gatherer = Gatherer::new(mesh, &shells, None, self.connectivity.as_ref(), vertices);
         let found = gatherer.by_plane(&plane, &companions, options.threads, progress)?;

@@ -20,6 +20,8 @@ const KEPT: f64 = 0.8;
 const NEAR: f64 = 0.015;
 /// From this median on a plane is not fitted any more.
 const HOPELESS: f64 = 0.04;
+/// A point whose image is farther than this, in sqrt(area), from where it should be does not count.
+const FAR: f64 = 0.03;
 /// Second moments as near to each other as this, in parts of the largest, leave the plane's normal open.
 const DISTINCT: f64 = 0.02;
 
@@ -36,11 +38,10 @@ impl MirrorPlane {
     /// The plane whose images are nearest to the surface; `None` if they are not near it, or if the moments of the shape single no plane out. Some ms, if they are not near it.
     pub fn of(mesh: &Mesh) -> Option<MirrorPlane> {
         let places: Vec<Place> = places(&mesh.positions, &mesh.triangles, SPACING);
-        let middle = mean(places.iter().map(|place| place.at), places.len());
-        let moments = moments(places.iter().map(|place| subtract(place.at, middle)).map(|at| (at, at)));
+        let middle = mean(places.iter().map(|place| (place.at, 1.0)));
+        let moments = moments(places.iter().map(|place| subtract(place.at, middle)).map(|at| (at, at, 1.0)));
         let axes = principal_axes(moments);
-        let of_axis = |axis: &Vector| (0..3).map(|i| axis[i] * dot(moments[i], *axis)).sum::<f64>();
-        let sizes = [0, 1, 2].map(|k| of_axis(&axes[k]));
+        let sizes = [0, 1, 2].map(|k| along(&moments, axes[k]));
         let largest = sizes.iter().copied().fold(0.0, f64::max);
         let is_open = |k: usize| (0..3).any(|l| l != k && (sizes[k] - sizes[l]).abs() < DISTINCT * largest);
         let tree = RTree::bulk_load(places.iter().map(|place| place.at).collect());
@@ -59,6 +60,13 @@ impl MirrorPlane {
         std::array::from_fn(|axis| place[axis] - away * self.normal[axis])
     }
 
+    /// How far images by two planes are from each other, about.
+    pub fn distance(&self, other: &MirrorPlane) -> f64 {
+        let same = dot(self.normal, other.normal).signum();
+        let apart = subtract(self.normal, other.normal.map(|x| same * x));
+        squared_norm(apart).sqrt() + 2.0 * (self.offset - same * other.offset).abs()
+    }
+
     /// The plane nearby that fits best, and the median distance of images from the surface.
     fn fitted(mut self, sought: &[Vector], tree: &RTree<Vector>) -> (MirrorPlane, f64) {
         let mut median = f64::INFINITY;
@@ -74,31 +82,52 @@ impl MirrorPlane {
                 break;
             }
             pairs.truncate((KEPT * pairs.len() as f64).ceil() as usize);
-            let [from, to] = [0, 1].map(|end| {
-                mean(pairs.iter().map(|pair| if end == 0 { pair.1 } else { pair.2 }), pairs.len())
-            });
-            let between = moments(pairs.iter().map(|&(_, a, b)| (subtract(a, from), subtract(b, to))));
-            let axes = principal_axes(between);
-            let of_axis = |axis: &Vector| (0..3).map(|i| axis[i] * dot(between[i], *axis)).sum::<f64>();
-            self.normal = axes.into_iter().min_by(|a, b| of_axis(a).total_cmp(&of_axis(b))).expect("three");
-            self.offset = 0.5 * (dot(self.normal, from) + dot(self.normal, to));
+            let pairs: Vec<(Vector, Vector, f64)> = pairs.into_iter().map(|(_, a, b)| (a, b, 1.0)).collect();
+            self = MirrorPlane::between(&pairs);
         }
         (self, median)
     }
+
+    /// The plane nearby that fits best to points and their images on the surface, with their areas, but for those that have no image near where it should be.
+    pub fn through(&self, pairs: &[(Vector, Vector, f64)]) -> MirrorPlane {
+        let off = |from: Vector, to: Vector| squared_norm(subtract(self.image(from), to));
+        let near: Vec<_> = pairs.iter().copied().filter(|&(from, to, _)| off(from, to) < FAR * FAR).collect();
+        if near.is_empty() { *self } else { MirrorPlane::between(&near) }
+    }
+
+    /// The plane that fits best to weighted pairs.
+    fn between(pairs: &[(Vector, Vector, f64)]) -> MirrorPlane {
+        let from = mean(pairs.iter().map(|pair| (pair.0, pair.2)));
+        let to = mean(pairs.iter().map(|pair| (pair.1, pair.2)));
+        let centred = |&(a, b, weight): &(Vector, Vector, f64)| (subtract(a, from), subtract(b, to), weight);
+        let moments = moments(pairs.iter().map(centred));
+        let least = |a: &Vector, b: &Vector| along(&moments, *a).total_cmp(&along(&moments, *b));
+        let normal = principal_axes(moments).into_iter().min_by(least).expect("three");
+        MirrorPlane { normal, offset: 0.5 * (dot(normal, from) + dot(normal, to)) }
+    }
 }
 
-fn mean(places: impl Iterator<Item = Vector>, count: usize) -> Vector {
-    let sum = places.fold([0.0; 3], |sum: Vector, at| std::array::from_fn(|axis| sum[axis] + at[axis]));
-    sum.map(|value| value / count.max(1) as f64)
+fn mean(weighted: impl Iterator<Item = (Vector, f64)>) -> Vector {
+    let (mut sum, mut all) = ([0.0; 3], 0.0);
+    for (at, weight) in weighted {
+        (0..3).for_each(|axis| sum[axis] += weight * at[axis]);
+        all += weight;
+    }
+    sum.map(|value| value / all)
 }
 
-/// The sum of `(a b^T + b a^T) / 2`.
-fn moments(pairs: impl Iterator<Item = (Vector, Vector)>) -> [[f64; 3]; 3] {
+/// What the moments say of a direction.
+fn along(moments: &[[f64; 3]; 3], axis: Vector) -> f64 {
+    (0..3).map(|i| axis[i] * dot(moments[i], axis)).sum()
+}
+
+/// The weighted sum of `(a b^T + b a^T) / 2`.
+fn moments(pairs: impl Iterator<Item = (Vector, Vector, f64)>) -> [[f64; 3]; 3] {
     let mut sum = [[0.0; 3]; 3];
-    for (a, b) in pairs {
+    for (a, b, weight) in pairs {
         for i in 0..3 {
             for j in 0..3 {
-                sum[i][j] += 0.5 * (a[i] * b[j] + b[i] * a[j]);
+                sum[i][j] += 0.5 * weight * (a[i] * b[j] + b[i] * a[j]);
             }
         }
     }

@@ -1,0 +1,138 @@
+//! Characters of many shells: each goes to its twin, and what has none to none.
+
+mod support;
+
+use intrinsym::base::options::Options;
+use intrinsym::base::progress::Progress;
+use intrinsym::detect::driver::{Detection, Outcome, detect};
+use intrinsym::detect::mirror_plane::MirrorPlane;
+use intrinsym::mesh::PolygonMesh;
+use support::*;
+
+/// A part of a figure: an ellipsoid, a bump in front, its middle and half axes; the joint about which the pose turns it, and how far.
+struct Part {
+    middle: Vector,
+    axes: Vector,
+    joint: Vector,
+    turn: [f64; 3],
+}
+
+/// Where a part's shell begins among the vertices.
+struct Figure {
+    polygons: PolygonMesh,
+    /// Vertices of each part.
+    of_part: Vec<std::ops::Range<usize>>,
+    /// The part's twin, itself, or none.
+    twins: Vec<Option<usize>>,
+}
+
+/// A figure of a trunk, a head, two arms and two legs of two parts each, and a rod in one hand; posed by `pose` radians.
+fn figure(pose: f64, with_rod: bool) -> Figure {
+    let part = |middle, axes, joint, turn| Part { middle, axes, joint, turn };
+    let still = [0.0; 3];
+    let mut parts = vec![
+        part([0.0, 0.0, 0.0], [0.5, 0.8, 0.3], still, still),
+        part([0.0, 1.15, 0.05], [0.3, 0.4, 0.35], still, still),
+    ];
+    let limbs = [
+        ([0.85, 0.55, 0.0], [0.42, 0.16, 0.16], [0.5, 0.55, 0.0], [0.0, 0.0, 0.8], [0.3, 0.0, -0.5]),
+        ([1.55, 0.55, 0.05], [0.38, 0.13, 0.15], [0.5, 0.55, 0.0], [0.0, 0.0, 0.8], [0.3, 0.0, -0.5]),
+        ([0.28, -1.15, 0.0], [0.2, 0.5, 0.2], [0.28, -0.7, 0.0], [0.9, 0.0, 0.1], [-0.4, 0.0, 0.0]),
+        ([0.28, -1.95, 0.08], [0.16, 0.45, 0.2], [0.28, -0.7, 0.0], [0.9, 0.0, 0.1], [-0.4, 0.0, 0.0]),
+    ];
+    for (middle, axes, joint, right, left) in limbs {
+        let mirrored = |[x, y, z]: Vector| [-x, y, z];
+        parts.push(part(middle, axes, joint, right));
+        parts.push(part(mirrored(middle), axes, mirrored(joint), left));
+    }
+    let mut twins: Vec<Option<usize>> = [0, 1, 3, 2, 5, 4, 7, 6, 9, 8].map(Some).to_vec();
+    if with_rod {
+        parts.push(part([1.75, 0.55, 0.8], [0.07, 0.07, 0.9], [0.5, 0.55, 0.0], [0.0, 0.0, 0.8]));
+        twins.push(None);
+    }
+    let (mut positions, mut faces, mut of_part) = (Vec::new(), Vec::<Vec<u32>>::new(), Vec::new());
+    let sphere = icosphere(3);
+    for Part { middle, axes, joint, turn } in parts {
+        let first = positions.len();
+        for &[x, y, z] in &sphere.positions {
+            let bump = if z > 0.0 { 1.0 + 0.25 * z * z * z * (1.0 - 0.5 * y) } else { 1.0 };
+            let mut at = [axes[0] * x + middle[0], axes[1] * y + middle[1], axes[2] * z * bump + middle[2]];
+            for axis in 0..3 {
+                let unit = std::array::from_fn(|k| f64::from(u8::from(k == axis)));
+                let away = [0, 1, 2].map(|k| at[k] - joint[k]);
+                let turned = rotated(away, unit, pose * turn[axis]);
+                at = [0, 1, 2].map(|k| turned[k] + joint[k]);
+            }
+            positions.push(at);
+        }
+        faces.extend(
+            sphere.face_vertices.chunks(3).map(|corners| corners.iter().map(|c| c + first as u32).collect()),
+        );
+        of_part.push(first..positions.len());
+    }
+    let faces: Vec<&[u32]> = faces.iter().map(Vec::as_slice).collect();
+    Figure { polygons: polygon_mesh(&positions, &faces), of_part, twins }
+}
+
+fn found(polygons: &PolygonMesh) -> Detection {
+    let (mesh, options) = (validated(polygons), Options::default());
+    let found = detect(&mesh, &options, &Progress::default()).unwrap();
+    println!("{}", found.report.evidence);
+    assert_keeps_its_contract(&mesh, &options, &found);
+    found
+}
+
+/// The part that most of each part's vertices go to.
+fn images(figure: &Figure, found: &Detection) -> Vec<Option<usize>> {
+    let partner = &found.symmetries[0].partner;
+    let part_of = |vertex: i32| figure.of_part.iter().position(|part| part.contains(&(vertex as usize)));
+    let image = |part: &std::ops::Range<usize>| {
+        let mut counts = vec![0; figure.of_part.len() + 1];
+        for vertex in part.clone() {
+            counts[part_of(partner[vertex]).map_or(figure.of_part.len(), |part| part)] += 1;
+        }
+        let most = (0..counts.len()).max_by_key(|&part| counts[part]).unwrap();
+        (most < figure.of_part.len()).then_some(most)
+    };
+    figure.of_part.iter().map(image).collect()
+}
+
+#[test]
+fn each_part_of_a_posed_figure_goes_to_its_twin() {
+    let figure = figure(1.0, false);
+    let found = found(&figure.polygons);
+    assert_eq!(found.outcome, Outcome::Found);
+    assert_eq!(images(&figure, &found), figure.twins);
+    assert!(found.report.evidence.contains("plausibility"), "it was searched");
+}
+
+#[test]
+fn what_a_figure_holds_in_one_hand_has_no_partner() {
+    let figure = figure(1.0, true);
+    let found = found(&figure.polygons);
+    assert_ne!(found.outcome, Outcome::None);
+    assert_eq!(images(&figure, &found), figure.twins);
+}
+
+#[test]
+fn a_figure_at_rest_is_answered_by_its_plane() {
+    let figure = figure(0.0, false);
+    let found = found(&figure.polygons);
+    assert_eq!(images(&figure, &found), figure.twins);
+    assert!(found.report.evidence.contains("plane in space"));
+    assert!(found.symmetries[0].mean_confidence > 0.95);
+}
+
+#[test]
+fn the_plane_of_a_turned_creature_is_its_own() {
+    let plane = MirrorPlane::of(&validated(&creature(4, 0.4))).expect("a plane");
+    let normal = rotated([1.0, 0.0, 0.0], [1.0, 2.0, 3.0], -0.4);
+    let along: f64 = (0..3).map(|axis| normal[axis] * plane.normal[axis]).sum();
+    let own: f64 = plane.normal[0].abs();
+    assert!(along.abs().max(own) > 0.999, "{plane:?}");
+}
+
+#[test]
+fn a_sphere_has_no_plane_of_its_own() {
+    assert!(MirrorPlane::of(&validated(&icosphere(3))).is_none());
+}
