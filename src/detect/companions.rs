@@ -6,10 +6,11 @@
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::connectivity::automorphism::shell_signatures;
-use crate::detect::mirror_plane::MirrorPlane;
+use crate::detect::mirror_plane::{MirrorPlane, Pair};
+use crate::geometry::embedded_triangles::TrianglePoint;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
-use crate::mesh::vector::{Vector, point_areas, squared_norm, subtract};
+use crate::mesh::vector::{Vector, cross, point_areas, squared_norm, subtract};
 use crate::mesh::{Mesh, Shell};
 use crate::refine::rigid_parts::Carrier;
 use crate::search::refinement::nearest;
@@ -94,21 +95,24 @@ pub fn by_plane(
     paired(mesh, shells, &places, usize::MAX, progress)
 }
 
-/// Points with their images and areas, in the unit of the mesh.
-pub fn pairs(mesh: &Mesh, shells: &[Shell], companions: &[Option<Companion>]) -> Vec<(Vector, Vector, f64)> {
+/// Points with their images, in the unit of the mesh.
+pub fn pairs(mesh: &Mesh, shells: &[Shell], companions: &[Option<Companion>]) -> Vec<Pair> {
     let areas = point_areas(&mesh.positions, &mesh.triangles);
     let mut pairs = Vec::new();
     for (shell, companion) in shells.iter().zip(companions) {
         let Some(companion) = companion else { continue };
-        let target = &shells[companion.target];
         for (&point, image) in shell.points.iter().zip(&companion.images.points) {
-            let triangle =
-                target.triangles[image.triangle as usize].map(|local| target.points[local as usize]);
-            let corner = |k: usize, axis: usize| {
-                f64::from(image.barycentric[k]) * mesh.positions[triangle[k] as usize][axis]
-            };
-            let to: Vector = std::array::from_fn(|axis| (0..3).map(|k| corner(k, axis)).sum());
-            pairs.push((mesh.positions[point as usize], to, areas[point as usize]));
+            let triangle = shells[companion.target].triangle_of_local[image.triangle as usize];
+            let corners = mesh.triangles[triangle as usize].map(|point| mesh.positions[point as usize]);
+            let normal = cross(subtract(corners[1], corners[0]), subtract(corners[2], corners[0]));
+            let length = squared_norm(normal).sqrt().max(f64::MIN_POSITIVE);
+            pairs.push(Pair {
+                from: mesh.positions[point as usize],
+                to: TrianglePoint { triangle, ..*image }
+                    .interpolate_vectors(&mesh.triangles, &mesh.positions),
+                normal: normal.map(|x| x / length),
+                area: areas[point as usize],
+            });
         }
     }
     pairs

@@ -46,7 +46,7 @@ const SETTLED: f64 = 0.75;
 /// The same product from which on a mirror plane in space is the answer, and nothing is searched.
 const AT_REST: f64 = 0.9;
 /// Times that it is fitted to the images of all points, at most, and how little it then moves, in sqrt(area).
-const PLANE_ROUNDS: usize = 12;
+const PLANE_ROUNDS: usize = 4;
 const RESTS: f64 = 1e-4;
 /// What is asked of the plausibility of a map for which the connectivity or the vertices speak, in percent.
 const ANY: usize = 0;

@@ -7,7 +7,7 @@
 use crate::geometry::surface_grid::{Place, places};
 use crate::mesh::Mesh;
 use crate::mesh::rotation::principal_axes;
-use crate::mesh::vector::{Vector, dot, squared_norm, subtract};
+use crate::mesh::vector::{Vector, cross, dot, squared_norm, subtract};
 use rstar::RTree;
 
 /// Distance of the places that are compared, in sqrt(area), and how many are fitted.
@@ -24,6 +24,19 @@ const HOPELESS: f64 = 0.04;
 const FAR: f64 = 0.03;
 /// Second moments as near to each other as this, in parts of the largest, leave the plane's normal open.
 const DISTINCT: f64 = 0.02;
+
+/// A point, its image on the surface, the surface's normal there, and the point's area.
+#[derive(Debug, Clone, Copy)]
+pub struct Pair {
+    /// The point.
+    pub from: Vector,
+    /// Its image.
+    pub to: Vector,
+    /// Of length 1.
+    pub normal: Vector,
+    /// Its weight.
+    pub area: f64,
+}
 
 /// A plane: what is on it has `dot(normal, position) = offset`.
 #[derive(Debug, Clone, Copy)]
@@ -88,11 +101,31 @@ impl MirrorPlane {
         (self, median)
     }
 
-    /// The plane nearby that fits best to points and their images on the surface, with their areas, but for those that have no image near where it should be.
-    pub fn through(&self, pairs: &[(Vector, Vector, f64)]) -> MirrorPlane {
-        let off = |from: Vector, to: Vector| squared_norm(subtract(self.image(from), to));
-        let near: Vec<_> = pairs.iter().copied().filter(|&(from, to, _)| off(from, to) < FAR * FAR).collect();
-        if near.is_empty() { *self } else { MirrorPlane::between(&near) }
+    /// The plane nearby whose images lie best on the tangent planes of the surface (Y. Chen, G. Medioni, "Object modelling by registration of multiple range
+    /// images", 1992), but for points that have no image near where it should be.
+    pub fn through(&self, pairs: &[Pair]) -> MirrorPlane {
+        let aside = principal_axes(std::array::from_fn(|i| self.normal.map(|x| x * self.normal[i])));
+        let [u, v] = [aside[0], aside[1]];
+        // What turns the plane about two axes, and what shifts it, do to how far an image is off.
+        let (mut matrix, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
+        for pair in pairs {
+            let off = subtract(self.image(pair.from), pair.to);
+            if squared_norm(off) > FAR * FAR {
+                continue;
+            }
+            let along = dot(self.normal, pair.normal);
+            let away = dot(self.normal, pair.from) - self.offset;
+            let turn = |axis: Vector| -2.0 * (dot(axis, pair.from) * along + away * dot(axis, pair.normal));
+            let row = [turn(u), turn(v), 2.0 * along];
+            for i in 0..3 {
+                (0..3).for_each(|j| matrix[i][j] += pair.area * row[i] * row[j]);
+                right[i] -= pair.area * row[i] * dot(off, pair.normal);
+            }
+        }
+        let Some([a, b, shift]) = solved(&matrix, right) else { return *self };
+        let normal: Vector = std::array::from_fn(|k| self.normal[k] + a * u[k] + b * v[k]);
+        let length = squared_norm(normal).sqrt();
+        MirrorPlane { normal: normal.map(|x| x / length), offset: (self.offset + shift) / length }
     }
 
     /// The plane that fits best to weighted pairs.
@@ -132,4 +165,18 @@ fn moments(pairs: impl Iterator<Item = (Vector, Vector, f64)>) -> [[f64; 3]; 3] 
         }
     }
     sum
+}
+
+/// The solution of a symmetric system of three equations, by Cramer's rule; `None` if there is no only one.
+fn solved(matrix: &[[f64; 3]; 3], right: Vector) -> Option<Vector> {
+    let determinant = |rows: [Vector; 3]| dot(rows[0], cross(rows[1], rows[2]));
+    let whole = determinant(*matrix);
+    let size = matrix.iter().map(|row| squared_norm(*row)).sum::<f64>().sqrt();
+    // The matrix is symmetric: its rows are its columns.
+    let with = |k: usize| {
+        let mut rows = *matrix;
+        rows[k] = right;
+        determinant(rows) / whole
+    };
+    (whole.abs() > 1e-9 * size.powi(3)).then(|| [with(0), with(1), with(2)])
 }
