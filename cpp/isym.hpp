@@ -216,18 +216,6 @@ public:
     check(isym_result_summary(get(), symmetry, &summary));
     return summary;
   }
-  // After how many times it is the identity: 2, or 3 and more for a rotation (experimental).
-  std::size_t order(std::size_t symmetry = 0) const {
-    std::size_t order = 0;
-    check(isym_result_order(get(), symmetry, &order));
-    return order;
-  }
-  // How plausible it is, 0 to 1, that it is a symmetry of the shape at all.
-  double plausibility(std::size_t symmetry = 0) const {
-    double plausibility = 0;
-    check(isym_result_plausibility(get(), symmetry, &plausibility));
-    return plausibility;
-  }
   std::vector<std::int32_t> partners(std::size_t symmetry = 0) const {
     std::vector<std::int32_t> values(vertex_count_);
     check(isym_result_partners(get(), symmetry, values.data(), values.size()));

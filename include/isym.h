@@ -80,6 +80,11 @@ typedef int32_t isym_kind;
 typedef struct {
     // An `ISYM_KIND_` constant.
     isym_kind kind;
+    // After how many times it is the identity: 2 for a reflection and a half turn, 3 or more for a rotation.
+    uint32_t order;
+    // How plausible it is, 0..=1, that it is a symmetry of the shape at all. The option "plausibility" says from where on one
+    // counts. A restored one has 1: it was accepted before.
+    double plausibility;
     // Lower is better; comparable between symmetries of one mesh.
     double score;
     // Mean of the confidence over the surface, 0..=1.
@@ -164,7 +169,7 @@ typedef struct {
 #define ISYM_KIND_HALF_TURN 1
 
 // EXPERIMENTAL, found only with the option "rotations" above 0. Keeps orientation and is the identity after as many times as
-// `isym_result_order` says, three or more. Partners are images: the partner of a partner is another vertex. It has no
+// its `order` says, three or more. Partners are images: the partner of a partner is another vertex. It has no
 // sides and no fixed curve, and vertices of other shells than the largest have no partner. The tools that mirror refuse it:
 // `ISYM_ERROR_OPTION`.
 #define ISYM_KIND_ROTATION 2
@@ -391,18 +396,6 @@ isym_status isym_result_continuous_family(const isym_result *result,
 isym_status isym_result_summary(const isym_result *result,
                                 size_t symmetry,
                                 isym_summary *summary);
-
-// Reads after how many times symmetry `symmetry` is the identity: 2 for a reflection and a half turn, 3 or more for a
-// rotation (EXPERIMENTAL).
-isym_status isym_result_order(const isym_result *result,
-                              size_t symmetry,
-                              size_t *order);
-
-// Reads how plausible it is, 0..1, that symmetry `symmetry` is one of the shape at all: the option `plausibility` says from where on one
-// counts. A restored one has 1: it was accepted before.
-isym_status isym_result_plausibility(const isym_result *result,
-                                     size_t symmetry,
-                                     double *plausibility);
 
 // Copies the partner vertex of each vertex out; -1 for a vertex that no face uses.
 isym_status isym_result_partners(const isym_result *result,

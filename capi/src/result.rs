@@ -29,7 +29,7 @@ pub const ISYM_KIND_REFLECTION: isym_kind = 0;
 /// Keeps orientation and is its own inverse. It has no sides and no fixed curve.
 pub const ISYM_KIND_HALF_TURN: isym_kind = 1;
 /// EXPERIMENTAL, found only with the option "rotations" above 0. Keeps orientation and is the identity after as many times as
-/// `isym_result_order` says, three or more. Partners are images: the partner of a partner is another vertex. It has no
+/// its `order` says, three or more. Partners are images: the partner of a partner is another vertex. It has no
 /// sides and no fixed curve, and vertices of other shells than the largest have no partner. The tools that mirror refuse it:
 /// `ISYM_ERROR_OPTION`.
 pub const ISYM_KIND_ROTATION: isym_kind = 2;
@@ -53,6 +53,11 @@ pub const ISYM_NONE: u32 = 4294967295;
 pub struct isym_summary {
     /// An `ISYM_KIND_` constant.
     pub kind: isym_kind,
+    /// After how many times it is the identity: 2 for a reflection and a half turn, 3 or more for a rotation.
+    pub order: u32,
+    /// How plausible it is, 0..=1, that it is a symmetry of the shape at all. The option "plausibility" says from where on one
+    /// counts. A restored one has 1: it was accepted before.
+    pub plausibility: f64,
     /// Lower is better; comparable between symmetries of one mesh.
     pub score: f64,
     /// Mean of the confidence over the surface, 0..=1.
@@ -178,6 +183,8 @@ pub unsafe extern "C" fn isym_result_summary(
                 SymmetryKind::HalfTurn => ISYM_KIND_HALF_TURN,
                 SymmetryKind::Rotation { .. } => ISYM_KIND_ROTATION,
             },
+            order: found.kind.order() as u32,
+            plausibility: found.plausibility,
             score: found.score,
             mean_confidence: found.mean_confidence,
             exact_share: found.exact_share,
@@ -186,40 +193,6 @@ pub unsafe extern "C" fn isym_result_summary(
             shells_self_mirrored: found.coverage.shells_self_mirrored,
             shells_alone: found.coverage.shells_alone,
         }]);
-        Ok(())
-    })
-}
-
-/// Reads after how many times symmetry `symmetry` is the identity: 2 for a reflection and a half turn, 3 or more for a
-/// rotation (EXPERIMENTAL).
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn isym_result_order(
-    result: *const isym_result,
-    symmetry: usize,
-    order: *mut usize,
-) -> isym_status {
-    boundary(|| {
-        let result = RESULTS.get(result)?;
-        // SAFETY: the caller's one promise.
-        let output = unsafe { Output::new(order, 1, "order") }?;
-        output.write(&[result.symmetry(symmetry)?.kind.order()]);
-        Ok(())
-    })
-}
-
-/// Reads how plausible it is, 0..1, that symmetry `symmetry` is one of the shape at all: the option `plausibility` says from where on one
-/// counts. A restored one has 1: it was accepted before.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn isym_result_plausibility(
-    result: *const isym_result,
-    symmetry: usize,
-    plausibility: *mut f64,
-) -> isym_status {
-    boundary(|| {
-        let result = RESULTS.get(result)?;
-        // SAFETY: the caller's one promise.
-        let output = unsafe { Output::new(plausibility, 1, "plausibility") }?;
-        output.write(&[result.symmetry(symmetry)?.plausibility]);
         Ok(())
     })
 }

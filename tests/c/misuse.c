@@ -174,16 +174,11 @@ static void what_cannot_be(const isym_mesh *mesh, isym_options *options, const c
     FAILS(ISYM_ERROR_OPTION, isym_result_mirror_values(half_turn, 0, &wins, values, 1, values, 9));
     OK(isym_result_mirror_values(half_turn, 0, &swap, values, 1, values, 9));
     EXPECT(values[0] == 1 && values[8] == 9);
-    size_t order = 0;
-    OK(isym_result_order(half_turn, 0, &order));
-    EXPECT(order == 2);
-    FAILS(ISYM_ERROR_NULL, isym_result_order(half_turn, 0, NULL));
-    FAILS(ISYM_ERROR_INDEX, isym_result_order(half_turn, 1, &order));
-    double plausibility = 0;
-    OK(isym_result_plausibility(half_turn, 0, &plausibility));
-    EXPECT(plausibility == 1);
-    FAILS(ISYM_ERROR_NULL, isym_result_plausibility(half_turn, 0, NULL));
-    FAILS(ISYM_ERROR_INDEX, isym_result_plausibility(half_turn, 1, &plausibility));
+    isym_summary summary = {0};
+    OK(isym_result_summary(half_turn, 0, &summary));
+    EXPECT(summary.kind == ISYM_KIND_HALF_TURN && summary.order == 2 && summary.plausibility == 1);
+    FAILS(ISYM_ERROR_NULL, isym_result_summary(half_turn, 0, NULL));
+    FAILS(ISYM_ERROR_INDEX, isym_result_summary(half_turn, 1, &summary));
     OK(isym_result_free(half_turn));
     FAILS(ISYM_ERROR_VALUE, isym_result_restore(mesh, ISYM_KIND_ROTATION, none, zeros, sides, indices, indices, zeros, 9,
                                                 &found));

@@ -22,6 +22,8 @@ class Summary(ctypes.Structure):
 
     _fields_ = [
         ("kind", ctypes.c_int32),
+        ("order", ctypes.c_uint32),
+        ("plausibility", ctypes.c_double),
         ("score", ctypes.c_double),
         ("mean_confidence", ctypes.c_double),
         ("exact_share", ctypes.c_double),
@@ -106,8 +108,6 @@ CHECKED: dict[str, list[Any]] = {
     "isym_result_symmetry_count": [_HANDLE, _OUT_SIZE],
     "isym_result_continuous_family": [_HANDLE, ctypes.POINTER(ctypes.c_uint8)],
     "isym_result_summary": [_HANDLE, _SIZE, ctypes.POINTER(Summary)],
-    "isym_result_order": [_HANDLE, _SIZE, _OUT_SIZE],
-    "isym_result_plausibility": [_HANDLE, _SIZE, ctypes.POINTER(ctypes.c_double)],
     "isym_result_partners": [_HANDLE, _SIZE, _I32, _SIZE],
     "isym_result_confidences": [_HANDLE, _SIZE, _F32, _SIZE],
     "isym_result_sides": [_HANDLE, _SIZE, _I8, _SIZE],
