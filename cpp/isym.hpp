@@ -96,6 +96,7 @@ private:
 inline std::vector<isym_option_spec> option_specs() {
   std::vector<isym_option_spec> specs(isym_option_count());
   for (std::size_t index = 0; index < specs.size(); ++index) {
+    specs[index].size = sizeof specs[index];
     check(isym_option_describe(index, &specs[index]));
   }
   return specs;
@@ -154,7 +155,7 @@ struct Mirroring {
   isym_merge merge = ISYM_MERGE_SWAP;
   float minimum_confidence = 0;
   bool weight_by_confidence = false;
-  isym_mirroring c() const { return {merge, minimum_confidence, weight_by_confidence ? 1 : 0}; }
+  isym_mirroring c() const { return {sizeof(isym_mirroring), merge, minimum_confidence, weight_by_confidence ? 1 : 0}; }
 };
 
 // Lowest eigenpairs of the Laplace-Beltrami operator; see isym_eigen_read.
@@ -213,6 +214,7 @@ public:
   std::size_t vertex_count() const noexcept { return vertex_count_; }
   isym_summary summary(std::size_t symmetry = 0) const {
     isym_summary summary{};
+    summary.size = sizeof summary;
     check(isym_result_summary(get(), symmetry, &summary));
     return summary;
   }

@@ -5,7 +5,8 @@
 // Every function that can fail returns an isym_status: ISYM_OK, or a code and, in this thread, a text
 // (isym_error_message). On failure nothing is written. Every NULL is an error, except for user_data. Sizes of
 // arrays are in elements. Handles come from functions whose last argument is a pointer to one, and are freed
-// by the function of their kind; a freed handle is an error and no crash. Functions may be called from several
+// by the function of their kind; a freed handle is an error and no crash. The first field of each struct is its size:
+// set it to sizeof before the call. Functions may be called from several
 // threads at once, on the same handles too.
 
 
@@ -47,6 +48,8 @@ typedef int32_t isym_status;
 
 // What a host needs to show an option.
 typedef struct {
+    // `sizeof` of this struct, set by the caller before the call.
+    size_t size;
     // Name for `isym_options_set`. Never freed.
     const char *name;
     // One sentence for dialogs, in English. Never freed.
@@ -78,6 +81,8 @@ typedef int32_t isym_kind;
 
 // Numbers of one symmetry as a whole.
 typedef struct {
+    // `sizeof` of this struct, set by the caller before the call.
+    size_t size;
     // An `ISYM_KIND_` constant.
     isym_kind kind;
     // After how many times it is the identity: 2 for a reflection and a half turn, 3 or more for a rotation.
@@ -106,6 +111,8 @@ typedef int32_t isym_merge;
 
 // How mirrored values meet the old ones.
 typedef struct {
+    // `sizeof` of this struct, set by the caller before the call.
+    size_t size;
     // An `ISYM_MERGE_` constant. A half turn has no sides: only swap and average.
     isym_merge merge;
     // Vertices with less confidence keep their value; 0..=1.
@@ -137,6 +144,9 @@ typedef struct {
 
 // A pointer is not aligned to its type.
 #define ISYM_ERROR_ALIGNMENT 7
+
+// The `size` of a struct is not that of this library's: it was not set, or the header is of another version.
+#define ISYM_ERROR_SIZE 8
 
 // The mesh cannot be used; the text names the element and the reason.
 #define ISYM_ERROR_MESH 16

@@ -1,7 +1,7 @@
 //! `isym_options_*`: options by name, and the table that describes them.
 
 use super::handles::Table;
-use super::memory::{Output, array, text};
+use super::memory::{Output, Versioned, array, text};
 use super::status::{Fault, ISYM_ERROR_INDEX, ISYM_ERROR_OPTION, Result, boundary, isym_status};
 use intrinsym::base::options::{OPTIONS, Options};
 use std::ffi::{CString, c_char};
@@ -17,6 +17,8 @@ pub static OPTION_SETS: Table<isym_options, Mutex<Options>> = Table::new("option
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct isym_option_spec {
+    /// `sizeof` of this struct, set by the caller before the call.
+    pub size: usize,
     /// Name for `isym_options_set`. Never freed.
     pub name: *const c_char,
     /// One sentence for dialogs, in English. Never freed.
@@ -32,6 +34,9 @@ pub struct isym_option_spec {
     /// 1 if only experts need it, otherwise 0.
     pub is_expert: i32,
 }
+
+// SAFETY: as declared above.
+unsafe impl Versioned for isym_option_spec {}
 
 /// The table's texts as C reads them.
 static TEXTS: LazyLock<Vec<[CString; 3]>> = LazyLock::new(|| {
@@ -57,12 +62,13 @@ pub extern "C" fn isym_option_count() -> usize {
 pub unsafe extern "C" fn isym_option_describe(index: usize, spec: *mut isym_option_spec) -> isym_status {
     boundary(|| {
         // SAFETY: the caller's one promise.
-        let output = unsafe { Output::new(spec, 1, "spec") }?;
+        let output = unsafe { Output::structure(spec, "spec") }?;
         let Some((found, [name, help, choices])) = OPTIONS.get(index).zip(TEXTS.get(index)) else {
             let message = format!("there is no option {index}, only {}", OPTIONS.len());
             return Err(Fault::new(ISYM_ERROR_INDEX, message));
         };
         output.write(&[isym_option_spec {
+            size: size_of::<isym_option_spec>(),
             name: name.as_ptr(),
             help: help.as_ptr(),
             choices: if choices.is_empty() { std::ptr::null() } else { choices.as_ptr() },

@@ -1,7 +1,7 @@
 //! `isym_result_*`: the symmetries that were found, as arrays and as a report.
 
 use super::handles::Table;
-use super::memory::{Output, array, product};
+use super::memory::{Output, Versioned, array, product};
 use super::mesh::{MESHES, MeshObject, expect_vertices, isym_mesh};
 use super::status::{Fault, ISYM_ERROR_INDEX, ISYM_ERROR_VALUE, Result, boundary, isym_status};
 use intrinsym::base::options::Options;
@@ -51,6 +51,8 @@ pub const ISYM_NONE: u32 = 4294967295;
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct isym_summary {
+    /// `sizeof` of this struct, set by the caller before the call.
+    pub size: usize,
     /// An `ISYM_KIND_` constant.
     pub kind: isym_kind,
     /// After how many times it is the identity: 2 for a reflection and a half turn, 3 or more for a rotation.
@@ -73,6 +75,9 @@ pub struct isym_summary {
     /// Shells without a mirror image.
     pub shells_alone: usize,
 }
+
+// SAFETY: as declared above.
+unsafe impl Versioned for isym_summary {}
 
 /// Live results.
 pub static RESULTS: Table<isym_result, ResultObject> = Table::new("result");
@@ -175,9 +180,10 @@ pub unsafe extern "C" fn isym_result_summary(
     boundary(|| {
         let result = RESULTS.get(result)?;
         // SAFETY: the caller's one promise.
-        let output = unsafe { Output::new(summary, 1, "summary") }?;
+        let output = unsafe { Output::structure(summary, "summary") }?;
         let found = result.symmetry(symmetry)?;
         output.write(&[isym_summary {
+            size: size_of::<isym_summary>(),
             kind: match found.kind {
                 SymmetryKind::Reflection => ISYM_KIND_REFLECTION,
                 SymmetryKind::HalfTurn => ISYM_KIND_HALF_TURN,

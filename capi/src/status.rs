@@ -26,6 +26,8 @@ pub const ISYM_ERROR_TEXT: isym_status = 5;
 pub const ISYM_ERROR_VALUE: isym_status = 6;
 /// A pointer is not aligned to its type.
 pub const ISYM_ERROR_ALIGNMENT: isym_status = 7;
+/// The `size` of a struct is not that of this library's: it was not set, or the header is of another version.
+pub const ISYM_ERROR_SIZE: isym_status = 8;
 /// The mesh cannot be used; the text names the element and the reason.
 pub const ISYM_ERROR_MESH: isym_status = 16;
 /// The file cannot be read or written; the text names the line or byte and what to do.
@@ -43,7 +45,7 @@ pub const ISYM_ERROR_CALLBACK: isym_status = 22;
 /// A defect of the library; please report it with the text. Handles stay usable.
 pub const ISYM_ERROR_INTERNAL: isym_status = 32;
 
-const NAMES: [(isym_status, &CStr); 17] = [
+const NAMES: [(isym_status, &CStr); 18] = [
     (ISYM_OK, c"ISYM_OK"),
     (ISYM_ERROR_NULL, c"ISYM_ERROR_NULL"),
     (ISYM_ERROR_HANDLE, c"ISYM_ERROR_HANDLE"),
@@ -52,6 +54,7 @@ const NAMES: [(isym_status, &CStr); 17] = [
     (ISYM_ERROR_TEXT, c"ISYM_ERROR_TEXT"),
     (ISYM_ERROR_VALUE, c"ISYM_ERROR_VALUE"),
     (ISYM_ERROR_ALIGNMENT, c"ISYM_ERROR_ALIGNMENT"),
+    (ISYM_ERROR_SIZE, c"ISYM_ERROR_SIZE"),
     (ISYM_ERROR_MESH, c"ISYM_ERROR_MESH"),
     (ISYM_ERROR_FILE, c"ISYM_ERROR_FILE"),
     (ISYM_ERROR_OPTION, c"ISYM_ERROR_OPTION"),

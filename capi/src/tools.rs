@@ -1,6 +1,6 @@
 //! `isym_result_mirror_*`, `_carry_*`, `_symmetrize_*`: what hosts do with a symmetry.
 
-use super::memory::{Output, array, expect, product};
+use super::memory::{Output, Versioned, array, expect, product, structure};
 use super::mesh::expect_vertices;
 use super::progress::{PROGRESSES, isym_progress};
 use super::result::{RESULTS, ResultObject, isym_result};
@@ -28,6 +28,8 @@ pub const ISYM_MERGE_NEGATIVE_WINS: isym_merge = 3;
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct isym_mirroring {
+    /// `sizeof` of this struct, set by the caller before the call.
+    pub size: usize,
     /// An `ISYM_MERGE_` constant. A half turn has no sides: only swap and average.
     pub merge: isym_merge,
     /// Vertices with less confidence keep their value; 0..=1.
@@ -35,6 +37,9 @@ pub struct isym_mirroring {
     /// 0: trusted vertices change wholly. 1: each changes by the share of its confidence.
     pub weight_by_confidence: i32,
 }
+
+// SAFETY: as declared above.
+unsafe impl Versioned for isym_mirroring {}
 
 impl isym_mirroring {
     fn checked(self) -> Result<Mirroring> {
@@ -65,10 +70,10 @@ fn result_for(handle: *const isym_result, vertex_count: usize) -> Result<Arc<Res
 }
 
 /// # Safety
-/// `mirroring` is NULL or points to one that can be read.
+/// `mirroring` is NULL or points to one, of as many bytes as its first field says.
 unsafe fn mirroring_of(mirroring: *const isym_mirroring) -> Result<Mirroring> {
     // SAFETY: this function's own condition.
-    unsafe { array(mirroring, 1, "mirroring") }?[0].checked()
+    unsafe { structure(mirroring, "mirroring") }?.checked()
 }
 
 /// # Safety

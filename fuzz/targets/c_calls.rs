@@ -120,6 +120,7 @@ const NAMES: [&CStr; 4] = [c"samples", c"symmetries", c"beam_width", c"no_such_o
 
 fn mirroring(merge: i8, confidence: f32, weight: i8) -> isym_mirroring {
     isym_mirroring {
+        size: size_of::<isym_mirroring>(),
         merge: merge.into(),
         minimum_confidence: confidence,
         weight_by_confidence: weight.into(),

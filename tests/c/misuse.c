@@ -56,7 +56,7 @@ static void wrong_lengths(const isym_mesh *mesh, const isym_result *result) {
     double values[30] = {77};
     uint8_t selected[10] = {77};
     char text[4] = "abc";
-    const isym_mirroring swap = {ISYM_MERGE_SWAP, 0, 0};
+    const isym_mirroring swap = mirroring(ISYM_MERGE_SWAP, 0, 0);
     FAILS(ISYM_ERROR_LENGTH, isym_result_partners(result, 0, partners, 10));
     FAILS(ISYM_ERROR_LENGTH, isym_result_partners(result, 0, partners, 8));
     FAILS(ISYM_ERROR_LENGTH, isym_result_partners(result, 0, partners, SIZE_MAX));
@@ -73,8 +73,8 @@ static void wrong_lengths(const isym_mesh *mesh, const isym_result *result) {
 
 static void wrong_values(const isym_mesh *mesh, const isym_result *result, isym_options *options) {
     isym_mesh *made = UNTOUCHED;
-    isym_summary summary;
-    isym_option_spec spec;
+    isym_summary summary = {.size = sizeof summary};
+    isym_option_spec spec = {.size = sizeof spec};
     double values[27], broken[27];
     memcpy(broken, SQUARE, sizeof broken);
     broken[4] = NAN;
@@ -99,13 +99,33 @@ static void wrong_values(const isym_mesh *mesh, const isym_result *result, isym_
     FAILS(ISYM_ERROR_OPTION, isym_options_set_known_signs(options, signs, 2));
     FAILS(ISYM_ERROR_INDEX, isym_option_describe(1000, &spec));
     FAILS(ISYM_ERROR_INDEX, isym_result_summary(result, 1, &summary));
-    const isym_mirroring mirrorings[4] = {{9, 0, 0}, {ISYM_MERGE_SWAP, 2, 0}, {ISYM_MERGE_SWAP, NAN, 0}, {0, 0, 7}};
+    const isym_mirroring mirrorings[4] = {mirroring(9, 0, 0), mirroring(ISYM_MERGE_SWAP, 2, 0),
+                                          mirroring(ISYM_MERGE_SWAP, NAN, 0), mirroring(ISYM_MERGE_SWAP, 0, 7)};
     const isym_status expected[4] = {ISYM_ERROR_VALUE, ISYM_ERROR_OPTION, ISYM_ERROR_OPTION, ISYM_ERROR_VALUE};
     for (int i = 0; i < 4; ++i)
         FAILS(expected[i], isym_result_mirror_values(result, 0, &mirrorings[i], SQUARE, 3, values, 9));
-    FAILS(ISYM_ERROR_VALUE, isym_result_carry_displacement(result, 0, &(isym_mirroring){0, 0, 0}, broken, SQUARE, values, 9));
+    const isym_mirroring swap = mirroring(ISYM_MERGE_SWAP, 0, 0);
+    FAILS(ISYM_ERROR_VALUE, isym_result_carry_displacement(result, 0, &swap, broken, SQUARE, values, 9));
     FAILS(ISYM_ERROR_ALIGNMENT, isym_mesh_positions(mesh, (double *)(void *)((char *)values + 1), 27));
     EXPECT(made == UNTOUCHED);
+}
+
+// A size that was not set, and those of other versions of the structs. Nothing of the struct is written.
+static void wrong_sizes(const isym_result *result) {
+    const size_t sizes[3] = {0, sizeof(size_t), SIZE_MAX};
+    double values[27] = {77};
+    for (int i = 0; i < 3; ++i) {
+        isym_summary summary = {.size = sizes[i], .order = 77};
+        isym_option_spec spec = {.size = sizes[i], .is_expert = 77};
+        isym_mirroring how = mirroring(ISYM_MERGE_SWAP, 0, 0);
+        how.size = sizes[i];
+        FAILS(ISYM_ERROR_SIZE, isym_result_summary(result, 0, &summary));
+        EXPECT(strstr(isym_error_message(), "summary"));
+        FAILS(ISYM_ERROR_SIZE, isym_option_describe(0, &spec));
+        FAILS(ISYM_ERROR_SIZE, isym_result_mirror_values(result, 0, &how, SQUARE, 3, values, 9));
+        FAILS(ISYM_ERROR_SIZE, isym_result_carry_displacement(result, 0, &how, SQUARE, SQUARE, values, 9));
+        EXPECT(summary.order == 77 && spec.is_expert == 77 && values[0] == 77);
+    }
 }
 
 static void stored_maps_are_looked_at(const isym_mesh *mesh) {
@@ -170,11 +190,11 @@ static void what_cannot_be(const isym_mesh *mesh, isym_options *options, const c
         none[v] = -1;
     OK(isym_result_restore(mesh, ISYM_KIND_HALF_TURN, none, zeros, sides, indices, indices, zeros, 9, &half_turn));
     double values[9] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
-    const isym_mirroring wins = {ISYM_MERGE_POSITIVE_WINS, 0, 0}, swap = {ISYM_MERGE_SWAP, 0, 0};
+    const isym_mirroring wins = mirroring(ISYM_MERGE_POSITIVE_WINS, 0, 0), swap = mirroring(ISYM_MERGE_SWAP, 0, 0);
     FAILS(ISYM_ERROR_OPTION, isym_result_mirror_values(half_turn, 0, &wins, values, 1, values, 9));
     OK(isym_result_mirror_values(half_turn, 0, &swap, values, 1, values, 9));
     EXPECT(values[0] == 1 && values[8] == 9);
-    isym_summary summary = {0};
+    isym_summary summary = {.size = sizeof summary};
     OK(isym_result_summary(half_turn, 0, &summary));
     EXPECT(summary.kind == ISYM_KIND_HALF_TURN && summary.order == 2 && summary.plausibility == 1);
     FAILS(ISYM_ERROR_NULL, isym_result_summary(half_turn, 0, NULL));
@@ -209,6 +229,7 @@ int main(int count, char **arguments) {
     null_is_an_error(mesh, result, options, progress);
     wrong_lengths(mesh, result);
     wrong_values(mesh, result, options);
+    wrong_sizes(result);
     stored_maps_are_looked_at(mesh);
     freed_and_foreign_handles(arguments[1]);
     what_cannot_be(mesh, options, arguments[1]);

@@ -57,6 +57,11 @@ static inline isym_result *square_symmetry(const isym_mesh *mesh) {
     return result;
 }
 
+static inline isym_mirroring mirroring(isym_merge merge, float minimum_confidence, int32_t weight_by_confidence) {
+    isym_mirroring how = {sizeof how, merge, minimum_confidence, weight_by_confidence};
+    return how;
+}
+
 static inline isym_mesh *read_mesh(const char *path) {
     isym_mesh *mesh;
     OK(isym_mesh_read(path, &mesh));

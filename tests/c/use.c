@@ -40,7 +40,7 @@ static void versions_and_options(void) {
     isym_options *options;
     OK(isym_options_new(&options));
     for (size_t index = 0; index < isym_option_count(); ++index) {
-        isym_option_spec spec;
+        isym_option_spec spec = {.size = sizeof spec};
         double value;
         OK(isym_option_describe(index, &spec));
         // A default of 0 below the minimum follows from the effort.
@@ -73,7 +73,7 @@ static void human(const char *path) {
     isym_result *result = detect(mesh, 1);
     OK(isym_result_symmetry_count(result, &count));
     EXPECT(count == 1);
-    isym_summary summary;
+    isym_summary summary = {.size = sizeof summary};
     OK(isym_result_summary(result, 0, &summary));
     EXPECT(summary.kind == ISYM_KIND_REFLECTION && summary.exact_share == 1 && summary.mean_confidence == 1);
     EXPECT(summary.order == 2 && summary.plausibility > 0.5 && summary.plausibility <= 1);
@@ -119,7 +119,7 @@ static void human(const char *path) {
     OK(isym_mesh_free(mesh));
     isym_progress *progress;
     OK(isym_progress_new(&progress));
-    const isym_mirroring wins = {ISYM_MERGE_POSITIVE_WINS, 0.5f, 0};
+    const isym_mirroring wins = mirroring(ISYM_MERGE_POSITIVE_WINS, 0.5f, 0);
     OK(isym_result_symmetrize_positions(result, 0, &wins, positions, progress, first, n));
     OK(isym_result_symmetrize_positions(stored, 0, &wins, positions, progress, second, n));
     EXPECT(memcmp(first, second, 3 * n * sizeof *first) == 0);
@@ -226,7 +226,7 @@ static void tools(void) {
     double values[18], found[18];
     for (int i = 0; i < 18; ++i)
         values[i] = i;
-    const isym_mirroring swap = {ISYM_MERGE_SWAP, 0, 0}, wins = {ISYM_MERGE_NEGATIVE_WINS, 0, 1};
+    const isym_mirroring swap = mirroring(ISYM_MERGE_SWAP, 0, 0), wins = mirroring(ISYM_MERGE_NEGATIVE_WINS, 0, 1);
     OK(isym_result_mirror_values(result, 0, &swap, values, 2, found, 9));
     for (int i = 0; i < 18; ++i)
         EXPECT(found[i] == 2 * SQUARE_PARTNERS[i / 2] + i % 2);

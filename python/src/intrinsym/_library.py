@@ -17,7 +17,16 @@ from .errors import error_of
 ENVIRONMENT_VARIABLE = "INTRINSYM_LIBRARY"
 
 
-class Summary(ctypes.Structure):
+class Sized(ctypes.Structure):
+    """A struct whose first field is its own size, as the library asks for."""
+
+    _fields_ = [("size", ctypes.c_size_t)]
+
+    def __init__(self, *values: Any) -> None:
+        super().__init__(ctypes.sizeof(type(self)), *values)
+
+
+class Summary(Sized):
     """``isym_summary``."""
 
     _fields_ = [
@@ -34,7 +43,7 @@ class Summary(ctypes.Structure):
     ]
 
 
-class Mirroring(ctypes.Structure):
+class Mirroring(Sized):
     """``isym_mirroring``."""
 
     _fields_ = [
@@ -44,7 +53,7 @@ class Mirroring(ctypes.Structure):
     ]
 
 
-class OptionSpecStruct(ctypes.Structure):
+class OptionSpecStruct(Sized):
     """``isym_option_spec``."""
 
     _fields_ = [
