@@ -3,8 +3,8 @@
 // Made by cbindgen from capi/src (`make header`); do not edit.
 //
 // Every function that can fail returns an isym_status: ISYM_OK, or a code and, in this thread, a text
-// (isym_error_message). On failure nothing is written. Every NULL is an error, except for user_data. Sizes of
-// arrays are in elements. Handles come from functions whose last argument is a pointer to one, and are freed
+// (isym_error_message). On failure nothing is written. A NULL is an error, but for user_data, for options
+// (the defaults), for progress (none), and for what is freed. Sizes of arrays are in elements. Handles come from functions whose last argument is a pointer to one, and are freed
 // by the function of their kind; a freed handle is an error and no crash. The first field of each struct is its size:
 // set it to sizeof before the call. Functions may be called from several
 // threads at once, on the same handles too.
@@ -238,7 +238,7 @@ isym_status isym_options_set(isym_options *options,
                              const char *name,
                              double value);
 
-// Reads the option called `name` (UTF-8).
+// Reads the option called `name` (UTF-8). Of NULL `options` it reads the default.
 isym_status isym_options_get(const isym_options *options,
                              const char *name,
                              double *value);
@@ -255,7 +255,7 @@ isym_status isym_options_set_known_signs(isym_options *options,
                                          const int8_t *signs,
                                          size_t count);
 
-// Frees a set of options.
+// Frees a set of options. NULL is fine.
 isym_status isym_options_free(isym_options *options);
 
 // Makes a progress without a callback. Free it with `isym_progress_free`.
@@ -275,7 +275,7 @@ isym_status isym_progress_fraction(const isym_progress *progress,
 // callback. The call returns `ISYM_ERROR_CANCELLED` within 100 ms outside one step of the eigensolver.
 isym_status isym_progress_cancel(isym_progress *progress);
 
-// Frees a progress. A call that runs with it goes on, and can no longer be cancelled.
+// Frees a progress. A call that runs with it goes on, and can no longer be cancelled. NULL is fine.
 isym_status isym_progress_free(isym_progress *progress);
 
 // Makes a mesh of triangles. Free it with `isym_mesh_free`.
@@ -354,6 +354,8 @@ isym_status isym_mesh_connectivity_hash(const isym_mesh *mesh,
 
 // Finds the intrinsic symmetries of the mesh. Free the result with `isym_result_free`.
 //
+// NULL `options` are the defaults. NULL `progress`: nothing is reported, and nobody can cancel.
+//
 // That none was found is a result without symmetries, and no error. The result keeps what it needs of the
 // mesh, which may be freed before it. One call uses at most as many threads as its options say; calls in several
 // threads run side by side.
@@ -364,7 +366,7 @@ isym_status isym_mesh_detect(const isym_mesh *mesh,
                              isym_result **result);
 
 // As `isym_mesh_detect`, starting from an earlier result on a mesh with the same connectivity and other positions:
-// some seven times as fast while the shape is deformed. Free the result with `isym_result_free`.
+// some seven times as fast while the shape is deformed. `options` and `progress` may be NULL. Free the result with `isym_result_free`.
 //
 // If the first symmetry of `previous` is still one, it is kept with all others that still are: partners, surface
 // points, confidences, sides and fixed curves as they were, scores and the report new (its `kept` is true).
@@ -380,13 +382,14 @@ isym_status isym_mesh_detect_again(const isym_mesh *mesh,
                                    isym_result **result);
 
 // Computes the `count` lowest eigenpairs of the Laplace-Beltrami operator on the mesh's largest shell, the
-// constant function left out; 1 to 1000. Free them with `isym_eigen_free`. Errors as `isym_mesh_detect`.
+// constant function left out; 1 to 1000. `progress` may be NULL. Free them with `isym_eigen_free`. Errors as
+// `isym_mesh_detect`.
 isym_status isym_mesh_eigen(const isym_mesh *mesh,
                             size_t count,
                             isym_progress *progress,
                             isym_eigen **eigenpairs);
 
-// Frees a mesh. Results made from it, and calls that run with it, stay usable.
+// Frees a mesh. Results made from it, and calls that run with it, stay usable. NULL is fine.
 isym_status isym_mesh_free(isym_mesh *mesh);
 
 // Reads what was found: an `ISYM_OUTCOME_` constant. `ISYM_OUTCOME_FOUND` for a restored result: it was accepted before.
@@ -498,7 +501,7 @@ isym_status isym_result_restore(const isym_mesh *mesh,
                                 size_t vertex_count,
                                 isym_result **result);
 
-// Frees a result.
+// Frees a result. NULL is fine.
 isym_status isym_result_free(isym_result *result);
 
 // Mirrors a selection of vertices: selects those whose mirror image lies in it.
@@ -556,7 +559,7 @@ isym_status isym_result_carry_displacement(const isym_result *result,
 //
 // `positions` and `symmetrized`: x, y, z of each vertex, in any unit and pose; they may be the same array. What
 // is much smaller than the surface is carried whole; what is as large as a limb's pose stays. Solves one
-// sparse system.
+// sparse system. `progress` may be NULL.
 isym_status isym_result_symmetrize_positions(const isym_result *result,
                                              size_t symmetry,
                                              const isym_mirroring *mirroring,
@@ -594,7 +597,7 @@ isym_status isym_eigen_read(const isym_eigen *eigenpairs,
                             size_t vertex_count,
                             size_t count);
 
-// Frees eigenpairs.
+// Frees eigenpairs. NULL is fine.
 isym_status isym_eigen_free(isym_eigen *eigenpairs);
 
 // How many handles of all kinds are live: 0 when everything was freed. For leak checks in tests.

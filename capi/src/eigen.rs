@@ -60,7 +60,7 @@ pub unsafe extern "C" fn isym_eigen_read(
     })
 }
 
-/// Frees eigenpairs.
+/// Frees eigenpairs. NULL is fine.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_eigen_free(eigenpairs: *mut isym_eigen) -> isym_status {
     boundary(|| EIGENS.remove(eigenpairs))

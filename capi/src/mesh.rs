@@ -4,7 +4,7 @@ use super::eigen::{EIGENS, isym_eigen};
 use super::handles::Table;
 use super::memory::{Output, array, expect, product, text};
 use super::options::{isym_options, options_of};
-use super::progress::{PROGRESSES, isym_progress};
+use super::progress::{isym_progress, progress_of};
 use super::result::{RESULTS, ResultObject, isym_result};
 use super::status::{Fault, ISYM_ERROR_VALUE, Result, boundary, isym_status};
 use intrinsym::base::limits::Limits;
@@ -268,6 +268,8 @@ pub unsafe extern "C" fn isym_mesh_connectivity_hash(mesh: *const isym_mesh, has
 
 /// Finds the intrinsic symmetries of the mesh. Free the result with `isym_result_free`.
 ///
+/// NULL `options` are the defaults. NULL `progress`: nothing is reported, and nobody can cancel.
+///
 /// That none was found is a result without symmetries, and no error. The result keeps what it needs of the
 /// mesh, which may be freed before it. One call uses at most as many threads as its options say; calls in several
 /// threads run side by side.
@@ -280,7 +282,7 @@ pub unsafe extern "C" fn isym_mesh_detect(
     result: *mut *mut isym_result,
 ) -> isym_status {
     boundary(|| {
-        let (mesh, options, progress) = (MESHES.get(mesh)?, options_of(options)?, PROGRESSES.get(progress)?);
+        let (mesh, options, progress) = (MESHES.get(mesh)?, options_of(options)?, progress_of(progress)?);
         // SAFETY: the caller's one promise.
         let output = unsafe { Output::new(result, 1, "result") }?;
         let detection = progress.run(|progress| detect(&mesh.mesh, &options, progress))?;
@@ -290,7 +292,7 @@ pub unsafe extern "C" fn isym_mesh_detect(
 }
 
 /// As `isym_mesh_detect`, starting from an earlier result on a mesh with the same connectivity and other positions:
-/// some seven times as fast while the shape is deformed. Free the result with `isym_result_free`.
+/// some seven times as fast while the shape is deformed. `options` and `progress` may be NULL. Free the result with `isym_result_free`.
 ///
 /// If the first symmetry of `previous` is still one, it is kept with all others that still are: partners, surface
 /// points, confidences, sides and fixed curves as they were, scores and the report new (its `kept` is true).
@@ -309,7 +311,7 @@ pub unsafe extern "C" fn isym_mesh_detect_again(
 ) -> isym_status {
     boundary(|| {
         let (mesh, previous) = (MESHES.get(mesh)?, RESULTS.get(previous)?);
-        let (options, progress) = (options_of(options)?, PROGRESSES.get(progress)?);
+        let (options, progress) = (options_of(options)?, progress_of(progress)?);
         // SAFETY: the caller's one promise.
         let output = unsafe { Output::new(result, 1, "result") }?;
         if !previous.mesh.polygons.has_connectivity_of(&mesh.polygons) {
@@ -323,7 +325,8 @@ pub unsafe extern "C" fn isym_mesh_detect_again(
 }
 
 /// Computes the `count` lowest eigenpairs of the Laplace-Beltrami operator on the mesh's largest shell, the
-/// constant function left out; 1 to 1000. Free them with `isym_eigen_free`. Errors as `isym_mesh_detect`.
+/// constant function left out; 1 to 1000. `progress` may be NULL. Free them with `isym_eigen_free`. Errors as
+/// `isym_mesh_detect`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_eigen(
     mesh: *const isym_mesh,
@@ -332,7 +335,7 @@ pub unsafe extern "C" fn isym_mesh_eigen(
     eigenpairs: *mut *mut isym_eigen,
 ) -> isym_status {
     boundary(|| {
-        let (mesh, progress) = (MESHES.get(mesh)?, PROGRESSES.get(progress)?);
+        let (mesh, progress) = (MESHES.get(mesh)?, progress_of(progress)?);
         // SAFETY: the caller's one promise.
         let output = unsafe { Output::new(eigenpairs, 1, "eigenpairs") }?;
         if !(1..=1000).contains(&count) {
@@ -344,7 +347,7 @@ pub unsafe extern "C" fn isym_mesh_eigen(
     })
 }
 
-/// Frees a mesh. Results made from it, and calls that run with it, stay usable.
+/// Frees a mesh. Results made from it, and calls that run with it, stay usable. NULL is fine.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_mesh_free(mesh: *mut isym_mesh) -> isym_status {
     boundary(|| MESHES.remove(mesh))

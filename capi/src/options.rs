@@ -44,8 +44,11 @@ static TEXTS: LazyLock<Vec<[CString; 3]>> = LazyLock::new(|| {
     OPTIONS.iter().map(|spec| [of(spec.name), of(spec.help), of(&spec.choices.join("|"))]).collect()
 });
 
-/// The options of a handle, as they are now.
+/// The options of a handle, as they are now; the defaults for NULL.
 pub fn options_of(handle: *const isym_options) -> Result<Options> {
+    if handle.is_null() {
+        return Ok(Options::default());
+    }
     let options = OPTION_SETS.get(handle)?;
     let options = options.lock().unwrap_or_else(PoisonError::into_inner).clone();
     Ok(options)
@@ -115,7 +118,7 @@ pub unsafe extern "C" fn isym_options_set(
     })
 }
 
-/// Reads the option called `name` (UTF-8).
+/// Reads the option called `name` (UTF-8). Of NULL `options` it reads the default.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_options_get(
     options: *const isym_options,
@@ -169,7 +172,7 @@ pub unsafe extern "C" fn isym_options_set_known_signs(
     })
 }
 
-/// Frees a set of options.
+/// Frees a set of options. NULL is fine.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_options_free(options: *mut isym_options) -> isym_status {
     boundary(|| OPTION_SETS.remove(options))

@@ -7,7 +7,7 @@ use intrinsym::base::progress::{CancelToken, Progress};
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Progress of a call, and the way to cancel it. Make one for each call: once cancelled it stays so.
 pub struct isym_progress(());
@@ -51,6 +51,11 @@ pub struct ProgressObject {
 
 /// Live progress handles.
 pub static PROGRESSES: Table<isym_progress, ProgressObject> = Table::new("progress handle");
+
+/// The progress of a handle; for NULL one that nobody sees.
+pub fn progress_of(handle: *const isym_progress) -> Result<Arc<ProgressObject>> {
+    if handle.is_null() { Ok(Arc::default()) } else { PROGRESSES.get(handle) }
+}
 
 impl ProgressObject {
     /// Runs a stage with this progress. A callback's exception is the result, whatever the stage answers.
@@ -147,7 +152,7 @@ pub extern "C" fn isym_progress_cancel(progress: *mut isym_progress) -> isym_sta
     })
 }
 
-/// Frees a progress. A call that runs with it goes on, and can no longer be cancelled.
+/// Frees a progress. A call that runs with it goes on, and can no longer be cancelled. NULL is fine.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_progress_free(progress: *mut isym_progress) -> isym_status {
     boundary(|| PROGRESSES.remove(progress))

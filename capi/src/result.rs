@@ -526,7 +526,7 @@ fn restored(mesh: &MeshObject, symmetry: Symmetry) -> Detection {
     Detection { outcome: Outcome::Found, symmetries: vec![symmetry], report, judging: None }
 }
 
-/// Frees a result.
+/// Frees a result. NULL is fine.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_result_free(result: *mut isym_result) -> isym_status {
     boundary(|| RESULTS.remove(result))

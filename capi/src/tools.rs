@@ -2,7 +2,7 @@
 
 use super::memory::{Output, Versioned, array, expect, product, structure};
 use super::mesh::expect_vertices;
-use super::progress::{PROGRESSES, isym_progress};
+use super::progress::{isym_progress, progress_of};
 use super::result::{RESULTS, ResultObject, isym_result};
 use super::status::{Fault, ISYM_ERROR_LENGTH, ISYM_ERROR_VALUE, Result, boundary, isym_status};
 use intrinsym::mesh::vector::Vector;
@@ -207,7 +207,7 @@ pub unsafe extern "C" fn isym_result_carry_displacement(
 ///
 /// `positions` and `symmetrized`: x, y, z of each vertex, in any unit and pose; they may be the same array. What
 /// is much smaller than the surface is carried whole; what is as large as a limb's pose stays. Solves one
-/// sparse system.
+/// sparse system. `progress` may be NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_symmetrize_positions(
     result: *const isym_result,
@@ -220,7 +220,7 @@ pub unsafe extern "C" fn isym_result_symmetrize_positions(
 ) -> isym_status {
     boundary(|| {
         let result = result_for(result, vertex_count)?;
-        let progress = PROGRESSES.get(progress)?;
+        let progress = progress_of(progress)?;
         // SAFETY: the caller's one promise, for all three.
         let mirroring = unsafe { mirroring_of(mirroring) }?;
         let positions = unsafe { vectors(positions, vertex_count, "positions") }?;

@@ -13,15 +13,12 @@ static void check(isym_status status) {
 
 int main(int count, char **arguments) {
     isym_mesh *mesh;
-    isym_options *options;
-    isym_progress *progress;
     isym_result *result;
     size_t vertices, faces, corners, found;
 
     check(isym_mesh_read(count > 1 ? arguments[1] : "human.ply", &mesh));
-    check(isym_options_new(&options));
-    check(isym_progress_new(&progress));
-    check(isym_mesh_detect(mesh, options, progress, &result));
+    // No options: the defaults. No progress: nothing is reported.
+    check(isym_mesh_detect(mesh, NULL, NULL, &result));
     check(isym_mesh_size(mesh, &vertices, &faces, &corners));
     check(isym_result_symmetry_count(result, &found));
     int32_t *partners = calloc(vertices, sizeof *partners);
@@ -35,8 +32,6 @@ int main(int count, char **arguments) {
 
     free(partners);
     isym_result_free(result);
-    isym_progress_free(progress);
-    isym_options_free(options);
     isym_mesh_free(mesh);
     return found > 0 ? 0 : 1;
 }

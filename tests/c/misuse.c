@@ -15,15 +15,14 @@ static void null_is_an_error(const isym_mesh *mesh, const isym_result *result, i
     FAILS(ISYM_ERROR_NULL, isym_options_set(NULL, "samples", 500));
     FAILS(ISYM_ERROR_NULL, isym_options_set(options, NULL, 500));
     FAILS(ISYM_ERROR_NULL, isym_options_get(options, "samples", NULL));
+    FAILS(ISYM_ERROR_NULL, isym_options_get(NULL, "samples", NULL));
     FAILS(ISYM_ERROR_NULL, isym_options_set_model(options, NULL));
     FAILS(ISYM_ERROR_NULL, isym_options_set_known_signs(options, NULL, 0));
-    FAILS(ISYM_ERROR_NULL, isym_options_free(NULL));
     FAILS(ISYM_ERROR_NULL, isym_progress_new(NULL));
     FAILS(ISYM_ERROR_NULL, isym_progress_set_callback(progress, NULL, NULL));
     FAILS(ISYM_ERROR_NULL, isym_progress_fraction(NULL, &number));
     FAILS(ISYM_ERROR_NULL, isym_progress_fraction(progress, NULL));
     FAILS(ISYM_ERROR_NULL, isym_progress_cancel(NULL));
-    FAILS(ISYM_ERROR_NULL, isym_progress_free(NULL));
     FAILS(ISYM_ERROR_NULL, isym_mesh_from_triangles(NULL, 9, SQUARE_QUADS, 4, &made));
     FAILS(ISYM_ERROR_NULL, isym_mesh_from_triangles(SQUARE, 9, NULL, 4, &made));
     FAILS(ISYM_ERROR_NULL, isym_mesh_from_triangles(SQUARE, 9, SQUARE_QUADS, 4, NULL));
@@ -34,21 +33,27 @@ static void null_is_an_error(const isym_mesh *mesh, const isym_result *result, i
     FAILS(ISYM_ERROR_NULL, isym_mesh_positions(mesh, NULL, 27));
     FAILS(ISYM_ERROR_NULL, isym_mesh_connectivity_hash(mesh, NULL));
     FAILS(ISYM_ERROR_NULL, isym_mesh_detect(NULL, options, progress, &found));
-    FAILS(ISYM_ERROR_NULL, isym_mesh_detect(mesh, NULL, progress, &found));
-    FAILS(ISYM_ERROR_NULL, isym_mesh_detect(mesh, options, NULL, &found));
     FAILS(ISYM_ERROR_NULL, isym_mesh_detect(mesh, options, progress, NULL));
+    FAILS(ISYM_ERROR_NULL, isym_mesh_detect(mesh, NULL, NULL, NULL));
+    FAILS(ISYM_ERROR_NULL, isym_mesh_eigen(mesh, 4, NULL, NULL));
     FAILS(ISYM_ERROR_NULL, isym_mesh_detect_again(mesh, NULL, options, progress, &found));
     FAILS(ISYM_ERROR_NULL, isym_mesh_detect_again(mesh, result, options, progress, NULL));
-    FAILS(ISYM_ERROR_NULL, isym_mesh_eigen(mesh, 4, NULL, &pairs));
-    FAILS(ISYM_ERROR_NULL, isym_mesh_free(NULL));
     FAILS(ISYM_ERROR_NULL, isym_result_partners(result, 0, NULL, 9));
     FAILS(ISYM_ERROR_NULL, isym_result_report(result, NULL, 9));
     FAILS(ISYM_ERROR_NULL, isym_result_continuous_family(result, NULL));
     FAILS(ISYM_ERROR_NULL, isym_result_outcome(result, NULL));
     FAILS(ISYM_ERROR_NULL, isym_result_mirror_values(result, 0, NULL, SQUARE, 3, NULL, 9));
-    FAILS(ISYM_ERROR_NULL, isym_result_free(NULL));
-    FAILS(ISYM_ERROR_NULL, isym_eigen_free(NULL));
     EXPECT(made == UNTOUCHED && found == UNTOUCHED && pairs == UNTOUCHED);
+}
+
+static void null_is_nothing_to_free(void) {
+    const size_t live = isym_handle_count();
+    OK(isym_options_free(NULL));
+    OK(isym_progress_free(NULL));
+    OK(isym_mesh_free(NULL));
+    OK(isym_result_free(NULL));
+    OK(isym_eigen_free(NULL));
+    EXPECT(isym_handle_count() == live);
 }
 
 static void wrong_lengths(const isym_mesh *mesh, const isym_result *result) {
@@ -227,6 +232,7 @@ int main(int count, char **arguments) {
     OK(isym_options_new(&options));
     OK(isym_progress_new(&progress));
     null_is_an_error(mesh, result, options, progress);
+    null_is_nothing_to_free();
     wrong_lengths(mesh, result);
     wrong_values(mesh, result, options);
     wrong_sizes(result);

@@ -110,6 +110,17 @@ static void human(const char *path) {
     OK(isym_result_report(result, json, size));
     EXPECT(strlen(json) + 1 == size && strstr(json, "\"outcome\": \"found\"") && strstr(json, "human.ply"));
 
+    // NULL options are the defaults: one symmetry is searched.
+    isym_result *plain;
+    double value;
+    int32_t *again = malloc(n * sizeof *again);
+    OK(isym_options_get(NULL, "symmetries", &value));
+    EXPECT(value == 1);
+    OK(isym_mesh_detect(mesh, NULL, NULL, &plain));
+    OK(isym_result_partners(plain, 0, again, n));
+    EXPECT(memcmp(partners, again, n * sizeof *again) == 0);
+    OK(isym_result_free(plain));
+
     // A stored map works as the found one does, and the result outlives its mesh.
     isym_result *stored;
     OK(isym_result_restore(mesh, summary.kind, partners, confidences, sides, face, three, weights, n, &stored));
@@ -121,13 +132,13 @@ static void human(const char *path) {
     OK(isym_progress_new(&progress));
     const isym_mirroring wins = mirroring(ISYM_MERGE_POSITIVE_WINS, 0.5f, 0);
     OK(isym_result_symmetrize_positions(result, 0, &wins, positions, progress, first, n));
-    OK(isym_result_symmetrize_positions(stored, 0, &wins, positions, progress, second, n));
+    OK(isym_result_symmetrize_positions(stored, 0, &wins, positions, NULL, second, n));
     EXPECT(memcmp(first, second, 3 * n * sizeof *first) == 0);
     OK(isym_progress_free(progress));
     OK(isym_result_free(stored));
     OK(isym_result_free(result));
     free(partners), free(sides), free(confidences), free(weights), free(face), free(three), free(offsets);
-    free(edges), free(closed), free(parameters), free(json), free(positions), free(first), free(second);
+    free(edges), free(closed), free(parameters), free(json), free(positions), free(first), free(second), free(again);
 }
 
 // Deformed, the human keeps its map; a result of another connectivity is refused.
@@ -160,7 +171,7 @@ static void human_again(const char *path) {
     // And once more, from the second result, when the first is gone.
     isym_result *third;
     OK(isym_result_free(first));
-    OK(isym_mesh_detect_again(mesh, second, options, progress, &third));
+    OK(isym_mesh_detect_again(mesh, second, NULL, NULL, &third));
     OK(isym_result_partners(third, 0, after, n));
     EXPECT(memcmp(before, after, n * sizeof *before) == 0);
     OK(isym_result_free(second));
@@ -262,11 +273,9 @@ static void arrays(void) {
     OK(isym_mesh_polygons(turned, offsets, 5, corners, 16));
     EXPECT(memcmp(corners, SQUARE_QUADS, sizeof corners) == 0 && offsets[4] == 16);
 
-    isym_progress *progress;
     isym_eigen *pairs;
     size_t n, count;
-    OK(isym_progress_new(&progress));
-    OK(isym_mesh_eigen(quads, 4, progress, &pairs));
+    OK(isym_mesh_eigen(quads, 4, NULL, &pairs));
     OK(isym_eigen_size(pairs, &n, &count));
     EXPECT(n == 9 && count == 4);
     double eigenvalues[4], functions[36], mass[9], total = 0, norm = 0;
@@ -275,7 +284,6 @@ static void arrays(void) {
         total += mass[v], norm += mass[v] * functions[4 * v] * functions[4 * v];
     EXPECT(fabs(total - 1) < 1e-12 && fabs(norm - 1) < 1e-9 && eigenvalues[0] > 1 && eigenvalues[0] <= eigenvalues[1]);
     OK(isym_eigen_free(pairs));
-    OK(isym_progress_free(progress));
     OK(isym_mesh_free(quads));
     OK(isym_mesh_free(triangles));
     OK(isym_mesh_free(single));

@@ -9,8 +9,8 @@ const INTRODUCTION: &str = "\
 // Made by cbindgen from capi/src (`make header`); do not edit.
 //
 // Every function that can fail returns an isym_status: ISYM_OK, or a code and, in this thread, a text
-// (isym_error_message). On failure nothing is written. Every NULL is an error, except for user_data. Sizes of
-// arrays are in elements. Handles come from functions whose last argument is a pointer to one, and are freed
+// (isym_error_message). On failure nothing is written. A NULL is an error, but for user_data, for options
+// (the defaults), for progress (none), and for what is freed. Sizes of arrays are in elements. Handles come from functions whose last argument is a pointer to one, and are freed
 // by the function of their kind; a freed handle is an error and no crash. The first field of each struct is its size:
 // set it to sizeof before the call. Functions may be called from several
 // threads at once, on the same handles too.
