@@ -26,6 +26,108 @@
 // No such element, in arrays of unsigned indices.
 #define ISYM_NONE 4294967295
 
+// What a call answers. A code is never given another meaning; treat one that you do not know as an error.
+enum isym_status
+#ifdef __cplusplus
+  : int32_t
+#endif // __cplusplus
+ {
+    // Done.
+    ISYM_OK = 0,
+    // A pointer argument is NULL.
+    ISYM_ERROR_NULL = 1,
+    // A handle was freed already, was never made, or is of another kind.
+    ISYM_ERROR_HANDLE = 2,
+    // A length does not fit: an array has not the length that the mesh or result asks for.
+    ISYM_ERROR_LENGTH = 3,
+    // An index is past the end: a symmetry or an option that does not exist.
+    ISYM_ERROR_INDEX = 4,
+    // A text is not UTF-8.
+    ISYM_ERROR_TEXT = 5,
+    // A value in an array, or a constant, is not among the accepted ones.
+    ISYM_ERROR_VALUE = 6,
+    // A pointer is not aligned to its type.
+    ISYM_ERROR_ALIGNMENT = 7,
+    // The `size` of a struct is not that of this library's: it was not set, or the header is of another version.
+    ISYM_ERROR_SIZE = 8,
+    // The mesh cannot be used; the text names the element and the reason.
+    ISYM_ERROR_MESH = 16,
+    // The file cannot be read or written; the text names the line or byte and what to do.
+    ISYM_ERROR_FILE = 17,
+    // An option is unknown or outside its range.
+    ISYM_ERROR_OPTION = 18,
+    // The sign network's model cannot be used.
+    ISYM_ERROR_MODEL = 19,
+    // The mesh or file is larger than the limits allow.
+    ISYM_ERROR_LIMIT = 20,
+    // The call was cancelled, by `isym_progress_cancel` or by the progress callback.
+    ISYM_ERROR_CANCELLED = 21,
+    // The progress callback threw a C++ exception, which was stopped at the border.
+    ISYM_ERROR_CALLBACK = 22,
+    // A defect of the library; please report it with the text. Handles stay usable.
+    ISYM_ERROR_INTERNAL = 32,
+};
+#ifndef __cplusplus
+typedef int32_t isym_status;
+#endif // __cplusplus
+
+// What was found.
+enum isym_outcome
+#ifdef __cplusplus
+  : int32_t
+#endif // __cplusplus
+ {
+    // At least one symmetry.
+    ISYM_OUTCOME_FOUND = 0,
+    // A map is given, and the report's "evidence" says what speaks against it: it is less plausible than was asked for, or its
+    // confidence is low over most of the surface.
+    ISYM_OUTCOME_DOUBTFUL = 1,
+    // No map came near to a symmetry; the report says why.
+    ISYM_OUTCOME_NONE = 2,
+};
+#ifndef __cplusplus
+typedef int32_t isym_outcome;
+#endif // __cplusplus
+
+// The kind of a symmetry.
+enum isym_kind
+#ifdef __cplusplus
+  : int32_t
+#endif // __cplusplus
+ {
+    // Reverses orientation: left and right are exchanged.
+    ISYM_KIND_REFLECTION = 0,
+    // Keeps orientation and is its own inverse. It has no sides and no fixed curve.
+    ISYM_KIND_HALF_TURN = 1,
+    // EXPERIMENTAL, found only with the option "rotations" above 0. Keeps orientation and is the identity after as many times as
+    // its `order` says, three or more. Partners are images: the partner of a partner is another vertex. It has no
+    // sides and no fixed curve, and vertices of other shells than the largest have no partner. The tools that mirror refuse it:
+    // `ISYM_ERROR_OPTION`.
+    ISYM_KIND_ROTATION = 2,
+};
+#ifndef __cplusplus
+typedef int32_t isym_kind;
+#endif // __cplusplus
+
+// Which vertices take the value of their mirror image.
+enum isym_merge
+#ifdef __cplusplus
+  : int32_t
+#endif // __cplusplus
+ {
+    // Every vertex: the two sides are exchanged. This is also how an attribute named "left" becomes "right".
+    ISYM_MERGE_SWAP = 0,
+    // Every vertex takes the mean of its own and its image's value.
+    ISYM_MERGE_AVERAGE = 1,
+    // Vertices with side -1 take it; side 1 stays, and so does the fixed curve.
+    ISYM_MERGE_POSITIVE_WINS = 2,
+    // Vertices with side 1 take it; side -1 stays, and so does the fixed curve.
+    ISYM_MERGE_NEGATIVE_WINS = 3,
+};
+#ifndef __cplusplus
+typedef int32_t isym_merge;
+#endif // __cplusplus
+
 // Eigenpairs of a mesh, from `isym_mesh_eigen`. They never change.
 typedef struct isym_eigen isym_eigen;
 
@@ -41,10 +143,6 @@ typedef struct isym_progress isym_progress;
 // What was found on a mesh: symmetries (reflections, best first, then half turns, then rotations if these were asked for)
 // and a report. It never changes.
 typedef struct isym_result isym_result;
-
-// What a call answers: `ISYM_OK`, or one of the `ISYM_ERROR_` codes. A code is never given another meaning;
-// treat one that you do not know as an error.
-typedef int32_t isym_status;
 
 // What a host needs to show an option.
 typedef struct {
@@ -73,17 +171,11 @@ typedef int32_t (*isym_progress_callback)(const char *stage,
                                           double fraction,
                                           void *user_data);
 
-// What was found: one of the `ISYM_OUTCOME_` constants.
-typedef int32_t isym_outcome;
-
-// The kind of a symmetry: one of the `ISYM_KIND_` constants.
-typedef int32_t isym_kind;
-
 // Numbers of one symmetry as a whole.
 typedef struct {
     // `sizeof` of this struct, set by the caller before the call.
     size_t size;
-    // An `ISYM_KIND_` constant.
+    // Reflection, half turn or rotation.
     isym_kind kind;
     // After how many times it is the identity: 2 for a reflection and a half turn, 3 or more for a rotation.
     uint32_t order;
@@ -106,105 +198,17 @@ typedef struct {
     size_t shells_alone;
 } isym_summary;
 
-// Which vertices take the value of their mirror image: one of the `ISYM_MERGE_` constants.
-typedef int32_t isym_merge;
-
 // How mirrored values meet the old ones.
 typedef struct {
     // `sizeof` of this struct, set by the caller before the call.
     size_t size;
-    // An `ISYM_MERGE_` constant. A half turn has no sides: only swap and average.
+    // A half turn has no sides: only swap and average.
     isym_merge merge;
     // Vertices with less confidence keep their value; 0..=1.
     float minimum_confidence;
     // 0: trusted vertices change wholly. 1: each changes by the share of its confidence.
     int32_t weight_by_confidence;
 } isym_mirroring;
-
-// Done.
-#define ISYM_OK 0
-
-// A pointer argument is NULL.
-#define ISYM_ERROR_NULL 1
-
-// A handle was freed already, was never made, or is of another kind.
-#define ISYM_ERROR_HANDLE 2
-
-// A length does not fit: an array has not the length that the mesh or result asks for.
-#define ISYM_ERROR_LENGTH 3
-
-// An index is past the end: a symmetry or an option that does not exist.
-#define ISYM_ERROR_INDEX 4
-
-// A text is not UTF-8.
-#define ISYM_ERROR_TEXT 5
-
-// A value in an array, or a constant, is not among the accepted ones.
-#define ISYM_ERROR_VALUE 6
-
-// A pointer is not aligned to its type.
-#define ISYM_ERROR_ALIGNMENT 7
-
-// The `size` of a struct is not that of this library's: it was not set, or the header is of another version.
-#define ISYM_ERROR_SIZE 8
-
-// The mesh cannot be used; the text names the element and the reason.
-#define ISYM_ERROR_MESH 16
-
-// The file cannot be read or written; the text names the line or byte and what to do.
-#define ISYM_ERROR_FILE 17
-
-// An option is unknown or outside its range.
-#define ISYM_ERROR_OPTION 18
-
-// The sign network's model cannot be used.
-#define ISYM_ERROR_MODEL 19
-
-// The mesh or file is larger than the limits allow.
-#define ISYM_ERROR_LIMIT 20
-
-// The call was cancelled, by `isym_progress_cancel` or by the progress callback.
-#define ISYM_ERROR_CANCELLED 21
-
-// The progress callback threw a C++ exception, which was stopped at the border.
-#define ISYM_ERROR_CALLBACK 22
-
-// A defect of the library; please report it with the text. Handles stay usable.
-#define ISYM_ERROR_INTERNAL 32
-
-// Reverses orientation: left and right are exchanged.
-#define ISYM_KIND_REFLECTION 0
-
-// Keeps orientation and is its own inverse. It has no sides and no fixed curve.
-#define ISYM_KIND_HALF_TURN 1
-
-// EXPERIMENTAL, found only with the option "rotations" above 0. Keeps orientation and is the identity after as many times as
-// its `order` says, three or more. Partners are images: the partner of a partner is another vertex. It has no
-// sides and no fixed curve, and vertices of other shells than the largest have no partner. The tools that mirror refuse it:
-// `ISYM_ERROR_OPTION`.
-#define ISYM_KIND_ROTATION 2
-
-// At least one symmetry.
-#define ISYM_OUTCOME_FOUND 0
-
-// A map is given, and the report's "evidence" says what speaks against it: it is less plausible than was asked for, or its
-// confidence is low over most of the surface.
-#define ISYM_OUTCOME_DOUBTFUL 1
-
-// No map came near to a symmetry; the report says why.
-#define ISYM_OUTCOME_NONE 2
-
-// Every vertex: the two sides are exchanged. This is also how an attribute named "left" becomes "right".
-#define ISYM_MERGE_SWAP 0
-
-// Every vertex takes the mean of its own and its image's value.
-#define ISYM_MERGE_AVERAGE 1
-
-// Vertices with side -1 take it; side 1 stays, and so does the fixed curve.
-#define ISYM_MERGE_POSITIVE_WINS 2
-
-// Vertices with side 1 take it; side -1 stays, and so does the fixed curve.
-#define ISYM_MERGE_NEGATIVE_WINS 3
 
 #ifdef __cplusplus
 extern "C" {
@@ -392,7 +396,7 @@ isym_status isym_mesh_eigen(const isym_mesh *mesh,
 // Frees a mesh. Results made from it, and calls that run with it, stay usable. NULL is fine.
 isym_status isym_mesh_free(isym_mesh *mesh);
 
-// Reads what was found: an `ISYM_OUTCOME_` constant. `ISYM_OUTCOME_FOUND` for a restored result: it was accepted before.
+// Reads what was found. `ISYM_OUTCOME_FOUND` for a restored result: it was accepted before.
 isym_status isym_result_outcome(const isym_result *result,
                                 isym_outcome *outcome);
 

@@ -4,6 +4,7 @@ use super::status::{
     Fault, ISYM_ERROR_ALIGNMENT, ISYM_ERROR_LENGTH, ISYM_ERROR_NULL, ISYM_ERROR_SIZE, ISYM_ERROR_TEXT, Result,
 };
 use std::ffi::{CStr, c_char};
+use std::mem::MaybeUninit;
 
 /// Refuses a NULL, a pointer that is not aligned, and a length that no array can have.
 fn check<T>(pointer: *const T, length: usize, name: &str) -> Result {
@@ -65,6 +66,16 @@ pub unsafe fn structure<T: Versioned>(pointer: *const T, name: &str) -> Result<T
         check_size(pointer, name)?;
         Ok(pointer.read())
     }
+}
+
+/// The number in an enumeration of the caller's, which need not be one of its constants: such a value must not become a Rust `enum`.
+///
+/// # Safety
+/// `Enumeration` is `repr(i32)`, and `value` is initialized.
+pub unsafe fn number<Enumeration>(value: MaybeUninit<Enumeration>) -> i32 {
+    const { assert!(size_of::<Enumeration>() == size_of::<i32>()) }
+    // SAFETY: of this size by the line above, initialized by this function's own condition.
+    unsafe { value.as_ptr().cast::<i32>().read() }
 }
 
 /// A copy of the caller's text.

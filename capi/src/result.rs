@@ -1,7 +1,7 @@
 //! `isym_result_*`: the symmetries that were found, as arrays and as a report.
 
 use super::handles::Table;
-use super::memory::{Output, Versioned, array, product};
+use super::memory::{Output, Versioned, array, number, product};
 use super::mesh::{MESHES, MeshObject, expect_vertices, isym_mesh};
 use super::status::{Fault, ISYM_ERROR_INDEX, ISYM_ERROR_VALUE, Result, boundary, isym_status};
 use intrinsym::base::options::Options;
@@ -16,33 +16,42 @@ use intrinsym::mesh::NONE;
 use intrinsym::mirror::pair_colour::pair_colours;
 use serde_json::json;
 use std::ffi::{CString, c_char};
+use std::mem::MaybeUninit;
 use std::sync::Arc;
 
 /// What was found on a mesh: symmetries (reflections, best first, then half turns, then rotations if these were asked for)
 /// and a report. It never changes.
 pub struct isym_result(());
 
-/// The kind of a symmetry: one of the `ISYM_KIND_` constants.
-pub type isym_kind = i32;
-/// Reverses orientation: left and right are exchanged.
-pub const ISYM_KIND_REFLECTION: isym_kind = 0;
-/// Keeps orientation and is its own inverse. It has no sides and no fixed curve.
-pub const ISYM_KIND_HALF_TURN: isym_kind = 1;
-/// EXPERIMENTAL, found only with the option "rotations" above 0. Keeps orientation and is the identity after as many times as
-/// its `order` says, three or more. Partners are images: the partner of a partner is another vertex. It has no
-/// sides and no fixed curve, and vertices of other shells than the largest have no partner. The tools that mirror refuse it:
-/// `ISYM_ERROR_OPTION`.
-pub const ISYM_KIND_ROTATION: isym_kind = 2;
+/// The kind of a symmetry.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum isym_kind {
+    /// Reverses orientation: left and right are exchanged.
+    ISYM_KIND_REFLECTION = 0,
+    /// Keeps orientation and is its own inverse. It has no sides and no fixed curve.
+    ISYM_KIND_HALF_TURN = 1,
+    /// EXPERIMENTAL, found only with the option "rotations" above 0. Keeps orientation and is the identity after as many times as
+    /// its `order` says, three or more. Partners are images: the partner of a partner is another vertex. It has no
+    /// sides and no fixed curve, and vertices of other shells than the largest have no partner. The tools that mirror refuse it:
+    /// `ISYM_ERROR_OPTION`.
+    ISYM_KIND_ROTATION = 2,
+}
+pub use isym_kind::*;
 
-/// What was found: one of the `ISYM_OUTCOME_` constants.
-pub type isym_outcome = i32;
-/// At least one symmetry.
-pub const ISYM_OUTCOME_FOUND: isym_outcome = 0;
-/// A map is given, and the report's "evidence" says what speaks against it: it is less plausible than was asked for, or its
-/// confidence is low over most of the surface.
-pub const ISYM_OUTCOME_DOUBTFUL: isym_outcome = 1;
-/// No map came near to a symmetry; the report says why.
-pub const ISYM_OUTCOME_NONE: isym_outcome = 2;
+/// What was found.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum isym_outcome {
+    /// At least one symmetry.
+    ISYM_OUTCOME_FOUND = 0,
+    /// A map is given, and the report's "evidence" says what speaks against it: it is less plausible than was asked for, or its
+    /// confidence is low over most of the surface.
+    ISYM_OUTCOME_DOUBTFUL = 1,
+    /// No map came near to a symmetry; the report says why.
+    ISYM_OUTCOME_NONE = 2,
+}
+pub use isym_outcome::*;
 
 /// No such element, in arrays of unsigned indices.
 pub const ISYM_NONE: u32 = 4294967295;
@@ -53,7 +62,7 @@ pub const ISYM_NONE: u32 = 4294967295;
 pub struct isym_summary {
     /// `sizeof` of this struct, set by the caller before the call.
     pub size: usize,
-    /// An `ISYM_KIND_` constant.
+    /// Reflection, half turn or rotation.
     pub kind: isym_kind,
     /// After how many times it is the identity: 2 for a reflection and a half turn, 3 or more for a rotation.
     pub order: u32,
@@ -122,7 +131,7 @@ impl ResultObject {
     }
 }
 
-/// Reads what was found: an `ISYM_OUTCOME_` constant. `ISYM_OUTCOME_FOUND` for a restored result: it was accepted before.
+/// Reads what was found. `ISYM_OUTCOME_FOUND` for a restored result: it was accepted before.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_outcome(
     result: *const isym_result,
@@ -415,7 +424,7 @@ pub unsafe extern "C" fn isym_result_report(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_restore(
     mesh: *const isym_mesh,
-    kind: isym_kind,
+    kind: MaybeUninit<isym_kind>,
     partners: *const i32,
     confidences: *const f32,
     sides: *const i8,
@@ -441,7 +450,8 @@ pub unsafe extern "C" fn isym_result_restore(
                 barycentrics: array(barycentrics, product(vertex_count, 3)?, "barycentrics")?,
             }
         };
-        let symmetry = stored.symmetry(kind, &mesh)?;
+        // SAFETY: C hands a number over.
+        let symmetry = stored.symmetry(kind_of(unsafe { number(kind) })?, &mesh)?;
         let detection = restored(&mesh, symmetry);
         output.write(&[RESULTS.insert(ResultObject::new(mesh, detection, &Options::default())?)]);
         Ok(())
@@ -459,13 +469,13 @@ struct Stored {
 }
 
 impl Stored {
-    fn symmetry(self, kind: isym_kind, mesh: &MeshObject) -> Result<Symmetry> {
+    fn symmetry(self, kind: SymmetryKind, mesh: &MeshObject) -> Result<Symmetry> {
         let faces = mesh.polygons.face_offsets.len() - 1;
         let points = (0..self.partners.len()).map(|vertex| self.point(vertex, faces));
         let surface_point = points.collect::<Result<Vec<_>>>()?;
         let sum: f64 = self.confidences.iter().copied().map(f64::from).sum();
         Ok(Symmetry {
-            kind: kind_of(kind)?,
+            kind,
             mean_confidence: sum / self.partners.len().max(1) as f64,
             coverage: Coverage::of(&mesh.mesh, &self.partners),
             partner: self.partners,
@@ -510,14 +520,14 @@ impl Stored {
     }
 }
 
-fn kind_of(kind: isym_kind) -> Result<SymmetryKind> {
-    match kind {
-        ISYM_KIND_REFLECTION => Ok(SymmetryKind::Reflection),
-        ISYM_KIND_HALF_TURN => Ok(SymmetryKind::HalfTurn),
-        ISYM_KIND_ROTATION => {
-            Err(Fault::new(ISYM_ERROR_VALUE, "a rotation cannot be restored: no tool takes one"))
-        }
-        _ => Err(Fault::new(ISYM_ERROR_VALUE, format!("{kind} is no kind of symmetry"))),
+fn kind_of(number: i32) -> Result<SymmetryKind> {
+    let known = [ISYM_KIND_REFLECTION, ISYM_KIND_HALF_TURN, ISYM_KIND_ROTATION];
+    let wrong = |what: &str| Err(Fault::new(ISYM_ERROR_VALUE, what));
+    match known.into_iter().find(|kind| *kind as i32 == number) {
+        Some(ISYM_KIND_REFLECTION) => Ok(SymmetryKind::Reflection),
+        Some(ISYM_KIND_HALF_TURN) => Ok(SymmetryKind::HalfTurn),
+        Some(ISYM_KIND_ROTATION) => wrong("a rotation cannot be restored: no tool takes one"),
+        None => wrong(&format!("{number} is no kind of symmetry")),
     }
 }
 

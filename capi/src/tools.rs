@@ -1,6 +1,6 @@
 //! `isym_result_mirror_*`, `_carry_*`, `_symmetrize_*`: what hosts do with a symmetry.
 
-use super::memory::{Output, Versioned, array, expect, product, structure};
+use super::memory::{Output, Versioned, array, expect, number, product, structure};
 use super::mesh::expect_vertices;
 use super::progress::{isym_progress, progress_of};
 use super::result::{RESULTS, ResultObject, isym_result};
@@ -11,18 +11,31 @@ use intrinsym::mirror::faces::mirror_face_selection;
 use intrinsym::mirror::frames::carry_displacement;
 use intrinsym::mirror::positions::symmetrize;
 use intrinsym::mirror::{Merge, Mirroring, mirror_selection, mirror_values};
+use std::mem::MaybeUninit;
 use std::sync::Arc;
 
-/// Which vertices take the value of their mirror image: one of the `ISYM_MERGE_` constants.
-pub type isym_merge = i32;
-/// Every vertex: the two sides are exchanged. This is also how an attribute named "left" becomes "right".
-pub const ISYM_MERGE_SWAP: isym_merge = 0;
-/// Every vertex takes the mean of its own and its image's value.
-pub const ISYM_MERGE_AVERAGE: isym_merge = 1;
-/// Vertices with side -1 take it; side 1 stays, and so does the fixed curve.
-pub const ISYM_MERGE_POSITIVE_WINS: isym_merge = 2;
-/// Vertices with side 1 take it; side -1 stays, and so does the fixed curve.
-pub const ISYM_MERGE_NEGATIVE_WINS: isym_merge = 3;
+/// Which vertices take the value of their mirror image.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum isym_merge {
+    /// Every vertex: the two sides are exchanged. This is also how an attribute named "left" becomes "right".
+    ISYM_MERGE_SWAP = 0,
+    /// Every vertex takes the mean of its own and its image's value.
+    ISYM_MERGE_AVERAGE = 1,
+    /// Vertices with side -1 take it; side 1 stays, and so does the fixed curve.
+    ISYM_MERGE_POSITIVE_WINS = 2,
+    /// Vertices with side 1 take it; side -1 stays, and so does the fixed curve.
+    ISYM_MERGE_NEGATIVE_WINS = 3,
+}
+pub use isym_merge::*;
+
+/// The library's own values.
+const MERGES: [(isym_merge, Merge); 4] = [
+    (ISYM_MERGE_SWAP, Merge::Swap),
+    (ISYM_MERGE_AVERAGE, Merge::Average),
+    (ISYM_MERGE_POSITIVE_WINS, Merge::PositiveWins),
+    (ISYM_MERGE_NEGATIVE_WINS, Merge::NegativeWins),
+];
 
 /// How mirrored values meet the old ones.
 #[repr(C)]
@@ -30,8 +43,8 @@ pub const ISYM_MERGE_NEGATIVE_WINS: isym_merge = 3;
 pub struct isym_mirroring {
     /// `sizeof` of this struct, set by the caller before the call.
     pub size: usize,
-    /// An `ISYM_MERGE_` constant. A half turn has no sides: only swap and average.
-    pub merge: isym_merge,
+    /// A half turn has no sides: only swap and average.
+    pub merge: MaybeUninit<isym_merge>,
     /// Vertices with less confidence keep their value; 0..=1.
     pub minimum_confidence: f32,
     /// 0: trusted vertices change wholly. 1: each changes by the share of its confidence.
@@ -43,12 +56,10 @@ unsafe impl Versioned for isym_mirroring {}
 
 impl isym_mirroring {
     fn checked(self) -> Result<Mirroring> {
-        let merge = match self.merge {
-            ISYM_MERGE_SWAP => Merge::Swap,
-            ISYM_MERGE_AVERAGE => Merge::Average,
-            ISYM_MERGE_POSITIVE_WINS => Merge::PositiveWins,
-            ISYM_MERGE_NEGATIVE_WINS => Merge::NegativeWins,
-            other => return Err(Fault::new(ISYM_ERROR_VALUE, format!("{other} is no ISYM_MERGE_ constant"))),
+        // SAFETY: the caller's one promise: the struct is filled.
+        let number = unsafe { number(self.merge) };
+        let Some(&(_, merge)) = MERGES.iter().find(|(known, _)| *known as i32 == number) else {
+            return Err(Fault::new(ISYM_ERROR_VALUE, format!("{number} is no ISYM_MERGE_ constant")));
         };
         let weight_by_confidence = match self.weight_by_confidence {
             0 => false,

@@ -18,6 +18,7 @@ use capi::status::*;
 use capi::tools::*;
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use std::ffi::{CStr, c_void};
+use std::mem::MaybeUninit;
 use std::ptr;
 
 /// Elements of every array that is handed over; no length is larger.
@@ -118,10 +119,18 @@ impl Handles {
 
 const NAMES: [&CStr; 4] = [c"samples", c"symmetries", c"beam_width", c"no_such_option"];
 
+/// Any number in the place of an enumeration, as C may hand it over.
+fn enumeration<T>(number: i8) -> MaybeUninit<T> {
+    let mut value = MaybeUninit::<T>::uninit();
+    // SAFETY: the header's enumerations are as wide as an `i32`.
+    unsafe { value.as_mut_ptr().cast::<i32>().write(number.into()) };
+    value
+}
+
 fn mirroring(merge: i8, confidence: f32, weight: i8) -> isym_mirroring {
     isym_mirroring {
         size: size_of::<isym_mirroring>(),
-        merge: merge.into(),
+        merge: enumeration(merge),
         minimum_confidence: confidence,
         weight_by_confidence: weight.into(),
     }
@@ -213,7 +222,7 @@ fn call(handles: &mut Handles, call: &Call) {
                 let mut result = ptr::null_mut();
                 let status = isym_result_restore(
                     handles.at(*mesh),
-                    (*kind).into(),
+                    enumeration(*kind),
                     all_partners.as_ptr(),
                     [*confidence; ROOM].as_ptr(),
                     [*side; ROOM].as_ptr(),
@@ -360,7 +369,7 @@ fn first_handles() -> Handles {
         isym_progress_new(&mut progress);
         let status = isym_result_restore(
             mesh,
-            ISYM_KIND_REFLECTION,
+            MaybeUninit::new(ISYM_KIND_REFLECTION),
             partners.as_ptr(),
             [0.5; 9].as_ptr(),
             sides.as_ptr(),

@@ -26,6 +26,17 @@
         EXPECT(strlen(isym_error_message()) > 5);  \
     } while (0)
 
+// Enumerations have one width, in C and in C++, whatever the compiler would choose.
+#ifdef __cplusplus
+#define HAS_32_BITS(type) static_assert(sizeof(type) == 4, "32 bits")
+#else
+#define HAS_32_BITS(type) _Static_assert(sizeof(type) == 4, "32 bits")
+#endif
+HAS_32_BITS(isym_status);
+HAS_32_BITS(isym_kind);
+HAS_32_BITS(isym_outcome);
+HAS_32_BITS(isym_merge);
+
 // A flat square of 2 x 2 cells, mirrored in x: vertices 0 1 2 / 3 4 5 / 6 7 8.
 static const double SQUARE[27] = {-1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 1, 0, 0, 1, 0, 1, 1, 0, -1, 2, 0, 0, 2, 0, 1, 2, 0};
 static const uint32_t SQUARE_QUADS[16] = {0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7};
