@@ -22,6 +22,17 @@
 #define ISYM_VERSION_MINOR 1
 #define ISYM_VERSION_PATCH 0
 
+// What stands before each function. Programs that link the static library on Windows define ISYM_STATIC.
+#ifndef ISYM_API
+#if defined(_WIN32) && !defined(ISYM_STATIC)
+#define ISYM_API __declspec(dllimport)
+#elif defined(__GNUC__)
+#define ISYM_API __attribute__((visibility("default")))
+#else
+#define ISYM_API
+#endif
+#endif
+
 
 // No such element, in arrays of unsigned indices.
 #define ISYM_NONE 4294967295
@@ -216,33 +227,41 @@ extern "C" {
 
 // The version of the library that is running, such as "0.1.0"; compare with `ISYM_VERSION`, that of the
 // header. Never NULL, never freed.
+ISYM_API
 const char *isym_version(void);
 
 // What went wrong in the last call of this thread that returned a status: a sentence in UTF-8, for
 // people; empty if that call returned `ISYM_OK`. Never NULL. Valid until this thread's next such call.
+ISYM_API
 const char *isym_error_message(void);
 
 // The name of a status in this header, such as "ISYM_ERROR_MESH"; "unknown status" for any other number.
 // Never NULL, never freed.
+ISYM_API
 const char *isym_status_name(isym_status status);
 
 // Number of options in the table.
+ISYM_API
 size_t isym_option_count(void);
 
 // Describes option `index`, from 0 to below `isym_option_count()`.
+ISYM_API
 isym_status isym_option_describe(size_t index,
                                  isym_option_spec *spec);
 
 // Makes a set of options with the defaults. Free it with `isym_options_free`.
+ISYM_API
 isym_status isym_options_new(isym_options **options);
 
 // Sets the option called `name` (UTF-8). Nothing changes if there is no such option or `value` is outside
 // its range: `ISYM_ERROR_OPTION`.
+ISYM_API
 isym_status isym_options_set(isym_options *options,
                              const char *name,
                              double value);
 
 // Reads the option called `name` (UTF-8). Of NULL `options` it reads the default.
+ISYM_API
 isym_status isym_options_get(const isym_options *options,
                              const char *name,
                              double *value);
@@ -250,36 +269,44 @@ isym_status isym_options_get(const isym_options *options,
 // Takes a sign network (ONNX) of your own instead of the embedded one; it is trusted input. `path` is UTF-8;
 // an empty text takes the embedded one again. It runs in the ONNX Runtime library (1.24 or newer) that the
 // environment variable `ORT_DYLIB_PATH` names. Whether it can be used shows when it is: `ISYM_ERROR_MODEL`.
+ISYM_API
 isym_status isym_options_set_model(isym_options *options,
                                    const char *path);
 
 // Tells the signs that a person knows, of the first `count` eigenfunctions of `isym_mesh_eigen`: 1 even, -1
 // odd, 0 unknown. They overrule the network; the last call counts.
+ISYM_API
 isym_status isym_options_set_known_signs(isym_options *options,
                                          const int8_t *signs,
                                          size_t count);
 
 // Frees a set of options. NULL is fine.
+ISYM_API
 isym_status isym_options_free(isym_options *options);
 
 // Makes a progress without a callback. Free it with `isym_progress_free`.
+ISYM_API
 isym_status isym_progress_new(isym_progress **progress);
 
 // Gives the function that later calls with this progress report to. `user_data` is handed to it and may
 // be NULL. A C++ exception thrown by it ends the call with `ISYM_ERROR_CALLBACK`.
+ISYM_API
 isym_status isym_progress_set_callback(isym_progress *progress,
                                        isym_progress_callback callback,
                                        void *user_data);
 
 // Reads how much of the call that last reported here is done, 0..=1. From any thread.
+ISYM_API
 isym_status isym_progress_fraction(const isym_progress *progress,
                                    double *fraction);
 
 // Cancels the running call, and every later one, with this progress. From any thread, also from the
 // callback. The call returns `ISYM_ERROR_CANCELLED` within 100 ms outside one step of the eigensolver.
+ISYM_API
 isym_status isym_progress_cancel(isym_progress *progress);
 
 // Frees a progress. A call that runs with it goes on, and can no longer be cancelled. NULL is fine.
+ISYM_API
 isym_status isym_progress_free(isym_progress *progress);
 
 // Makes a mesh of triangles. Free it with `isym_mesh_free`.
@@ -289,6 +316,7 @@ isym_status isym_progress_free(isym_progress *progress);
 // orientation, duplicate and degenerate faces and unreferenced vertices are accepted (the report says what was
 // repaired); numbers that are not finite, indices past the end, and a mesh without any area are not:
 // `ISYM_ERROR_MESH`. At most 5 million vertices and 10 million triangles: `ISYM_ERROR_LIMIT`.
+ISYM_API
 isym_status isym_mesh_from_triangles(const double *positions,
                                      size_t vertex_count,
                                      const uint32_t *triangles,
@@ -296,6 +324,7 @@ isym_status isym_mesh_from_triangles(const double *positions,
                                      isym_mesh **mesh);
 
 // As `isym_mesh_from_triangles`, with single-precision positions.
+ISYM_API
 isym_status isym_mesh_from_triangles_f32(const float *positions,
                                          size_t vertex_count,
                                          const uint32_t *triangles,
@@ -306,6 +335,7 @@ isym_status isym_mesh_from_triangles_f32(const float *positions,
 //
 // `face_offsets`: face_count + 1 rising numbers from 0 to corner_count; the corners of face f are
 // `corners[face_offsets[f]]` to before `corners[face_offsets[f + 1]]`, vertex numbers from 0.
+ISYM_API
 isym_status isym_mesh_from_polygons(const double *positions,
                                     size_t vertex_count,
                                     const uint32_t *face_offsets,
@@ -315,6 +345,7 @@ isym_status isym_mesh_from_polygons(const double *positions,
                                     isym_mesh **mesh);
 
 // As `isym_mesh_from_polygons`, with single-precision positions.
+ISYM_API
 isym_status isym_mesh_from_polygons_f32(const float *positions,
                                         size_t vertex_count,
                                         const uint32_t *face_offsets,
@@ -327,22 +358,26 @@ isym_status isym_mesh_from_polygons_f32(const float *positions,
 //
 // `ISYM_ERROR_FILE` names the line or byte that is wrong; `ISYM_ERROR_MESH` and `ISYM_ERROR_LIMIT` as with
 // arrays.
+ISYM_API
 isym_status isym_mesh_read(const char *path,
                            isym_mesh **mesh);
 
 // Reads the numbers of vertices, faces and face corners that the mesh was made with.
+ISYM_API
 isym_status isym_mesh_size(const isym_mesh *mesh,
                            size_t *vertex_count,
                            size_t *face_count,
                            size_t *corner_count);
 
 // Copies the vertices' positions out, x, y, z each: `length` must be 3 * vertices.
+ISYM_API
 isym_status isym_mesh_positions(const isym_mesh *mesh,
                                 double *positions,
                                 size_t length);
 
 // Copies the faces out, in the form of `isym_mesh_from_polygons`: `offset_count` must be faces + 1, and
 // `corner_count` the number of corners.
+ISYM_API
 isym_status isym_mesh_polygons(const isym_mesh *mesh,
                                uint32_t *face_offsets,
                                size_t offset_count,
@@ -353,6 +388,7 @@ isym_status isym_mesh_polygons(const isym_mesh *mesh,
 //
 // Equal for equal connectivity on every machine and in every version. Keep it beside a stored map: where
 // it has changed, the map is stale.
+ISYM_API
 isym_status isym_mesh_connectivity_hash(const isym_mesh *mesh,
                                         uint64_t *hash);
 
@@ -364,6 +400,7 @@ isym_status isym_mesh_connectivity_hash(const isym_mesh *mesh,
 // mesh, which may be freed before it. One call uses at most as many threads as its options say; calls in several
 // threads run side by side.
 // Errors: `ISYM_ERROR_CANCELLED`, `ISYM_ERROR_CALLBACK`, `ISYM_ERROR_INTERNAL`.
+ISYM_API
 isym_status isym_mesh_detect(const isym_mesh *mesh,
                              const isym_options *options,
                              isym_progress *progress,
@@ -379,6 +416,7 @@ isym_status isym_mesh_detect(const isym_mesh *mesh,
 // and may be freed after the call. A result that was not restored also holds what the call needs of the connectivity (some
 // 1 MB, and 4 bytes a vertex), which the new one shares: hand over the newest or the first, not a restored one, and the
 // call takes half the time. `ISYM_ERROR_VALUE`: it is of another connectivity (`isym_mesh_connectivity_hash`).
+ISYM_API
 isym_status isym_mesh_detect_again(const isym_mesh *mesh,
                                    const isym_result *previous,
                                    const isym_options *options,
@@ -388,33 +426,40 @@ isym_status isym_mesh_detect_again(const isym_mesh *mesh,
 // Computes the `count` lowest eigenpairs of the Laplace-Beltrami operator on the mesh's largest shell, the
 // constant function left out; 1 to 1000. `progress` may be NULL. Free them with `isym_eigen_free`. Errors as
 // `isym_mesh_detect`.
+ISYM_API
 isym_status isym_mesh_eigen(const isym_mesh *mesh,
                             size_t count,
                             isym_progress *progress,
                             isym_eigen **eigenpairs);
 
 // Frees a mesh. Results made from it, and calls that run with it, stay usable. NULL is fine.
+ISYM_API
 isym_status isym_mesh_free(isym_mesh *mesh);
 
 // Reads what was found. `ISYM_OUTCOME_FOUND` for a restored result: it was accepted before.
+ISYM_API
 isym_status isym_result_outcome(const isym_result *result,
                                 isym_outcome *outcome);
 
 // Reads the number of symmetries that were found, a doubtful one counted; 0 if the mesh has none.
+ISYM_API
 isym_status isym_result_symmetry_count(const isym_result *result,
                                        size_t *count);
 
 // Reads whether the mesh has a continuous family of symmetries, as a sphere, a torus or a vase has: 1 or 0. Those
 // found are then arbitrary ones of infinitely many. 0 for a restored result, where nobody has looked.
+ISYM_API
 isym_status isym_result_continuous_family(const isym_result *result,
                                           uint8_t *continuous_family);
 
 // Reads the numbers of symmetry `symmetry`, counted from 0, the best first.
+ISYM_API
 isym_status isym_result_summary(const isym_result *result,
                                 size_t symmetry,
                                 isym_summary *summary);
 
 // Copies the partner vertex of each vertex out; -1 for a vertex that no face uses.
+ISYM_API
 isym_status isym_result_partners(const isym_result *result,
                                  size_t symmetry,
                                  int32_t *partners,
@@ -422,6 +467,7 @@ isym_status isym_result_partners(const isym_result *result,
 
 // Copies out how far each partner can be trusted: the estimated probability, 0..=1, that it lies within
 // 0.05 sqrt(area) of the true mirror image.
+ISYM_API
 isym_status isym_result_confidences(const isym_result *result,
                                     size_t symmetry,
                                     float *confidences,
@@ -429,6 +475,7 @@ isym_status isym_result_confidences(const isym_result *result,
 
 // Copies each vertex's side out: 1 and -1 on the two sides, 0 on the fixed curve, without partner, and
 // everywhere for a half turn and a rotation. Which side is 1 has no meaning.
+ISYM_API
 isym_status isym_result_sides(const isym_result *result,
                               size_t symmetry,
                               int8_t *sides,
@@ -439,6 +486,7 @@ isym_status isym_result_sides(const isym_result *result,
 // `faces`: vertex_count numbers of the faces that hold the images. `corners`: 3 * vertex_count numbers of
 // three vertices of that face, a triangle of it. `barycentrics`: 3 * vertex_count weights of these, each 0..=1,
 // summing to 1. A vertex without partner has `ISYM_NONE` four times, and weights 0.
+ISYM_API
 isym_status isym_result_surface_points(const isym_result *result,
                                        size_t symmetry,
                                        uint32_t *faces,
@@ -450,12 +498,14 @@ isym_status isym_result_surface_points(const isym_result *result,
 // pairs do not: the colours that the command line writes. Grey where there is no partner or no confidence.
 //
 // `colours`: 3 * vertex_count numbers: red, green, blue of each vertex, sRGB.
+ISYM_API
 isym_status isym_result_pair_colours(const isym_result *result,
                                      size_t symmetry,
                                      uint8_t *colours,
                                      size_t vertex_count);
 
 // Reads the numbers of lines of the fixed curve and of all their points.
+ISYM_API
 isym_status isym_result_curve_size(const isym_result *result,
                                    size_t symmetry,
                                    size_t *line_count,
@@ -468,6 +518,7 @@ isym_status isym_result_curve_size(const isym_result *result,
 // `line_offsets[l + 1]`. `closed`: line_count numbers, 1 where the last point joins the first, otherwise 0.
 // `edges`: 2 * point_count vertex numbers and `parameters`: point_count numbers t: point p lies at
 // (1 - t) * `edges[2 * p]` + t * `edges[2 * p + 1]`.
+ISYM_API
 isym_status isym_result_curve(const isym_result *result,
                               size_t symmetry,
                               uint32_t *line_offsets,
@@ -478,11 +529,13 @@ isym_status isym_result_curve(const isym_result *result,
                               size_t point_count);
 
 // Reads the number of bytes of the report, with its final NUL.
+ISYM_API
 isym_status isym_result_report_size(const isym_result *result,
                                     size_t *size);
 
 // Copies the report out: the JSON that `intrinsym detect --json` writes, in UTF-8, with a final NUL. `size`
 // must be that of `isym_result_report_size`.
+ISYM_API
 isym_status isym_result_report(const isym_result *result,
                                char *report,
                                size_t size);
@@ -494,6 +547,7 @@ isym_status isym_result_report(const isym_result *result,
 // in which this library gave them. Positions may have changed since; the connectivity may not (compare
 // `isym_mesh_connectivity_hash`). An entry that cannot be right is `ISYM_ERROR_VALUE`, and named; so is
 // `ISYM_KIND_ROTATION`, which no tool takes.
+ISYM_API
 isym_status isym_result_restore(const isym_mesh *mesh,
                                 isym_kind kind,
                                 const int32_t *partners,
@@ -506,6 +560,7 @@ isym_status isym_result_restore(const isym_mesh *mesh,
                                 isym_result **result);
 
 // Frees a result. NULL is fine.
+ISYM_API
 isym_status isym_result_free(isym_result *result);
 
 // Mirrors a selection of vertices: selects those whose mirror image lies in it.
@@ -513,6 +568,7 @@ isym_status isym_result_free(isym_result *result);
 // `selected` and `mirrored` have one byte per vertex, 0 or 1 (any other number counts as 1); they may be the
 // same array. Vertices with less than `minimum_confidence`, 0..=1, are not selected. A vertex of a denser side
 // selects its partner even where that stands for several.
+ISYM_API
 isym_status isym_result_mirror_selection(const isym_result *result,
                                          size_t symmetry,
                                          const uint8_t *selected,
@@ -526,6 +582,7 @@ isym_status isym_result_mirror_selection(const isym_result *result,
 // as 1); they may be the same array. Where connectivity is mirrored, faces go to their exact mirror images;
 // elsewhere a face is selected if all its corners are in the mirror image of the selected faces' corners.
 // Faces with a corner of less than `minimum_confidence`, 0..=1, are not selected.
+ISYM_API
 isym_status isym_result_mirror_face_selection(const isym_result *result,
                                               size_t symmetry,
                                               const uint8_t *selected,
@@ -537,6 +594,7 @@ isym_status isym_result_mirror_face_selection(const isym_result *result,
 //
 // `values` and `mirrored` have components * vertex_count numbers, those of one vertex side by side; they may
 // be the same array. Vectors in space need `isym_result_carry_displacement` instead.
+ISYM_API
 isym_status isym_result_mirror_values(const isym_result *result,
                                       size_t symmetry,
                                       const isym_mirroring *mirroring,
@@ -550,6 +608,7 @@ isym_status isym_result_mirror_values(const isym_result *result,
 //
 // `positions`: x, y, z of each vertex of the shape that is displaced, in the pose it is in. `displacements` and
 // `carried`: x, y, z of each vertex, in any unit; they may be the same array.
+ISYM_API
 isym_status isym_result_carry_displacement(const isym_result *result,
                                            size_t symmetry,
                                            const isym_mirroring *mirroring,
@@ -564,6 +623,7 @@ isym_status isym_result_carry_displacement(const isym_result *result,
 // `positions` and `symmetrized`: x, y, z of each vertex, in any unit and pose; they may be the same array. What
 // is much smaller than the surface is carried whole; what is as large as a limb's pose stays. Solves one
 // sparse system. `progress` may be NULL.
+ISYM_API
 isym_status isym_result_symmetrize_positions(const isym_result *result,
                                              size_t symmetry,
                                              const isym_mirroring *mirroring,
@@ -577,6 +637,7 @@ isym_status isym_result_symmetrize_positions(const isym_result *result,
 // `positions`: x, y, z of each vertex, in any unit and pose. `distances`: vertex_count numbers in that unit;
 // infinite where the curve cannot be reached: on other shells, without a curve, and with a result from
 // `isym_result_restore`, which has none.
+ISYM_API
 isym_status isym_result_curve_distances(const isym_result *result,
                                         size_t symmetry,
                                         const double *positions,
@@ -584,6 +645,7 @@ isym_status isym_result_curve_distances(const isym_result *result,
                                         size_t vertex_count);
 
 // Reads the numbers of vertices and of eigenpairs (fewer than asked for on a tiny mesh).
+ISYM_API
 isym_status isym_eigen_size(const isym_eigen *eigenpairs,
                             size_t *vertex_count,
                             size_t *count);
@@ -594,6 +656,7 @@ isym_status isym_eigen_size(const isym_eigen *eigenpairs,
 // `eigenfunctions`: vertex_count * count numbers, those of one vertex side by side; orthonormal in the mass;
 // NaN where the vertex is not on the largest shell. The sign of a function has no meaning.
 // `mass`: vertex_count numbers that sum to 1; 0 where the vertex is not on that shell.
+ISYM_API
 isym_status isym_eigen_read(const isym_eigen *eigenpairs,
                             double *eigenvalues,
                             double *eigenfunctions,
@@ -602,9 +665,11 @@ isym_status isym_eigen_read(const isym_eigen *eigenpairs,
                             size_t count);
 
 // Frees eigenpairs. NULL is fine.
+ISYM_API
 isym_status isym_eigen_free(isym_eigen *eigenpairs);
 
 // How many handles of all kinds are live: 0 when everything was freed. For leak checks in tests.
+ISYM_API
 size_t isym_handle_count(void);
 
 #ifdef __cplusplus

@@ -34,6 +34,19 @@ fn sources() -> [PathBuf; 8] {
         .map(|name| root().join(format!("capi/src/{name}.rs")))
 }
 
+const EXPORT_MACRO: &str = "
+// What stands before each function. Programs that link the static library on Windows define ISYM_STATIC.
+#ifndef ISYM_API
+#if defined(_WIN32) && !defined(ISYM_STATIC)
+#define ISYM_API __declspec(dllimport)
+#elif defined(__GNUC__)
+#define ISYM_API __attribute__((visibility(\"default\")))
+#else
+#define ISYM_API
+#endif
+#endif
+";
+
 fn version_macros() -> String {
     let version = version();
     let mut text = format!(
@@ -51,7 +64,7 @@ fn generated() -> String {
     let mut builder = cbindgen::Builder::new()
         .with_config(config)
         .with_header(INTRODUCTION)
-        .with_after_include(version_macros());
+        .with_after_include(version_macros() + EXPORT_MACRO);
     for source in sources() {
         builder = builder.with_src(source);
     }
