@@ -218,8 +218,9 @@ public:
     check(isym_result_summary(get(), symmetry, &summary));
     return summary;
   }
-  std::vector<std::int32_t> partners(std::size_t symmetry = 0) const {
-    std::vector<std::int32_t> values(vertex_count_);
+  // ISYM_NONE for a vertex without partner.
+  std::vector<std::uint32_t> partners(std::size_t symmetry = 0) const {
+    std::vector<std::uint32_t> values(vertex_count_);
     check(isym_result_partners(get(), symmetry, values.data(), values.size()));
     return values;
   }
@@ -408,7 +409,7 @@ public:
     return pairs;
   }
   // A result from stored arrays; see isym_result_restore.
-  Result restore(isym_kind kind, const std::vector<std::int32_t> &partners, const std::vector<float> &confidences,
+  Result restore(isym_kind kind, const std::vector<std::uint32_t> &partners, const std::vector<float> &confidences,
                  const std::vector<std::int8_t> &sides, const SurfacePoints &points) const {
     const std::size_t vertices = size()[0];
     expect_size(partners.size(), vertices, "partners");

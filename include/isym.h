@@ -34,8 +34,8 @@
 #endif
 
 
-// No such element, in arrays of unsigned indices.
-#define ISYM_NONE 4294967295
+// No such element, in arrays of indices.
+#define ISYM_NONE UINT32_MAX
 
 // What a call answers. A code is never given another meaning; treat one that you do not know as an error.
 enum isym_status
@@ -458,11 +458,11 @@ isym_status isym_result_summary(const isym_result *result,
                                 size_t symmetry,
                                 isym_summary *summary);
 
-// Copies the partner vertex of each vertex out; -1 for a vertex that no face uses.
+// Copies the partner vertex of each vertex out; `ISYM_NONE` for a vertex without partner, such as one that no face uses.
 ISYM_API
 isym_status isym_result_partners(const isym_result *result,
                                  size_t symmetry,
-                                 int32_t *partners,
+                                 uint32_t *partners,
                                  size_t vertex_count);
 
 // Copies out how far each partner can be trusted: the estimated probability, 0..=1, that it lies within
@@ -550,7 +550,7 @@ isym_status isym_result_report(const isym_result *result,
 ISYM_API
 isym_status isym_result_restore(const isym_mesh *mesh,
                                 isym_kind kind,
-                                const int32_t *partners,
+                                const uint32_t *partners,
                                 const float *confidences,
                                 const int8_t *sides,
                                 const uint32_t *faces,

@@ -12,7 +12,6 @@ use intrinsym::detect::detect_again::Previous;
 use intrinsym::detect::driver::{Detection, Outcome, Report};
 use intrinsym::detect::judging_mesh::JudgingMesh;
 use intrinsym::detect::report;
-use intrinsym::mesh::NONE;
 use intrinsym::mirror::pair_colour::pair_colours;
 use serde_json::json;
 use std::ffi::{CString, c_char};
@@ -53,8 +52,8 @@ pub enum isym_outcome {
 }
 pub use isym_outcome::*;
 
-/// No such element, in arrays of unsigned indices.
-pub const ISYM_NONE: u32 = 4294967295;
+/// No such element, in arrays of indices.
+pub const ISYM_NONE: u32 = u32::MAX;
 
 /// Numbers of one symmetry as a whole.
 #[repr(C)]
@@ -212,12 +211,12 @@ pub unsafe extern "C" fn isym_result_summary(
     })
 }
 
-/// Copies the partner vertex of each vertex out; -1 for a vertex that no face uses.
+/// Copies the partner vertex of each vertex out; `ISYM_NONE` for a vertex without partner, such as one that no face uses.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_partners(
     result: *const isym_result,
     symmetry: usize,
-    partners: *mut i32,
+    partners: *mut u32,
     vertex_count: usize,
 ) -> isym_status {
     boundary(|| {
@@ -225,7 +224,9 @@ pub unsafe extern "C" fn isym_result_partners(
         // SAFETY: the caller's one promise.
         let output = unsafe { Output::new(partners, vertex_count, "partners") }?;
         let values = &result.symmetry(symmetry)?.partner;
-        output.expect(values.len())?.write(values);
+        let output = output.expect(values.len())?;
+        // -1 is no partner, which is `ISYM_NONE` in an unsigned number.
+        output.write(&values.iter().map(|&partner| partner as u32).collect::<Vec<_>>());
         Ok(())
     })
 }
@@ -291,7 +292,7 @@ pub unsafe extern "C" fn isym_result_surface_points(
         let third = unsafe { Output::new(barycentrics, three, "barycentrics") }?;
         let points = &result.symmetry(symmetry)?.surface_point;
         let first = first.expect(points.len())?;
-        let nowhere = SurfacePoint { face: NONE, vertices: [NONE; 3], barycentric: [0.0; 3] };
+        let nowhere = SurfacePoint { face: ISYM_NONE, vertices: [ISYM_NONE; 3], barycentric: [0.0; 3] };
         let point = |index: usize| points[index].unwrap_or(nowhere);
         let all = 0..points.len();
         first.write(&all.clone().map(|index| point(index).face).collect::<Vec<_>>());
@@ -425,7 +426,7 @@ pub unsafe extern "C" fn isym_result_report(
 pub unsafe extern "C" fn isym_result_restore(
     mesh: *const isym_mesh,
     kind: MaybeUninit<isym_kind>,
-    partners: *const i32,
+    partners: *const u32,
     confidences: *const f32,
     sides: *const i8,
     faces: *const u32,
@@ -460,7 +461,7 @@ pub unsafe extern "C" fn isym_result_restore(
 
 /// Arrays of a map that a host has kept.
 struct Stored {
-    partners: Vec<i32>,
+    partners: Vec<u32>,
     confidences: Vec<f32>,
     sides: Vec<i8>,
     faces: Vec<u32>,
@@ -473,12 +474,14 @@ impl Stored {
         let faces = mesh.polygons.face_offsets.len() - 1;
         let points = (0..self.partners.len()).map(|vertex| self.point(vertex, faces));
         let surface_point = points.collect::<Result<Vec<_>>>()?;
+        // As they were looked at: an index, or `ISYM_NONE`, which is -1.
+        let partner: Vec<i32> = self.partners.iter().map(|&partner| partner as i32).collect();
         let sum: f64 = self.confidences.iter().copied().map(f64::from).sum();
         Ok(Symmetry {
             kind,
-            mean_confidence: sum / self.partners.len().max(1) as f64,
-            coverage: Coverage::of(&mesh.mesh, &self.partners),
-            partner: self.partners,
+            mean_confidence: sum / partner.len().max(1) as f64,
+            coverage: Coverage::of(&mesh.mesh, &partner),
+            partner,
             surface_point,
             confidence: self.confidences,
             side: self.sides,
@@ -494,7 +497,7 @@ impl Stored {
         let wrong = |what: String| Fault::new(ISYM_ERROR_VALUE, format!("vertex {vertex} has {what}"));
         let (count, partner) = (self.partners.len(), self.partners[vertex]);
         let (confidence, side) = (self.confidences[vertex], self.sides[vertex]);
-        if partner < -1 || i64::from(partner) >= count as i64 {
+        if partner != ISYM_NONE && partner as usize >= count {
             return Err(wrong(format!("the partner {partner}; there are {count} vertices")));
         }
         if !(0.0..=1.0).contains(&confidence) {
@@ -503,11 +506,11 @@ impl Stored {
         if !(-1..=1).contains(&side) {
             return Err(wrong(format!("the side {side}; only -1, 0 and 1 are sides")));
         }
-        if partner == -1 {
+        if partner == ISYM_NONE {
             return Ok(None);
         }
         let three = 3 * vertex..3 * vertex + 3;
-        let corners: [u32; 3] = self.corners[three.clone()].try_into().unwrap_or([NONE; 3]);
+        let corners: [u32; 3] = self.corners[three.clone()].try_into().unwrap_or([ISYM_NONE; 3]);
         let weights: [f32; 3] = self.barycentrics[three].try_into().unwrap_or_default();
         if self.faces[vertex] as usize >= faces || corners.iter().any(|&corner| corner as usize >= count) {
             return Err(wrong(format!("the face {} with the corners {corners:?}", self.faces[vertex])));

@@ -21,11 +21,12 @@ int main(int count, char **arguments) {
     check(isym_mesh_detect(mesh, NULL, NULL, &result));
     check(isym_mesh_size(mesh, &vertices, &faces, &corners));
     check(isym_result_symmetry_count(result, &found));
-    int32_t *partners = calloc(vertices, sizeof *partners);
+    uint32_t *partners = calloc(vertices, sizeof *partners);
     if (found > 0) {
         check(isym_result_partners(result, 0, partners, vertices));
         for (size_t vertex = 0; vertex < vertices; vertex += vertices / 8 + 1)
-            printf("vertex %zu mirrors to vertex %d\n", vertex, partners[vertex]);
+            if (partners[vertex] != ISYM_NONE)
+                printf("vertex %zu mirrors to vertex %u\n", vertex, (unsigned)partners[vertex]);
     } else {
         puts("no symmetry found");
     }

@@ -217,8 +217,8 @@ fn call(handles: &mut Handles, call: &Call) {
                 read(handles, *result, *symmetry, *what, *length)
             }
             Call::Restore { mesh, kind, partners, confidence, side, corner, length } => {
-                let mut all_partners: Vec<i32> = partners.iter().map(|&x| x.into()).collect();
-                all_partners.resize(ROOM, -1);
+                let mut all_partners: Vec<u32> = partners.iter().map(|&x| i32::from(x) as u32).collect();
+                all_partners.resize(ROOM, ISYM_NONE);
                 let mut result = ptr::null_mut();
                 let status = isym_result_restore(
                     handles.at(*mesh),
@@ -270,7 +270,7 @@ unsafe fn read(handles: &Handles, result: u8, symmetry: u8, what: u8, length: u8
     // SAFETY: lengths are below ROOM.
     unsafe {
         match what % 6 {
-            0 => isym_result_partners(result, symmetry, first.as_mut_ptr().cast(), length),
+            0 => isym_result_partners(result, symmetry, first.as_mut_ptr(), length),
             1 => isym_result_confidences(result, symmetry, numbers.as_mut_ptr(), length),
             2 => isym_result_sides(result, symmetry, bytes.as_mut_ptr().cast(), length),
             3 => isym_result_pair_colours(result, symmetry, bytes.as_mut_ptr(), length),
@@ -358,8 +358,8 @@ fn first_handles() -> Handles {
         [(vertex % 3) as f64, 1.5 * (vertex / 3) as f64, 0.0][index % 3]
     });
     let squares = [0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7];
-    let partners = [2, 1, 0, 5, 4, 3, 8, 7, 6];
-    let corners: [u32; 27] = std::array::from_fn(|index| partners[index / 3] as u32);
+    let partners: [u32; 9] = [2, 1, 0, 5, 4, 3, 8, 7, 6];
+    let corners: [u32; 27] = std::array::from_fn(|index| partners[index / 3]);
     let weights: [f32; 27] = std::array::from_fn(|index| if index % 3 == 0 { 1.0 } else { 0.0 });
     let sides = [1, 0, -1, 1, 0, -1, 1, 0, -1];
     // SAFETY: nine vertices and four faces, as said.

@@ -57,7 +57,7 @@ static void null_is_nothing_to_free(void) {
 }
 
 static void wrong_lengths(const isym_mesh *mesh, const isym_result *result) {
-    int32_t partners[10] = {77};
+    uint32_t partners[10] = {77};
     double values[30] = {77};
     uint8_t selected[10] = {77};
     char text[4] = "abc";
@@ -137,7 +137,7 @@ static void stored_maps_are_looked_at(const isym_mesh *mesh) {
     int8_t sides[9] = {0};
     float confidences[9] = {0}, weights[27] = {0};
     uint32_t faces[9] = {0}, corners[27] = {0};
-    int32_t partners[9];
+    uint32_t partners[9];
     for (int v = 0; v < 9; ++v)
         partners[v] = SQUARE_PARTNERS[v], weights[3 * v] = 1;
     isym_result *made = UNTOUCHED;
@@ -145,6 +145,8 @@ static void stored_maps_are_looked_at(const isym_mesh *mesh) {
     partners[3] = 9;
     FAILS(ISYM_ERROR_VALUE, RESTORE);
     EXPECT(strstr(isym_error_message(), "vertex 3"));
+    partners[3] = ISYM_NONE - 1;
+    FAILS(ISYM_ERROR_VALUE, RESTORE);
     partners[3] = 5, sides[2] = 4;
     FAILS(ISYM_ERROR_VALUE, RESTORE);
     sides[2] = 0, confidences[1] = NAN;
@@ -188,11 +190,11 @@ static void what_cannot_be(const isym_mesh *mesh, isym_options *options, const c
     isym_progress *progress;
     isym_result *half_turn, *found = UNTOUCHED;
     float zeros[27] = {0};
-    int32_t none[9];
+    uint32_t none[9];
     const uint32_t indices[27] = {0};
     const int8_t sides[9] = {0};
     for (int v = 0; v < 9; ++v)
-        none[v] = -1;
+        none[v] = ISYM_NONE;
     OK(isym_result_restore(mesh, ISYM_KIND_HALF_TURN, none, zeros, sides, indices, indices, zeros, 9, &half_turn));
     double values[9] = {1, 2, 3, 4, 5, 6, 7, 8, 9};
     const isym_mirroring wins = mirroring(ISYM_MERGE_POSITIVE_WINS, 0, 0), swap = mirroring(ISYM_MERGE_SWAP, 0, 0);

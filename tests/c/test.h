@@ -41,7 +41,7 @@ HAS_32_BITS(isym_merge);
 static const double SQUARE[27] = {-1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 1, 0, 0, 1, 0, 1, 1, 0, -1, 2, 0, 0, 2, 0, 1, 2, 0};
 static const uint32_t SQUARE_QUADS[16] = {0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7};
 static const uint32_t SQUARE_OFFSETS[5] = {0, 4, 8, 12, 16};
-static const int32_t SQUARE_PARTNERS[9] = {2, 1, 0, 5, 4, 3, 8, 7, 6};
+static const uint32_t SQUARE_PARTNERS[9] = {2, 1, 0, 5, 4, 3, 8, 7, 6};
 
 static inline isym_mesh *square(void) {
     isym_mesh *mesh;
@@ -58,7 +58,7 @@ static inline isym_result *square_symmetry(const isym_mesh *mesh) {
         confidences[vertex] = 1;
         faces[vertex] = 0;
         for (int corner = 0; corner < 3; ++corner) {
-            corners[3 * vertex + corner] = (uint32_t)SQUARE_PARTNERS[vertex];
+            corners[3 * vertex + corner] = SQUARE_PARTNERS[vertex];
             weights[3 * vertex + corner] = corner == 0;
         }
     }

@@ -84,7 +84,7 @@ static void human(const char *path) {
     EXPECT(summary.paired_share == 1 && summary.shells_self_mirrored == 1);
     EXPECT(summary.shells_paired == 0 && summary.shells_alone == 0);
 
-    int32_t *partners = malloc(n * sizeof *partners);
+    uint32_t *partners = malloc(n * sizeof *partners);
     int8_t *sides = malloc(n);
     float *confidences = malloc(n * sizeof *confidences), *weights = malloc(3 * n * sizeof *weights);
     uint32_t *face = malloc(n * sizeof *face), *three = malloc(3 * n * sizeof *three);
@@ -93,7 +93,7 @@ static void human(const char *path) {
     OK(isym_result_confidences(result, 0, confidences, n));
     OK(isym_result_surface_points(result, 0, face, three, weights, n));
     for (size_t v = 0; v < n; ++v) {
-        EXPECT(partners[partners[v]] == (int32_t)v && sides[partners[v]] == -sides[v] && confidences[v] == 1);
+        EXPECT(partners[partners[v]] == v && sides[partners[v]] == -sides[v] && confidences[v] == 1);
         EXPECT(face[v] < faces && weights[3 * v] + weights[3 * v + 1] + weights[3 * v + 2] == 1);
     }
 
@@ -113,7 +113,7 @@ static void human(const char *path) {
     // NULL options are the defaults: one symmetry is searched.
     isym_result *plain;
     double value;
-    int32_t *again = malloc(n * sizeof *again);
+    uint32_t *again = malloc(n * sizeof *again);
     OK(isym_options_get(NULL, "symmetries", &value));
     EXPECT(value == 1);
     OK(isym_mesh_detect(mesh, NULL, NULL, &plain));
@@ -160,7 +160,7 @@ static void human_again(const char *path) {
     OK(isym_options_new(&options));
     OK(isym_progress_new(&progress));
     OK(isym_mesh_detect_again(moved, first, options, progress, &second));
-    int32_t *before = malloc(n * sizeof *before), *after = malloc(n * sizeof *after);
+    uint32_t *before = malloc(n * sizeof *before), *after = malloc(n * sizeof *after);
     OK(isym_result_partners(first, 0, before, n));
     OK(isym_result_partners(second, 0, after, n));
     EXPECT(memcmp(before, after, n * sizeof *before) == 0);
@@ -240,7 +240,7 @@ static void tools(void) {
     const isym_mirroring swap = mirroring(ISYM_MERGE_SWAP, 0, 0), wins = mirroring(ISYM_MERGE_NEGATIVE_WINS, 0, 1);
     OK(isym_result_mirror_values(result, 0, &swap, values, 2, found, 9));
     for (int i = 0; i < 18; ++i)
-        EXPECT(found[i] == 2 * SQUARE_PARTNERS[i / 2] + i % 2);
+        EXPECT(found[i] == 2.0 * SQUARE_PARTNERS[i / 2] + i % 2);
 
     double push[27] = {0}, carried[27];
     push[0] = 0.5, push[1] = 0.25, push[2] = 0.125;

@@ -82,7 +82,7 @@ _SIZE = ctypes.c_size_t
 _OUT_SIZE = ctypes.POINTER(ctypes.c_size_t)
 _OUT_DOUBLE = ctypes.POINTER(ctypes.c_double)
 _MIRRORING = ctypes.POINTER(Mirroring)
-_I8, _I32 = _array(np.int8), _array(np.int32)
+_I8 = _array(np.int8)
 _U8, _U32 = _array(np.uint8), _array(np.uint32)
 _F32, _F64 = _array(np.float32), _array(np.float64)
 
@@ -117,7 +117,7 @@ CHECKED: dict[str, list[Any]] = {
     "isym_result_symmetry_count": [_HANDLE, _OUT_SIZE],
     "isym_result_continuous_family": [_HANDLE, ctypes.POINTER(ctypes.c_uint8)],
     "isym_result_summary": [_HANDLE, _SIZE, ctypes.POINTER(Summary)],
-    "isym_result_partners": [_HANDLE, _SIZE, _I32, _SIZE],
+    "isym_result_partners": [_HANDLE, _SIZE, _U32, _SIZE],
     "isym_result_confidences": [_HANDLE, _SIZE, _F32, _SIZE],
     "isym_result_sides": [_HANDLE, _SIZE, _I8, _SIZE],
     "isym_result_surface_points": [_HANDLE, _SIZE, _U32, _U32, _F32, _SIZE],
@@ -126,7 +126,7 @@ CHECKED: dict[str, list[Any]] = {
     "isym_result_curve": [_HANDLE, _SIZE, _U32, _U8, _SIZE, _U32, _F32, _SIZE],
     "isym_result_report_size": [_HANDLE, _OUT_SIZE],
     "isym_result_report": [_HANDLE, ctypes.c_char_p, _SIZE],
-    "isym_result_restore": [_HANDLE, ctypes.c_int32, _I32, _F32, _I8, _U32, _U32, _F32, _SIZE, _OUT_HANDLE],
+    "isym_result_restore": [_HANDLE, ctypes.c_int32, _U32, _F32, _I8, _U32, _U32, _F32, _SIZE, _OUT_HANDLE],
     "isym_result_free": [_HANDLE],
     "isym_result_mirror_selection": [_HANDLE, _SIZE, _U8, ctypes.c_float, _U8, _SIZE],
     "isym_result_mirror_face_selection": [_HANDLE, _SIZE, _U8, ctypes.c_float, _U8, _SIZE],

@@ -195,7 +195,8 @@ class Symmetry:
         Of a rotation (experimental) the image: ``partner[partner]`` is not each vertex itself, and other shells than the
         largest have -1.
         """
-        return self._read("partners", np.int32)
+        # NONE is -1 in a signed number.
+        return self._read("partners", np.uint32).view(np.int32)
 
     @cached_property
     def confidence(self) -> NDArray[np.float32]:
