@@ -70,7 +70,9 @@ impl<Name, Object> Table<Name, Object> {
     }
 }
 
-/// How many handles of all kinds are live: 0 when everything was freed. For leak checks in tests.
+/// How many handles of all kinds are live. For leak checks in tests.
+///
+/// @return 0 when everything was freed.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_handle_count() -> usize {
     use super::{eigen::EIGENS, mesh::MESHES, options::OPTION_SETS, progress::PROGRESSES, result::RESULTS};

@@ -55,12 +55,18 @@ pub fn options_of(handle: *const isym_options) -> Result<Options> {
 }
 
 /// Number of options in the table.
+///
+/// @return One more than the largest index of `isym_option_describe`.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_option_count() -> usize {
     OPTIONS.len()
 }
 
-/// Describes option `index`, from 0 to below `isym_option_count()`.
+/// Describes an option.
+///
+/// @param index From 0 to below `isym_option_count()`.
+/// @param[in,out] spec Its `size` is set before the call.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_SIZE`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_option_describe(index: usize, spec: *mut isym_option_spec) -> isym_status {
     boundary(|| {
@@ -84,7 +90,10 @@ pub unsafe extern "C" fn isym_option_describe(index: usize, spec: *mut isym_opti
     })
 }
 
-/// Makes a set of options with the defaults. Free it with `isym_options_free`.
+/// Makes a set of options with the defaults.
+///
+/// @param[out] options Free it with `isym_options_free`.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_options_new(options: *mut *mut isym_options) -> isym_status {
     boundary(|| {
@@ -95,8 +104,12 @@ pub unsafe extern "C" fn isym_options_new(options: *mut *mut isym_options) -> is
     })
 }
 
-/// Sets the option called `name` (UTF-8). Nothing changes if there is no such option or `value` is outside
-/// its range: `ISYM_ERROR_OPTION`.
+/// Sets an option. On failure nothing changes.
+///
+/// @param options The set.
+/// @param name The option's name, UTF-8.
+/// @param value A whole number in the option's range.
+/// @return `ISYM_OK`; `ISYM_ERROR_OPTION`: there is no such option, or `value` is outside its range.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_options_set(
     options: *mut isym_options,
@@ -118,7 +131,12 @@ pub unsafe extern "C" fn isym_options_set(
     })
 }
 
-/// Reads the option called `name` (UTF-8). Of NULL `options` it reads the default.
+/// Reads an option.
+///
+/// @param options The set; NULL for the defaults.
+/// @param name The option's name, UTF-8.
+/// @param[out] value Its value.
+/// @return `ISYM_OK`; `ISYM_ERROR_OPTION`: there is no such option.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_options_get(
     options: *const isym_options,
@@ -134,9 +152,14 @@ pub unsafe extern "C" fn isym_options_get(
     })
 }
 
-/// Takes a sign network (ONNX) of your own instead of the embedded one; it is trusted input. `path` is UTF-8;
-/// an empty text takes the embedded one again. It runs in the ONNX Runtime library (1.24 or newer) that the
-/// environment variable `ORT_DYLIB_PATH` names. Whether it can be used shows when it is: `ISYM_ERROR_MODEL`.
+/// Takes a sign network (ONNX) of your own instead of the embedded one; it is trusted input.
+///
+/// It runs in the ONNX Runtime library (1.24 or newer) that the environment variable `ORT_DYLIB_PATH` names. Whether it can be
+/// used shows when it is: `ISYM_ERROR_MODEL`.
+///
+/// @param options The set.
+/// @param path The file, UTF-8. An empty text takes the embedded network again.
+/// @return `ISYM_OK`, `ISYM_ERROR_TEXT`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_options_set_model(
     options: *mut isym_options,
@@ -152,8 +175,12 @@ pub unsafe extern "C" fn isym_options_set_model(
     })
 }
 
-/// Tells the signs that a person knows, of the first `count` eigenfunctions of `isym_mesh_eigen`: 1 even, -1
-/// odd, 0 unknown. They overrule the network; the last call counts.
+/// Tells the signs that a person knows. They overrule the network; the last call counts.
+///
+/// @param options The set.
+/// @param signs Of the first eigenfunctions of `isym_mesh_eigen`: 1 even, -1 odd, 0 unknown.
+/// @param count Number of signs.
+/// @return `ISYM_OK`; `ISYM_ERROR_OPTION`: a sign is another number.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_options_set_known_signs(
     options: *mut isym_options,
@@ -172,7 +199,10 @@ pub unsafe extern "C" fn isym_options_set_known_signs(
     })
 }
 
-/// Frees a set of options. NULL is fine.
+/// Frees a set of options.
+///
+/// @param options The set; NULL is fine.
+/// @return `ISYM_OK`, `ISYM_ERROR_HANDLE`.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_options_free(options: *mut isym_options) -> isym_status {
     boundary(|| OPTION_SETS.remove(options))

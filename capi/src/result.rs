@@ -130,7 +130,11 @@ impl ResultObject {
     }
 }
 
-/// Reads what was found. `ISYM_OUTCOME_FOUND` for a restored result: it was accepted before.
+/// Reads what was found.
+///
+/// @param result The result.
+/// @param[out] outcome `ISYM_OUTCOME_FOUND` for a restored result: it was accepted before.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_outcome(
     result: *const isym_result,
@@ -148,7 +152,11 @@ pub unsafe extern "C" fn isym_result_outcome(
     })
 }
 
-/// Reads the number of symmetries that were found, a doubtful one counted; 0 if the mesh has none.
+/// Reads the number of symmetries that were found.
+///
+/// @param result The result.
+/// @param[out] count A doubtful one counts; 0 if the mesh has none.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_symmetry_count(
     result: *const isym_result,
@@ -162,8 +170,12 @@ pub unsafe extern "C" fn isym_result_symmetry_count(
     })
 }
 
-/// Reads whether the mesh has a continuous family of symmetries, as a sphere, a torus or a vase has: 1 or 0. Those
-/// found are then arbitrary ones of infinitely many. 0 for a restored result, where nobody has looked.
+/// Reads whether the mesh has a continuous family of symmetries, as a sphere, a torus or a vase has.
+///
+/// @param result The result.
+/// @param[out] continuous_family 1: those found are arbitrary ones of infinitely many. 0: no; also for a restored result, where
+/// nobody has looked.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_continuous_family(
     result: *const isym_result,
@@ -178,7 +190,12 @@ pub unsafe extern "C" fn isym_result_continuous_family(
     })
 }
 
-/// Reads the numbers of symmetry `symmetry`, counted from 0, the best first.
+/// Reads the numbers of a symmetry as a whole.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[in,out] summary Its `size` is set before the call.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_SIZE`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_summary(
     result: *const isym_result,
@@ -211,7 +228,13 @@ pub unsafe extern "C" fn isym_result_summary(
     })
 }
 
-/// Copies the partner vertex of each vertex out; `ISYM_NONE` for a vertex without partner, such as one that no face uses.
+/// Copies the partner vertex of each vertex out.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[out] partners `ISYM_NONE` for a vertex without partner, such as one that no face uses.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_partners(
     result: *const isym_result,
@@ -231,8 +254,13 @@ pub unsafe extern "C" fn isym_result_partners(
     })
 }
 
-/// Copies out how far each partner can be trusted: the estimated probability, 0..=1, that it lies within
-/// 0.05 sqrt(area) of the true mirror image.
+/// Copies out how far each partner can be trusted.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[out] confidences The estimated probability, 0..=1, that the partner lies within 0.05 sqrt(area) of the true mirror image.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_confidences(
     result: *const isym_result,
@@ -250,8 +278,14 @@ pub unsafe extern "C" fn isym_result_confidences(
     })
 }
 
-/// Copies each vertex's side out: 1 and -1 on the two sides, 0 on the fixed curve, without partner, and
-/// everywhere for a half turn and a rotation. Which side is 1 has no meaning.
+/// Copies each vertex's side out.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[out] sides 1 and -1 on the two sides, 0 on the fixed curve, without partner, and everywhere for a half turn and a
+/// rotation. Which side is 1 has no meaning.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_sides(
     result: *const isym_result,
@@ -271,9 +305,15 @@ pub unsafe extern "C" fn isym_result_sides(
 
 /// Copies out the exact mirror image of each vertex, a point of the surface.
 ///
-/// `faces`: vertex_count numbers of the faces that hold the images. `corners`: 3 * vertex_count numbers of
-/// three vertices of that face, a triangle of it. `barycentrics`: 3 * vertex_count weights of these, each 0..=1,
-/// summing to 1. A vertex without partner has `ISYM_NONE` four times, and weights 0.
+/// A vertex without partner has `ISYM_NONE` four times, and weights 0.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[out] faces vertex_count numbers of the faces that hold the images.
+/// @param[out] corners 3 * vertex_count numbers of three vertices of that face, a triangle of it.
+/// @param[out] barycentrics 3 * vertex_count weights of these, each 0..=1, summing to 1.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_surface_points(
     result: *const isym_result,
@@ -302,10 +342,14 @@ pub unsafe extern "C" fn isym_result_surface_points(
     })
 }
 
-/// Copies out a colour for each vertex that its partner shares (all its images under a rotation, nearly), and distinct
-/// pairs do not: the colours that the command line writes. Grey where there is no partner or no confidence.
+/// Copies out a colour for each vertex that its partner shares (all its images under a rotation, nearly), and distinct pairs do
+/// not: the colours that the command line writes. Grey where there is no partner or no confidence.
 ///
-/// `colours`: 3 * vertex_count numbers: red, green, blue of each vertex, sRGB.
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[out] colours 3 * vertex_count numbers: red, green, blue of each vertex, sRGB.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_pair_colours(
     result: *const isym_result,
@@ -323,7 +367,13 @@ pub unsafe extern "C" fn isym_result_pair_colours(
     })
 }
 
-/// Reads the numbers of lines of the fixed curve and of all their points.
+/// Reads the size of the fixed curve.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[out] line_count Number of lines; 0: there is no curve.
+/// @param[out] point_count Number of points of all lines.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_curve_size(
     result: *const isym_result,
@@ -343,13 +393,21 @@ pub unsafe extern "C" fn isym_result_curve_size(
     })
 }
 
-/// Copies the fixed curve out: where the map leaves the surface in place. The counts must be those of
-/// `isym_result_curve_size`; with no line at all there is nothing to copy, and no need to call this.
+/// Copies the fixed curve out: where the map leaves the surface in place.
 ///
-/// `line_offsets`: line_count + 1 numbers; line l has the points from `line_offsets[l]` to before
-/// `line_offsets[l + 1]`. `closed`: line_count numbers, 1 where the last point joins the first, otherwise 0.
-/// `edges`: 2 * point_count vertex numbers and `parameters`: point_count numbers t: point p lies at
-/// (1 - t) * `edges[2 * p]` + t * `edges[2 * p + 1]`.
+/// With no line at all there is nothing to copy, and no need to call this. Point p lies at
+/// (1 - t) * `edges[2 * p]` + t * `edges[2 * p + 1]`, where t is `parameters[p]`.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[out] line_offsets line_count + 1 numbers; line l has the points from `line_offsets[l]` to before
+/// `line_offsets[l + 1]`.
+/// @param[out] closed line_count numbers, 1 where the last point joins the first, otherwise 0.
+/// @param line_count That of `isym_result_curve_size`.
+/// @param[out] edges 2 * point_count vertex numbers.
+/// @param[out] parameters point_count numbers, 0..=1.
+/// @param point_count That of `isym_result_curve_size`.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_curve(
     result: *const isym_result,
@@ -384,7 +442,11 @@ pub unsafe extern "C" fn isym_result_curve(
     })
 }
 
-/// Reads the number of bytes of the report, with its final NUL.
+/// Reads the size of the report.
+///
+/// @param result The result.
+/// @param[out] size Number of bytes, with the final NUL.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_report_size(
     result: *const isym_result,
@@ -398,8 +460,12 @@ pub unsafe extern "C" fn isym_result_report_size(
     })
 }
 
-/// Copies the report out: the JSON that `intrinsym detect --json` writes, in UTF-8, with a final NUL. `size`
-/// must be that of `isym_result_report_size`.
+/// Copies the report out: the JSON that `intrinsym detect --json` writes.
+///
+/// @param result The result.
+/// @param[out] report UTF-8, with a final NUL.
+/// @param size That of `isym_result_report_size`.
+/// @return `ISYM_OK`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_report(
     result: *const isym_result,
@@ -415,13 +481,22 @@ pub unsafe extern "C" fn isym_result_report(
     })
 }
 
-/// Makes a result with one symmetry from stored arrays, so that the tools work on a map that was kept with
-/// a mesh. Free it with `isym_result_free`.
+/// Makes a result with one symmetry from stored arrays, so that the tools work on a map that was kept with a mesh.
 ///
-/// All arrays have one entry (`corners` and `barycentrics` three) for each of the mesh's vertices, in the form
-/// in which this library gave them. Positions may have changed since; the connectivity may not (compare
-/// `isym_mesh_connectivity_hash`). An entry that cannot be right is `ISYM_ERROR_VALUE`, and named; so is
-/// `ISYM_KIND_ROTATION`, which no tool takes.
+/// All arrays are in the form in which this library gave them. Positions may have changed since; the connectivity may not
+/// (compare `isym_mesh_connectivity_hash`).
+///
+/// @param mesh The mesh.
+/// @param kind Reflection or half turn; no tool takes a rotation.
+/// @param partners vertex_count numbers; `ISYM_NONE` for none.
+/// @param confidences vertex_count numbers, 0..=1.
+/// @param sides vertex_count numbers: -1, 0 or 1.
+/// @param faces vertex_count numbers.
+/// @param corners 3 * vertex_count numbers.
+/// @param barycentrics 3 * vertex_count numbers.
+/// @param vertex_count Number of the mesh's vertices.
+/// @param[out] result Free it with `isym_result_free`.
+/// @return `ISYM_OK`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_VALUE`: an entry cannot be right, and the text names it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_restore(
     mesh: *const isym_mesh,
@@ -539,7 +614,10 @@ fn restored(mesh: &MeshObject, symmetry: Symmetry) -> Detection {
     Detection { outcome: Outcome::Found, symmetries: vec![symmetry], report, judging: None }
 }
 
-/// Frees a result. NULL is fine.
+/// Frees a result.
+///
+/// @param result The result; NULL is fine.
+/// @return `ISYM_OK`, `ISYM_ERROR_HANDLE`.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_result_free(result: *mut isym_result) -> isym_status {
     boundary(|| RESULTS.remove(result))

@@ -131,15 +131,19 @@ fn text_of(panic: &(dyn Any + Send)) -> &str {
     text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic without text")
 }
 
-/// What went wrong in the last call of this thread that returned a status: a sentence in UTF-8, for
-/// people; empty if that call returned `ISYM_OK`. Never NULL. Valid until this thread's next such call.
+/// What went wrong in the last call of this thread that returned a status.
+///
+/// @return A sentence in UTF-8, for people; empty if that call returned `ISYM_OK`. Never NULL. Valid until this thread's
+/// next such call.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_error_message() -> *const c_char {
     MESSAGE.try_with(|kept| kept.borrow().as_ptr()).unwrap_or(c"".as_ptr())
 }
 
-/// The name of a status in this header, such as "ISYM_ERROR_MESH"; "unknown status" for any other number.
-/// Never NULL, never freed.
+/// The name of a status in this header.
+///
+/// @param status Any number.
+/// @return Such as "ISYM_ERROR_MESH"; "unknown status" for a number that is none. Never NULL, never freed.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_status_name(status: MaybeUninit<isym_status>) -> *const c_char {
     // SAFETY: C hands a number over.

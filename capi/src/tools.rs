@@ -101,9 +101,16 @@ unsafe fn vectors(values: *const f64, vertex_count: usize, name: &str) -> Result
 
 /// Mirrors a selection of vertices: selects those whose mirror image lies in it.
 ///
-/// `selected` and `mirrored` have one byte per vertex, 0 or 1 (any other number counts as 1); they may be the
-/// same array. Vertices with less than `minimum_confidence`, 0..=1, are not selected. A vertex of a denser side
-/// selects its partner even where that stands for several.
+/// A vertex of a denser side selects its partner even where that stands for several.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param selected One byte per vertex, 0 or 1 (any other number counts as 1).
+/// @param minimum_confidence Vertices with less, 0..=1, are not selected.
+/// @param[out] mirrored One byte per vertex, 0 or 1; may be `selected`.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_OPTION`: a number is outside its range, or the
+/// symmetry is a rotation.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_mirror_selection(
     result: *const isym_result,
@@ -127,10 +134,17 @@ pub unsafe extern "C" fn isym_result_mirror_selection(
 
 /// Mirrors a selection of faces: selects those whose mirror image is selected.
 ///
-/// `selected` and `mirrored` have one byte per face that the mesh was made with, 0 or 1 (any other number counts
-/// as 1); they may be the same array. Where connectivity is mirrored, faces go to their exact mirror images;
-/// elsewhere a face is selected if all its corners are in the mirror image of the selected faces' corners.
-/// Faces with a corner of less than `minimum_confidence`, 0..=1, are not selected.
+/// Where connectivity is mirrored, faces go to their exact mirror images; elsewhere a face is selected if all its corners are
+/// in the mirror image of the selected faces' corners.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param selected One byte per face that the mesh was made with, 0 or 1 (any other number counts as 1).
+/// @param minimum_confidence Faces with a corner of less, 0..=1, are not selected.
+/// @param[out] mirrored One byte per face, 0 or 1; may be `selected`.
+/// @param face_count Number of the mesh's faces.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_OPTION`: a number is outside its range, or the
+/// symmetry is a rotation.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_mirror_face_selection(
     result: *const isym_result,
@@ -157,8 +171,17 @@ pub unsafe extern "C" fn isym_result_mirror_face_selection(
 
 /// Mirrors a vertex attribute of any number of components: weights, colours, masks, texture coordinates.
 ///
-/// `values` and `mirrored` have components * vertex_count numbers, those of one vertex side by side; they may
-/// be the same array. Vectors in space need `isym_result_carry_displacement` instead.
+/// Vectors in space need `isym_result_carry_displacement` instead.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param mirroring Its `size` is set before the call.
+/// @param values components * vertex_count numbers, those of one vertex side by side.
+/// @param components Numbers of one vertex, 1 or more.
+/// @param[out] mirrored As `values`; may be the same array.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`, `ISYM_ERROR_SIZE`, `ISYM_ERROR_VALUE`; `ISYM_ERROR_OPTION`: the
+/// confidence is outside its range, a half turn has no sides, or the symmetry is a rotation.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_mirror_values(
     result: *const isym_result,
@@ -184,11 +207,18 @@ pub unsafe extern "C" fn isym_result_mirror_values(
     })
 }
 
-/// Carries a displacement field across the map in local frames, so that it is right in any pose: a shape
-/// key, or an edit since a remembered state.
+/// Carries a displacement field across the map in local frames, so that it is right in any pose: a shape key, or an edit since a
+/// remembered state.
 ///
-/// `positions`: x, y, z of each vertex of the shape that is displaced, in the pose it is in. `displacements` and
-/// `carried`: x, y, z of each vertex, in any unit; they may be the same array.
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param mirroring Its `size` is set before the call.
+/// @param positions x, y, z of each vertex of the shape that is displaced, in the pose it is in.
+/// @param displacements x, y, z of each vertex, in any unit.
+/// @param[out] carried As `displacements`; may be the same array.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`, `ISYM_ERROR_SIZE`, `ISYM_ERROR_VALUE`; `ISYM_ERROR_OPTION`: the
+/// confidence is outside its range, a half turn has no sides, or the symmetry is a rotation.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_carry_displacement(
     result: *const isym_result,
@@ -213,12 +243,21 @@ pub unsafe extern "C" fn isym_result_carry_displacement(
     })
 }
 
-/// Makes positions symmetric across the map in local frames: each side keeps its pose and takes the other's
-/// shape, or both the mean of the two.
+/// Makes positions symmetric across the map in local frames: each side keeps its pose and takes the other's shape, or both the
+/// mean of the two.
 ///
-/// `positions` and `symmetrized`: x, y, z of each vertex, in any unit and pose; they may be the same array. What
-/// is much smaller than the surface is carried whole; what is as large as a limb's pose stays. Solves one
-/// sparse system. `progress` may be NULL.
+/// What is much smaller than the surface is carried whole; what is as large as a limb's pose stays. Solves one sparse system.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param mirroring Its `size` is set before the call.
+/// @param positions x, y, z of each vertex, in any unit and pose.
+/// @param progress NULL: nothing is reported, and nobody can cancel.
+/// @param[out] symmetrized As `positions`; may be the same array.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`, `ISYM_ERROR_SIZE`, `ISYM_ERROR_VALUE`; `ISYM_ERROR_OPTION`: the
+/// confidence is outside its range, a half turn has no sides, or the symmetry is a rotation. Also
+/// `ISYM_ERROR_CANCELLED`, `ISYM_ERROR_CALLBACK`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_symmetrize_positions(
     result: *const isym_result,
@@ -245,9 +284,13 @@ pub unsafe extern "C" fn isym_result_symmetrize_positions(
 
 /// Measures how far each vertex is from the fixed curve, along the surface.
 ///
-/// `positions`: x, y, z of each vertex, in any unit and pose. `distances`: vertex_count numbers in that unit;
-/// infinite where the curve cannot be reached: on other shells, without a curve, and with a result from
-/// `isym_result_restore`, which has none.
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param positions x, y, z of each vertex, in any unit and pose.
+/// @param[out] distances vertex_count numbers in that unit; infinite where the curve cannot be reached: on other shells, without a
+/// curve, and with a result from `isym_result_restore`, which has none.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_VALUE`: a position is not finite.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_curve_distances(
     result: *const isym_result,

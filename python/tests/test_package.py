@@ -24,7 +24,6 @@ def test_every_function_of_the_header_is_declared_with_its_parameters():
     in_header = {}
     for name, parameters in re.findall(r"^\w[\w *]*?(isym_\w+)\(([^)]*)\);", HEADER, re.MULTILINE):
         in_header[name] = 0 if parameters.strip() in ("", "void") else parameters.count(",") + 1
-    in_header.pop("isym_internal_call_progress", None)
     assert len(in_header) > 40
     assert declared == in_header
 
