@@ -96,6 +96,7 @@ private:
 inline std::vector<isym_option_spec> option_specs() {
   std::vector<isym_option_spec> specs(isym_option_count());
   for (std::size_t index = 0; index < specs.size(); ++index) {
+    specs[index].size = sizeof specs[index];
     check(isym_option_describe(index, &specs[index]));
   }
   return specs;
@@ -154,7 +155,7 @@ struct Mirroring {
   isym_merge merge = ISYM_MERGE_SWAP;
   float minimum_confidence = 0;
   bool weight_by_confidence = false;
-  isym_mirroring c() const { return {merge, minimum_confidence, weight_by_confidence ? 1 : 0}; }
+  isym_mirroring c() const { return {sizeof(isym_mirroring), merge, minimum_confidence, weight_by_confidence ? 1 : 0}; }
 };
 
 // Lowest eigenpairs of the Laplace-Beltrami operator; see isym_eigen_read.
@@ -213,23 +214,13 @@ public:
   std::size_t vertex_count() const noexcept { return vertex_count_; }
   isym_summary summary(std::size_t symmetry = 0) const {
     isym_summary summary{};
+    summary.size = sizeof summary;
     check(isym_result_summary(get(), symmetry, &summary));
     return summary;
   }
-  // After how many times it is the identity: 2, or 3 and more for a rotation (experimental).
-  std::size_t order(std::size_t symmetry = 0) const {
-    std::size_t order = 0;
-    check(isym_result_order(get(), symmetry, &order));
-    return order;
-  }
-  // How plausible it is, 0 to 1, that it is a symmetry of the shape at all.
-  double plausibility(std::size_t symmetry = 0) const {
-    double plausibility = 0;
-    check(isym_result_plausibility(get(), symmetry, &plausibility));
-    return plausibility;
-  }
-  std::vector<std::int32_t> partners(std::size_t symmetry = 0) const {
-    std::vector<std::int32_t> values(vertex_count_);
+  // ISYM_NONE for a vertex without partner.
+  std::vector<std::uint32_t> partners(std::size_t symmetry = 0) const {
+    std::vector<std::uint32_t> values(vertex_count_);
     check(isym_result_partners(get(), symmetry, values.data(), values.size()));
     return values;
   }
@@ -418,7 +409,7 @@ public:
     return pairs;
   }
   // A result from stored arrays; see isym_result_restore.
-  Result restore(isym_kind kind, const std::vector<std::int32_t> &partners, const std::vector<float> &confidences,
+  Result restore(isym_kind kind, const std::vector<std::uint32_t> &partners, const std::vector<float> &confidences,
                  const std::vector<std::int8_t> &sides, const SurfacePoints &points) const {
     const std::size_t vertices = size()[0];
     expect_size(partners.size(), vertices, "partners");

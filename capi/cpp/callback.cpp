@@ -18,9 +18,9 @@ void copy_text(const char *text, char *into, std::size_t capacity) noexcept {
 } // namespace
 
 // 0: go on, 1: the callback asks to stop, 2: it threw, and `what` (of `capacity` > 0 bytes) says what.
-extern "C" std::int32_t isym_internal_call_progress(std::int32_t (*callback)(const char *, double, void *),
-                                                    const char *stage, double fraction, void *user_data,
-                                                    char *what, std::size_t capacity) noexcept {
+extern "C" std::int32_t intrinsym_call_progress(std::int32_t (*callback)(const char *, double, void *),
+                                                const char *stage, double fraction, void *user_data,
+                                                char *what, std::size_t capacity) noexcept {
   try {
     return callback(stage, fraction, user_data) != 0 ? 1 : 0;
   } catch (const std::exception &error) {

@@ -11,7 +11,12 @@ pub struct isym_eigen(());
 /// Live eigenpairs.
 pub static EIGENS: Table<isym_eigen, Eigen> = Table::new("eigenpairs handle");
 
-/// Reads the numbers of vertices and of eigenpairs (fewer than asked for on a tiny mesh).
+/// Reads the numbers of vertices and of eigenpairs.
+///
+/// @param eigenpairs The eigenpairs.
+/// @param[out] vertex_count Number of the mesh's vertices.
+/// @param[out] count Number of eigenpairs: fewer than asked for on a tiny mesh.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_eigen_size(
     eigenpairs: *const isym_eigen,
@@ -29,12 +34,16 @@ pub unsafe extern "C" fn isym_eigen_size(
     })
 }
 
-/// Copies the eigenpairs out. `vertex_count` and `count` must be those of `isym_eigen_size`.
+/// Copies the eigenpairs out. The sign of a function has no meaning.
 ///
-/// `eigenvalues`: `count` numbers, ascending, in units of 1 / area of the largest shell.
-/// `eigenfunctions`: vertex_count * count numbers, those of one vertex side by side; orthonormal in the mass;
-/// NaN where the vertex is not on the largest shell. The sign of a function has no meaning.
-/// `mass`: vertex_count numbers that sum to 1; 0 where the vertex is not on that shell.
+/// @param eigenpairs The eigenpairs.
+/// @param[out] eigenvalues `count` numbers, ascending, in units of 1 / area of the largest shell.
+/// @param[out] eigenfunctions vertex_count * count numbers, those of one vertex side by side; orthonormal in the mass; NaN where
+/// the vertex is not on the largest shell.
+/// @param[out] mass vertex_count numbers that sum to 1; 0 where the vertex is not on that shell.
+/// @param vertex_count That of `isym_eigen_size`.
+/// @param count That of `isym_eigen_size`.
+/// @return `ISYM_OK`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_eigen_read(
     eigenpairs: *const isym_eigen,
@@ -61,6 +70,9 @@ pub unsafe extern "C" fn isym_eigen_read(
 }
 
 /// Frees eigenpairs.
+///
+/// @param eigenpairs The eigenpairs; NULL is fine.
+/// @return `ISYM_OK`, `ISYM_ERROR_HANDLE`.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_eigen_free(eigenpairs: *mut isym_eigen) -> isym_status {
     boundary(|| EIGENS.remove(eigenpairs))

@@ -37,27 +37,26 @@ impl<Name, Object> Table<Name, Object> {
 
     /// The object of a handle.
     pub fn get(&self, handle: *const Name) -> Result<Arc<Object>> {
-        let found = self.lock().get(&self.number(handle)?).cloned();
+        if handle.is_null() {
+            return Err(Fault::new(ISYM_ERROR_NULL, format!("the {} is NULL", self.kind)));
+        }
+        let found = self.lock().get(&handle.addr()).cloned();
         found.ok_or_else(|| self.unknown())
     }
 
-    /// Ends a handle.
+    /// Ends a handle; NULL is none.
     pub fn remove(&self, handle: *const Name) -> Result {
+        if handle.is_null() {
+            return Ok(());
+        }
         // Taken out under the lock, dropped after it.
-        let removed = { self.lock().remove(&self.number(handle)?) };
+        let removed = { self.lock().remove(&handle.addr()) };
         removed.map(drop).ok_or_else(|| self.unknown())
     }
 
     /// Number of live objects.
     pub fn count(&self) -> usize {
         self.lock().len()
-    }
-
-    fn number(&self, handle: *const Name) -> Result<usize> {
-        if handle.is_null() {
-            return Err(Fault::new(ISYM_ERROR_NULL, format!("the {} is NULL", self.kind)));
-        }
-        Ok(handle.addr())
     }
 
     fn unknown(&self) -> Fault {
@@ -71,7 +70,9 @@ impl<Name, Object> Table<Name, Object> {
     }
 }
 
-/// How many handles of all kinds are live: 0 when everything was freed. For leak checks in tests.
+/// How many handles of all kinds are live. For leak checks in tests.
+///
+/// @return 0 when everything was freed.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_handle_count() -> usize {
     use super::{eigen::EIGENS, mesh::MESHES, options::OPTION_SETS, progress::PROGRESSES, result::RESULTS};
@@ -95,6 +96,7 @@ mod tests {
         let second = table.insert(2);
         assert_ne!(first, second);
         assert_eq!((*kept, *table.get(second).unwrap(), table.count()), (1, 2, 1));
+        assert_eq!(table.remove(std::ptr::null()), Ok(()));
         assert_eq!(table.get(std::ptr::null()).unwrap_err().status, ISYM_ERROR_NULL);
     }
 }

@@ -4,7 +4,7 @@ use super::eigen::{EIGENS, isym_eigen};
 use super::handles::Table;
 use super::memory::{Output, array, expect, product, text};
 use super::options::{isym_options, options_of};
-use super::progress::{PROGRESSES, isym_progress};
+use super::progress::{isym_progress, progress_of};
 use super::result::{RESULTS, ResultObject, isym_result};
 use super::status::{Fault, ISYM_ERROR_VALUE, Result, boundary, isym_status};
 use intrinsym::base::limits::Limits;
@@ -92,13 +92,18 @@ impl<T: Copy + Into<f64>> Arrays<T> {
     }
 }
 
-/// Makes a mesh of triangles. Free it with `isym_mesh_free`.
+/// Makes a mesh of triangles. The arrays are copied.
 ///
-/// `positions`: x, y, z of each vertex, 3 * vertex_count numbers, any unit. `triangles`: 3 * triangle_count
-/// vertex numbers from 0. The arrays are copied. Non-manifold edges, several shells, boundaries, inconsistent
-/// orientation, duplicate and degenerate faces and unreferenced vertices are accepted (the report says what was
-/// repaired); numbers that are not finite, indices past the end, and a mesh without any area are not:
-/// `ISYM_ERROR_MESH`. At most 5 million vertices and 10 million triangles: `ISYM_ERROR_LIMIT`.
+/// Non-manifold edges, several shells, boundaries, inconsistent orientation, duplicate and degenerate faces and unreferenced
+/// vertices are accepted (the report says what was repaired); numbers that are not finite, indices past the end, and a mesh
+/// without any area are not.
+///
+/// @param positions x, y, z of each vertex, 3 * vertex_count numbers, any unit.
+/// @param vertex_count Number of vertices, at most 5 million.
+/// @param triangles 3 * triangle_count vertex numbers from 0.
+/// @param triangle_count Number of triangles, at most 10 million.
+/// @param[out] mesh Free it with `isym_mesh_free`.
+/// @return `ISYM_OK`, `ISYM_ERROR_MESH`, `ISYM_ERROR_LIMIT`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_from_triangles(
     positions: *const f64,
@@ -117,6 +122,13 @@ pub unsafe extern "C" fn isym_mesh_from_triangles(
 }
 
 /// As `isym_mesh_from_triangles`, with single-precision positions.
+///
+/// @param positions x, y, z of each vertex, 3 * vertex_count numbers, any unit.
+/// @param vertex_count Number of vertices.
+/// @param triangles 3 * triangle_count vertex numbers from 0.
+/// @param triangle_count Number of triangles.
+/// @param[out] mesh Free it with `isym_mesh_free`.
+/// @return As `isym_mesh_from_triangles`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_from_triangles_f32(
     positions: *const f32,
@@ -136,8 +148,15 @@ pub unsafe extern "C" fn isym_mesh_from_triangles_f32(
 
 /// As `isym_mesh_from_triangles`, for polygons of any size.
 ///
-/// `face_offsets`: face_count + 1 rising numbers from 0 to corner_count; the corners of face f are
-/// `corners[face_offsets[f]]` to before `corners[face_offsets[f + 1]]`, vertex numbers from 0.
+/// @param positions x, y, z of each vertex, 3 * vertex_count numbers, any unit.
+/// @param vertex_count Number of vertices.
+/// @param face_offsets face_count + 1 rising numbers from 0 to corner_count: the corners of face f are
+/// `corners[face_offsets[f]]` to before `corners[face_offsets[f + 1]]`.
+/// @param face_count Number of faces.
+/// @param corners Vertex numbers from 0.
+/// @param corner_count Number of corners of all faces.
+/// @param[out] mesh Free it with `isym_mesh_free`.
+/// @return As `isym_mesh_from_triangles`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_from_polygons(
     positions: *const f64,
@@ -157,6 +176,16 @@ pub unsafe extern "C" fn isym_mesh_from_polygons(
 }
 
 /// As `isym_mesh_from_polygons`, with single-precision positions.
+///
+/// @param positions x, y, z of each vertex, 3 * vertex_count numbers, any unit.
+/// @param vertex_count Number of vertices.
+/// @param face_offsets face_count + 1 rising numbers from 0 to corner_count: the corners of face f are
+/// `corners[face_offsets[f]]` to before `corners[face_offsets[f + 1]]`.
+/// @param face_count Number of faces.
+/// @param corners Vertex numbers from 0.
+/// @param corner_count Number of corners of all faces.
+/// @param[out] mesh Free it with `isym_mesh_free`.
+/// @return As `isym_mesh_from_triangles`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_from_polygons_f32(
     positions: *const f32,
@@ -175,10 +204,12 @@ pub unsafe extern "C" fn isym_mesh_from_polygons_f32(
     })
 }
 
-/// Reads a mesh from a PLY, OBJ, OFF or STL file. `path` is UTF-8. Free the mesh with `isym_mesh_free`.
+/// Reads a mesh from a PLY, OBJ, OFF or STL file.
 ///
-/// `ISYM_ERROR_FILE` names the line or byte that is wrong; `ISYM_ERROR_MESH` and `ISYM_ERROR_LIMIT` as with
-/// arrays.
+/// @param path The file, UTF-8.
+/// @param[out] mesh Free it with `isym_mesh_free`.
+/// @return `ISYM_OK`; `ISYM_ERROR_FILE`: the text names the line or byte that is wrong; `ISYM_ERROR_MESH`,
+/// `ISYM_ERROR_LIMIT`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_read(path: *const c_char, mesh: *mut *mut isym_mesh) -> isym_status {
     boundary(|| {
@@ -191,7 +222,13 @@ pub unsafe extern "C" fn isym_mesh_read(path: *const c_char, mesh: *mut *mut isy
     })
 }
 
-/// Reads the numbers of vertices, faces and face corners that the mesh was made with.
+/// Reads what the mesh was made with.
+///
+/// @param mesh The mesh.
+/// @param[out] vertex_count Number of vertices.
+/// @param[out] face_count Number of faces.
+/// @param[out] corner_count Number of corners of all faces.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_size(
     mesh: *const isym_mesh,
@@ -212,7 +249,12 @@ pub unsafe extern "C" fn isym_mesh_size(
     })
 }
 
-/// Copies the vertices' positions out, x, y, z each: `length` must be 3 * vertices.
+/// Copies the vertices' positions out.
+///
+/// @param mesh The mesh.
+/// @param[out] positions x, y, z of each vertex.
+/// @param length 3 * vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_positions(
     mesh: *const isym_mesh,
@@ -228,8 +270,14 @@ pub unsafe extern "C" fn isym_mesh_positions(
     })
 }
 
-/// Copies the faces out, in the form of `isym_mesh_from_polygons`: `offset_count` must be faces + 1, and
-/// `corner_count` the number of corners.
+/// Copies the faces out, in the form of `isym_mesh_from_polygons`.
+///
+/// @param mesh The mesh.
+/// @param[out] face_offsets Where the corners of each face begin, and their end.
+/// @param offset_count Faces + 1.
+/// @param[out] corners Vertex numbers from 0.
+/// @param corner_count Number of corners of all faces.
+/// @return `ISYM_OK`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_polygons(
     mesh: *const isym_mesh,
@@ -253,8 +301,12 @@ pub unsafe extern "C" fn isym_mesh_polygons(
 
 /// Reads a 64-bit hash of the connectivity: number of vertices, face sizes and corners, not the positions.
 ///
-/// Equal for equal connectivity on every machine and in every version. Keep it beside a stored map: where
-/// it has changed, the map is stale.
+/// Equal for equal connectivity on every machine and in every version. Keep it beside a stored map: where it has changed, the
+/// map is stale.
+///
+/// @param mesh The mesh.
+/// @param[out] hash The hash.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_connectivity_hash(mesh: *const isym_mesh, hash: *mut u64) -> isym_status {
     boundary(|| {
@@ -266,12 +318,17 @@ pub unsafe extern "C" fn isym_mesh_connectivity_hash(mesh: *const isym_mesh, has
     })
 }
 
-/// Finds the intrinsic symmetries of the mesh. Free the result with `isym_result_free`.
+/// Finds the intrinsic symmetries of the mesh.
 ///
-/// That none was found is a result without symmetries, and no error. The result keeps what it needs of the
-/// mesh, which may be freed before it. One call uses at most as many threads as its options say; calls in several
-/// threads run side by side.
-/// Errors: `ISYM_ERROR_CANCELLED`, `ISYM_ERROR_CALLBACK`, `ISYM_ERROR_INTERNAL`.
+/// That none was found is a result without symmetries, and no error. The result keeps what it needs of the mesh, which may be
+/// freed before it. One call uses at most as many threads as its options say; calls in several threads run side by side.
+///
+/// @param mesh The mesh.
+/// @param options NULL for the defaults.
+/// @param progress NULL: nothing is reported, and nobody can cancel.
+/// @param[out] result Free it with `isym_result_free`.
+/// @return `ISYM_OK`, `ISYM_ERROR_CANCELLED`, `ISYM_ERROR_CALLBACK`, `ISYM_ERROR_LIMIT`; `ISYM_ERROR_FILE` or
+/// `ISYM_ERROR_MODEL`, with a sign network of your own.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_detect(
     mesh: *const isym_mesh,
@@ -280,7 +337,7 @@ pub unsafe extern "C" fn isym_mesh_detect(
     result: *mut *mut isym_result,
 ) -> isym_status {
     boundary(|| {
-        let (mesh, options, progress) = (MESHES.get(mesh)?, options_of(options)?, PROGRESSES.get(progress)?);
+        let (mesh, options, progress) = (MESHES.get(mesh)?, options_of(options)?, progress_of(progress)?);
         // SAFETY: the caller's one promise.
         let output = unsafe { Output::new(result, 1, "result") }?;
         let detection = progress.run(|progress| detect(&mesh.mesh, &options, progress))?;
@@ -289,16 +346,23 @@ pub unsafe extern "C" fn isym_mesh_detect(
     })
 }
 
-/// As `isym_mesh_detect`, starting from an earlier result on a mesh with the same connectivity and other positions:
-/// some seven times as fast while the shape is deformed. Free the result with `isym_result_free`.
+/// As `isym_mesh_detect`, starting from an earlier result on a mesh with the same connectivity and other positions: some seven
+/// times as fast while the shape is deformed.
 ///
-/// If the first symmetry of `previous` is still one, it is kept with all others that still are: partners, surface
-/// points, confidences, sides and fixed curves as they were, scores and the report new (its `kept` is true).
-/// Otherwise, or if `previous` has none, this is a detection, and the report says why. What is kept knows nothing of
-/// vertices that were slid along the surface, on one side alone: detect anew after that. `previous` may be restored,
-/// and may be freed after the call. A result that was not restored also holds what the call needs of the connectivity (some
-/// 1 MB, and 4 bytes a vertex), which the new one shares: hand over the newest or the first, not a restored one, and the
-/// call takes half the time. `ISYM_ERROR_VALUE`: it is of another connectivity (`isym_mesh_connectivity_hash`).
+/// If the first symmetry of `previous` is still one, it is kept with all others that still are: partners, surface points,
+/// confidences, sides and fixed curves as they were, scores and the report new (its `kept` is true). Otherwise, or if
+/// `previous` has none, this is a detection, and the report says why. What is kept knows nothing of vertices that were slid
+/// along the surface, on one side alone: detect anew after that.
+///
+/// A result that was not restored also holds what the call needs of the connectivity (some 1 MB, and 4 bytes a vertex), which
+/// the new one shares: hand over the newest or the first, not a restored one, and the call takes half the time.
+///
+/// @param mesh The mesh as it is now.
+/// @param previous May be restored, and may be freed after the call.
+/// @param options NULL for the defaults.
+/// @param progress NULL: nothing is reported, and nobody can cancel.
+/// @param[out] result Free it with `isym_result_free`.
+/// @return As `isym_mesh_detect`; `ISYM_ERROR_VALUE`: `previous` is of another connectivity (`isym_mesh_connectivity_hash`).
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_detect_again(
     mesh: *const isym_mesh,
@@ -309,7 +373,7 @@ pub unsafe extern "C" fn isym_mesh_detect_again(
 ) -> isym_status {
     boundary(|| {
         let (mesh, previous) = (MESHES.get(mesh)?, RESULTS.get(previous)?);
-        let (options, progress) = (options_of(options)?, PROGRESSES.get(progress)?);
+        let (options, progress) = (options_of(options)?, progress_of(progress)?);
         // SAFETY: the caller's one promise.
         let output = unsafe { Output::new(result, 1, "result") }?;
         if !previous.mesh.polygons.has_connectivity_of(&mesh.polygons) {
@@ -322,8 +386,13 @@ pub unsafe extern "C" fn isym_mesh_detect_again(
     })
 }
 
-/// Computes the `count` lowest eigenpairs of the Laplace-Beltrami operator on the mesh's largest shell, the
-/// constant function left out; 1 to 1000. Free them with `isym_eigen_free`. Errors as `isym_mesh_detect`.
+/// Computes the lowest eigenpairs of the Laplace-Beltrami operator on the mesh's largest shell, the constant function left out.
+///
+/// @param mesh The mesh.
+/// @param count How many, 1 to 1000.
+/// @param progress NULL: nothing is reported, and nobody can cancel.
+/// @param[out] eigenpairs Free them with `isym_eigen_free`.
+/// @return `ISYM_OK`, `ISYM_ERROR_CANCELLED`, `ISYM_ERROR_CALLBACK`; `ISYM_ERROR_VALUE`: another count.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_eigen(
     mesh: *const isym_mesh,
@@ -332,7 +401,7 @@ pub unsafe extern "C" fn isym_mesh_eigen(
     eigenpairs: *mut *mut isym_eigen,
 ) -> isym_status {
     boundary(|| {
-        let (mesh, progress) = (MESHES.get(mesh)?, PROGRESSES.get(progress)?);
+        let (mesh, progress) = (MESHES.get(mesh)?, progress_of(progress)?);
         // SAFETY: the caller's one promise.
         let output = unsafe { Output::new(eigenpairs, 1, "eigenpairs") }?;
         if !(1..=1000).contains(&count) {
@@ -345,6 +414,9 @@ pub unsafe extern "C" fn isym_mesh_eigen(
 }
 
 /// Frees a mesh. Results made from it, and calls that run with it, stay usable.
+///
+/// @param mesh The mesh; NULL is fine.
+/// @return `ISYM_OK`, `ISYM_ERROR_HANDLE`.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_mesh_free(mesh: *mut isym_mesh) -> isym_status {
     boundary(|| MESHES.remove(mesh))

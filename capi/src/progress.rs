@@ -7,21 +7,24 @@ use intrinsym::base::progress::{CancelToken, Progress};
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Progress of a call, and the way to cancel it. Make one for each call: once cancelled it stays so.
 pub struct isym_progress(());
 
-/// Called with the name of the stage (UTF-8, valid during this call) and the fraction of the whole call,
-/// 0..=1, that is done: it never decreases. Runs in the thread of the call that it reports on. Answer 0 to
-/// go on; any other number cancels.
+/// What a call reports to. It runs in the thread of that call.
+///
+/// @param stage Name of the stage: UTF-8, valid during this call.
+/// @param fraction How much of the whole call is done, 0..=1; it never decreases.
+/// @param user_data As given to `isym_progress_set_callback`.
+/// @return 0 to go on; any other number cancels.
 pub type isym_progress_callback =
     Option<unsafe extern "C" fn(stage: *const c_char, fraction: f64, user_data: *mut c_void) -> i32>;
 
 #[link(name = "intrinsym_callback", kind = "static")]
 unsafe extern "C" {
     /// `cpp/callback.cpp`.
-    fn isym_internal_call_progress(
+    fn intrinsym_call_progress(
         callback: isym_progress_callback,
         stage: *const c_char,
         fraction: f64,
@@ -52,6 +55,11 @@ pub struct ProgressObject {
 /// Live progress handles.
 pub static PROGRESSES: Table<isym_progress, ProgressObject> = Table::new("progress handle");
 
+/// The progress of a handle; for NULL one that nobody sees.
+pub fn progress_of(handle: *const isym_progress) -> Result<Arc<ProgressObject>> {
+    if handle.is_null() { Ok(Arc::default()) } else { PROGRESSES.get(handle) }
+}
+
 impl ProgressObject {
     /// Runs a stage with this progress. A callback's exception is the result, whatever the stage answers.
     pub fn run<T>(&self, stage: impl FnOnce(&Progress) -> intrinsym::base::error::Result<T>) -> Result<T> {
@@ -78,7 +86,7 @@ impl Callback {
         // SAFETY: the host's function with the host's data; `what` is as long as said and ends in a NUL.
         let answer = unsafe {
             let (text, room) = (what.as_mut_ptr(), what.len());
-            isym_internal_call_progress(self.function, stage.as_ptr(), fraction, self.user_data, text, room)
+            intrinsym_call_progress(self.function, stage.as_ptr(), fraction, self.user_data, text, room)
         };
         if answer != 0 {
             token.cancel();
@@ -92,7 +100,10 @@ impl Callback {
     }
 }
 
-/// Makes a progress without a callback. Free it with `isym_progress_free`.
+/// Makes a progress without a callback.
+///
+/// @param[out] progress Free it with `isym_progress_free`.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_progress_new(progress: *mut *mut isym_progress) -> isym_status {
     boundary(|| {
@@ -103,8 +114,12 @@ pub unsafe extern "C" fn isym_progress_new(progress: *mut *mut isym_progress) ->
     })
 }
 
-/// Gives the function that later calls with this progress report to. `user_data` is handed to it and may
-/// be NULL. A C++ exception thrown by it ends the call with `ISYM_ERROR_CALLBACK`.
+/// Gives the function that later calls with this progress report to.
+///
+/// @param progress The progress.
+/// @param callback A C++ exception thrown by it ends the call with `ISYM_ERROR_CALLBACK`.
+/// @param user_data Handed to the callback; may be NULL.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_progress_set_callback(
     progress: *mut isym_progress,
@@ -122,7 +137,11 @@ pub unsafe extern "C" fn isym_progress_set_callback(
     })
 }
 
-/// Reads how much of the call that last reported here is done, 0..=1. From any thread.
+/// Reads how much of the call that last reported here is done. From any thread.
+///
+/// @param progress The progress.
+/// @param[out] fraction 0..=1.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_progress_fraction(
     progress: *const isym_progress,
@@ -137,8 +156,12 @@ pub unsafe extern "C" fn isym_progress_fraction(
     })
 }
 
-/// Cancels the running call, and every later one, with this progress. From any thread, also from the
-/// callback. The call returns `ISYM_ERROR_CANCELLED` within 100 ms outside one step of the eigensolver.
+/// Cancels the running call, and every later one, with this progress. From any thread, also from the callback.
+///
+/// The call returns `ISYM_ERROR_CANCELLED` within 100 ms outside one step of the eigensolver.
+///
+/// @param progress The progress.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_progress_cancel(progress: *mut isym_progress) -> isym_status {
     boundary(|| {
@@ -148,6 +171,9 @@ pub extern "C" fn isym_progress_cancel(progress: *mut isym_progress) -> isym_sta
 }
 
 /// Frees a progress. A call that runs with it goes on, and can no longer be cancelled.
+///
+/// @param progress The progress; NULL is fine.
+/// @return `ISYM_OK`, `ISYM_ERROR_HANDLE`.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_progress_free(progress: *mut isym_progress) -> isym_status {
     boundary(|| PROGRESSES.remove(progress))

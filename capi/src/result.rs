@@ -1,7 +1,7 @@
 //! `isym_result_*`: the symmetries that were found, as arrays and as a report.
 
 use super::handles::Table;
-use super::memory::{Output, array, product};
+use super::memory::{Output, Versioned, array, number, product};
 use super::mesh::{MESHES, MeshObject, expect_vertices, isym_mesh};
 use super::status::{Fault, ISYM_ERROR_INDEX, ISYM_ERROR_VALUE, Result, boundary, isym_status};
 use intrinsym::base::options::Options;
@@ -12,47 +12,62 @@ use intrinsym::detect::detect_again::Previous;
 use intrinsym::detect::driver::{Detection, Outcome, Report};
 use intrinsym::detect::judging_mesh::JudgingMesh;
 use intrinsym::detect::report;
-use intrinsym::mesh::NONE;
 use intrinsym::mirror::pair_colour::pair_colours;
 use serde_json::json;
 use std::ffi::{CString, c_char};
+use std::mem::MaybeUninit;
 use std::sync::Arc;
 
 /// What was found on a mesh: symmetries (reflections, best first, then half turns, then rotations if these were asked for)
 /// and a report. It never changes.
 pub struct isym_result(());
 
-/// The kind of a symmetry: one of the `ISYM_KIND_` constants.
-pub type isym_kind = i32;
-/// Reverses orientation: left and right are exchanged.
-pub const ISYM_KIND_REFLECTION: isym_kind = 0;
-/// Keeps orientation and is its own inverse. It has no sides and no fixed curve.
-pub const ISYM_KIND_HALF_TURN: isym_kind = 1;
-/// EXPERIMENTAL, found only with the option "rotations" above 0. Keeps orientation and is the identity after as many times as
-/// `isym_result_order` says, three or more. Partners are images: the partner of a partner is another vertex. It has no
-/// sides and no fixed curve, and vertices of other shells than the largest have no partner. The tools that mirror refuse it:
-/// `ISYM_ERROR_OPTION`.
-pub const ISYM_KIND_ROTATION: isym_kind = 2;
+/// The kind of a symmetry.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum isym_kind {
+    /// Reverses orientation: left and right are exchanged.
+    ISYM_KIND_REFLECTION = 0,
+    /// Keeps orientation and is its own inverse. It has no sides and no fixed curve.
+    ISYM_KIND_HALF_TURN = 1,
+    /// EXPERIMENTAL, found only with the option "rotations" above 0. Keeps orientation and is the identity after as many times as
+    /// its `order` says, three or more. Partners are images: the partner of a partner is another vertex. It has no
+    /// sides and no fixed curve, and vertices of other shells than the largest have no partner. The tools that mirror refuse it:
+    /// `ISYM_ERROR_OPTION`.
+    ISYM_KIND_ROTATION = 2,
+}
+pub use isym_kind::*;
 
-/// What was found: one of the `ISYM_OUTCOME_` constants.
-pub type isym_outcome = i32;
-/// At least one symmetry.
-pub const ISYM_OUTCOME_FOUND: isym_outcome = 0;
-/// A map is given, and the report's "evidence" says what speaks against it: it is less plausible than was asked for, or its
-/// confidence is low over most of the surface.
-pub const ISYM_OUTCOME_DOUBTFUL: isym_outcome = 1;
-/// No map came near to a symmetry; the report says why.
-pub const ISYM_OUTCOME_NONE: isym_outcome = 2;
+/// What was found.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum isym_outcome {
+    /// At least one symmetry.
+    ISYM_OUTCOME_FOUND = 0,
+    /// A map is given, and the report's "evidence" says what speaks against it: it is less plausible than was asked for, or its
+    /// confidence is low over most of the surface.
+    ISYM_OUTCOME_DOUBTFUL = 1,
+    /// No map came near to a symmetry; the report says why.
+    ISYM_OUTCOME_NONE = 2,
+}
+pub use isym_outcome::*;
 
-/// No such element, in arrays of unsigned indices.
-pub const ISYM_NONE: u32 = 4294967295;
+/// No such element, in arrays of indices.
+pub const ISYM_NONE: u32 = u32::MAX;
 
 /// Numbers of one symmetry as a whole.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct isym_summary {
-    /// An `ISYM_KIND_` constant.
+    /// `sizeof` of this struct, set by the caller before the call.
+    pub size: usize,
+    /// Reflection, half turn or rotation.
     pub kind: isym_kind,
+    /// After how many times it is the identity: 2 for a reflection and a half turn, 3 or more for a rotation.
+    pub order: u32,
+    /// How plausible it is, 0..=1, that it is a symmetry of the shape at all. The option "plausibility" says from where on one
+    /// counts. A restored one has 1: it was accepted before.
+    pub plausibility: f64,
     /// Lower is better; comparable between symmetries of one mesh.
     pub score: f64,
     /// Mean of the confidence over the surface, 0..=1.
@@ -68,6 +83,9 @@ pub struct isym_summary {
     /// Shells without a mirror image.
     pub shells_alone: usize,
 }
+
+// SAFETY: as declared above.
+unsafe impl Versioned for isym_summary {}
 
 /// Live results.
 pub static RESULTS: Table<isym_result, ResultObject> = Table::new("result");
@@ -112,7 +130,11 @@ impl ResultObject {
     }
 }
 
-/// Reads what was found: an `ISYM_OUTCOME_` constant. `ISYM_OUTCOME_FOUND` for a restored result: it was accepted before.
+/// Reads what was found.
+///
+/// @param result The result.
+/// @param[out] outcome `ISYM_OUTCOME_FOUND` for a restored result: it was accepted before.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_outcome(
     result: *const isym_result,
@@ -130,7 +152,11 @@ pub unsafe extern "C" fn isym_result_outcome(
     })
 }
 
-/// Reads the number of symmetries that were found, a doubtful one counted; 0 if the mesh has none.
+/// Reads the number of symmetries that were found.
+///
+/// @param result The result.
+/// @param[out] count A doubtful one counts; 0 if the mesh has none.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_symmetry_count(
     result: *const isym_result,
@@ -144,8 +170,12 @@ pub unsafe extern "C" fn isym_result_symmetry_count(
     })
 }
 
-/// Reads whether the mesh has a continuous family of symmetries, as a sphere, a torus or a vase has: 1 or 0. Those
-/// found are then arbitrary ones of infinitely many. 0 for a restored result, where nobody has looked.
+/// Reads whether the mesh has a continuous family of symmetries, as a sphere, a torus or a vase has.
+///
+/// @param result The result.
+/// @param[out] continuous_family 1: those found are arbitrary ones of infinitely many. 0: no; also for a restored result, where
+/// nobody has looked.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_continuous_family(
     result: *const isym_result,
@@ -160,7 +190,12 @@ pub unsafe extern "C" fn isym_result_continuous_family(
     })
 }
 
-/// Reads the numbers of symmetry `symmetry`, counted from 0, the best first.
+/// Reads the numbers of a symmetry as a whole.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[in,out] summary Its `size` is set before the call.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_SIZE`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_summary(
     result: *const isym_result,
@@ -170,14 +205,17 @@ pub unsafe extern "C" fn isym_result_summary(
     boundary(|| {
         let result = RESULTS.get(result)?;
         // SAFETY: the caller's one promise.
-        let output = unsafe { Output::new(summary, 1, "summary") }?;
+        let output = unsafe { Output::structure(summary, "summary") }?;
         let found = result.symmetry(symmetry)?;
         output.write(&[isym_summary {
+            size: size_of::<isym_summary>(),
             kind: match found.kind {
                 SymmetryKind::Reflection => ISYM_KIND_REFLECTION,
                 SymmetryKind::HalfTurn => ISYM_KIND_HALF_TURN,
                 SymmetryKind::Rotation { .. } => ISYM_KIND_ROTATION,
             },
+            order: found.kind.order() as u32,
+            plausibility: found.plausibility,
             score: found.score,
             mean_confidence: found.mean_confidence,
             exact_share: found.exact_share,
@@ -190,46 +228,18 @@ pub unsafe extern "C" fn isym_result_summary(
     })
 }
 
-/// Reads after how many times symmetry `symmetry` is the identity: 2 for a reflection and a half turn, 3 or more for a
-/// rotation (EXPERIMENTAL).
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn isym_result_order(
-    result: *const isym_result,
-    symmetry: usize,
-    order: *mut usize,
-) -> isym_status {
-    boundary(|| {
-        let result = RESULTS.get(result)?;
-        // SAFETY: the caller's one promise.
-        let output = unsafe { Output::new(order, 1, "order") }?;
-        output.write(&[result.symmetry(symmetry)?.kind.order()]);
-        Ok(())
-    })
-}
-
-/// Reads how plausible it is, 0..1, that symmetry `symmetry` is one of the shape at all: the option `plausibility` says from where on one
-/// counts. A restored one has 1: it was accepted before.
-#[unsafe(no_mangle)]
-pub unsafe extern "C" fn isym_result_plausibility(
-    result: *const isym_result,
-    symmetry: usize,
-    plausibility: *mut f64,
-) -> isym_status {
-    boundary(|| {
-        let result = RESULTS.get(result)?;
-        // SAFETY: the caller's one promise.
-        let output = unsafe { Output::new(plausibility, 1, "plausibility") }?;
-        output.write(&[result.symmetry(symmetry)?.plausibility]);
-        Ok(())
-    })
-}
-
-/// Copies the partner vertex of each vertex out; -1 for a vertex that no face uses.
+/// Copies the partner vertex of each vertex out.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[out] partners `ISYM_NONE` for a vertex without partner, such as one that no face uses.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_partners(
     result: *const isym_result,
     symmetry: usize,
-    partners: *mut i32,
+    partners: *mut u32,
     vertex_count: usize,
 ) -> isym_status {
     boundary(|| {
@@ -237,13 +247,20 @@ pub unsafe extern "C" fn isym_result_partners(
         // SAFETY: the caller's one promise.
         let output = unsafe { Output::new(partners, vertex_count, "partners") }?;
         let values = &result.symmetry(symmetry)?.partner;
-        output.expect(values.len())?.write(values);
+        let output = output.expect(values.len())?;
+        // -1 is no partner, which is `ISYM_NONE` in an unsigned number.
+        output.write(&values.iter().map(|&partner| partner as u32).collect::<Vec<_>>());
         Ok(())
     })
 }
 
-/// Copies out how far each partner can be trusted: the estimated probability, 0..=1, that it lies within
-/// 0.05 sqrt(area) of the true mirror image.
+/// Copies out how far each partner can be trusted.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[out] confidences The estimated probability, 0..=1, that the partner lies within 0.05 sqrt(area) of the true mirror image.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_confidences(
     result: *const isym_result,
@@ -261,8 +278,14 @@ pub unsafe extern "C" fn isym_result_confidences(
     })
 }
 
-/// Copies each vertex's side out: 1 and -1 on the two sides, 0 on the fixed curve, without partner, and
-/// everywhere for a half turn and a rotation. Which side is 1 has no meaning.
+/// Copies each vertex's side out.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[out] sides 1 and -1 on the two sides, 0 on the fixed curve, without partner, and everywhere for a half turn and a
+/// rotation. Which side is 1 has no meaning.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_sides(
     result: *const isym_result,
@@ -282,9 +305,15 @@ pub unsafe extern "C" fn isym_result_sides(
 
 /// Copies out the exact mirror image of each vertex, a point of the surface.
 ///
-/// `faces`: vertex_count numbers of the faces that hold the images. `corners`: 3 * vertex_count numbers of
-/// three vertices of that face, a triangle of it. `barycentrics`: 3 * vertex_count weights of these, each 0..=1,
-/// summing to 1. A vertex without partner has `ISYM_NONE` four times, and weights 0.
+/// A vertex without partner has `ISYM_NONE` four times, and weights 0.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[out] faces vertex_count numbers of the faces that hold the images.
+/// @param[out] corners 3 * vertex_count numbers of three vertices of that face, a triangle of it.
+/// @param[out] barycentrics 3 * vertex_count weights of these, each 0..=1, summing to 1.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_surface_points(
     result: *const isym_result,
@@ -303,7 +332,7 @@ pub unsafe extern "C" fn isym_result_surface_points(
         let third = unsafe { Output::new(barycentrics, three, "barycentrics") }?;
         let points = &result.symmetry(symmetry)?.surface_point;
         let first = first.expect(points.len())?;
-        let nowhere = SurfacePoint { face: NONE, vertices: [NONE; 3], barycentric: [0.0; 3] };
+        let nowhere = SurfacePoint { face: ISYM_NONE, vertices: [ISYM_NONE; 3], barycentric: [0.0; 3] };
         let point = |index: usize| points[index].unwrap_or(nowhere);
         let all = 0..points.len();
         first.write(&all.clone().map(|index| point(index).face).collect::<Vec<_>>());
@@ -313,10 +342,14 @@ pub unsafe extern "C" fn isym_result_surface_points(
     })
 }
 
-/// Copies out a colour for each vertex that its partner shares (all its images under a rotation, nearly), and distinct
-/// pairs do not: the colours that the command line writes. Grey where there is no partner or no confidence.
+/// Copies out a colour for each vertex that its partner shares (all its images under a rotation, nearly), and distinct pairs do
+/// not: the colours that the command line writes. Grey where there is no partner or no confidence.
 ///
-/// `colours`: 3 * vertex_count numbers: red, green, blue of each vertex, sRGB.
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[out] colours 3 * vertex_count numbers: red, green, blue of each vertex, sRGB.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_pair_colours(
     result: *const isym_result,
@@ -334,7 +367,13 @@ pub unsafe extern "C" fn isym_result_pair_colours(
     })
 }
 
-/// Reads the numbers of lines of the fixed curve and of all their points.
+/// Reads the size of the fixed curve.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[out] line_count Number of lines; 0: there is no curve.
+/// @param[out] point_count Number of points of all lines.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_curve_size(
     result: *const isym_result,
@@ -354,13 +393,21 @@ pub unsafe extern "C" fn isym_result_curve_size(
     })
 }
 
-/// Copies the fixed curve out: where the map leaves the surface in place. The counts must be those of
-/// `isym_result_curve_size`; with no line at all there is nothing to copy, and no need to call this.
+/// Copies the fixed curve out: where the map leaves the surface in place.
 ///
-/// `line_offsets`: line_count + 1 numbers; line l has the points from `line_offsets[l]` to before
-/// `line_offsets[l + 1]`. `closed`: line_count numbers, 1 where the last point joins the first, otherwise 0.
-/// `edges`: 2 * point_count vertex numbers and `parameters`: point_count numbers t: point p lies at
-/// (1 - t) * `edges[2 * p]` + t * `edges[2 * p + 1]`.
+/// With no line at all there is nothing to copy, and no need to call this. Point p lies at
+/// (1 - t) * `edges[2 * p]` + t * `edges[2 * p + 1]`, where t is `parameters[p]`.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param[out] line_offsets line_count + 1 numbers; line l has the points from `line_offsets[l]` to before
+/// `line_offsets[l + 1]`.
+/// @param[out] closed line_count numbers, 1 where the last point joins the first, otherwise 0.
+/// @param line_count That of `isym_result_curve_size`.
+/// @param[out] edges 2 * point_count vertex numbers.
+/// @param[out] parameters point_count numbers, 0..=1.
+/// @param point_count That of `isym_result_curve_size`.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_curve(
     result: *const isym_result,
@@ -395,7 +442,11 @@ pub unsafe extern "C" fn isym_result_curve(
     })
 }
 
-/// Reads the number of bytes of the report, with its final NUL.
+/// Reads the size of the report.
+///
+/// @param result The result.
+/// @param[out] size Number of bytes, with the final NUL.
+/// @return `ISYM_OK`, or an error that any call has.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_report_size(
     result: *const isym_result,
@@ -409,8 +460,12 @@ pub unsafe extern "C" fn isym_result_report_size(
     })
 }
 
-/// Copies the report out: the JSON that `intrinsym detect --json` writes, in UTF-8, with a final NUL. `size`
-/// must be that of `isym_result_report_size`.
+/// Copies the report out: the JSON that `intrinsym detect --json` writes.
+///
+/// @param result The result.
+/// @param[out] report UTF-8, with a final NUL.
+/// @param size That of `isym_result_report_size`.
+/// @return `ISYM_OK`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_report(
     result: *const isym_result,
@@ -426,18 +481,27 @@ pub unsafe extern "C" fn isym_result_report(
     })
 }
 
-/// Makes a result with one symmetry from stored arrays, so that the tools work on a map that was kept with
-/// a mesh. Free it with `isym_result_free`.
+/// Makes a result with one symmetry from stored arrays, so that the tools work on a map that was kept with a mesh.
 ///
-/// All arrays have one entry (`corners` and `barycentrics` three) for each of the mesh's vertices, in the form
-/// in which this library gave them. Positions may have changed since; the connectivity may not (compare
-/// `isym_mesh_connectivity_hash`). An entry that cannot be right is `ISYM_ERROR_VALUE`, and named; so is
-/// `ISYM_KIND_ROTATION`, which no tool takes.
+/// All arrays are in the form in which this library gave them. Positions may have changed since; the connectivity may not
+/// (compare `isym_mesh_connectivity_hash`).
+///
+/// @param mesh The mesh.
+/// @param kind Reflection or half turn; no tool takes a rotation.
+/// @param partners vertex_count numbers; `ISYM_NONE` for none.
+/// @param confidences vertex_count numbers, 0..=1.
+/// @param sides vertex_count numbers: -1, 0 or 1.
+/// @param faces vertex_count numbers.
+/// @param corners 3 * vertex_count numbers.
+/// @param barycentrics 3 * vertex_count numbers.
+/// @param vertex_count Number of the mesh's vertices.
+/// @param[out] result Free it with `isym_result_free`.
+/// @return `ISYM_OK`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_VALUE`: an entry cannot be right, and the text names it.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_restore(
     mesh: *const isym_mesh,
-    kind: isym_kind,
-    partners: *const i32,
+    kind: MaybeUninit<isym_kind>,
+    partners: *const u32,
     confidences: *const f32,
     sides: *const i8,
     faces: *const u32,
@@ -462,7 +526,8 @@ pub unsafe extern "C" fn isym_result_restore(
                 barycentrics: array(barycentrics, product(vertex_count, 3)?, "barycentrics")?,
             }
         };
-        let symmetry = stored.symmetry(kind, &mesh)?;
+        // SAFETY: C hands a number over.
+        let symmetry = stored.symmetry(kind_of(unsafe { number(kind) })?, &mesh)?;
         let detection = restored(&mesh, symmetry);
         output.write(&[RESULTS.insert(ResultObject::new(mesh, detection, &Options::default())?)]);
         Ok(())
@@ -471,7 +536,7 @@ pub unsafe extern "C" fn isym_result_restore(
 
 /// Arrays of a map that a host has kept.
 struct Stored {
-    partners: Vec<i32>,
+    partners: Vec<u32>,
     confidences: Vec<f32>,
     sides: Vec<i8>,
     faces: Vec<u32>,
@@ -480,16 +545,18 @@ struct Stored {
 }
 
 impl Stored {
-    fn symmetry(self, kind: isym_kind, mesh: &MeshObject) -> Result<Symmetry> {
+    fn symmetry(self, kind: SymmetryKind, mesh: &MeshObject) -> Result<Symmetry> {
         let faces = mesh.polygons.face_offsets.len() - 1;
         let points = (0..self.partners.len()).map(|vertex| self.point(vertex, faces));
         let surface_point = points.collect::<Result<Vec<_>>>()?;
+        // As they were looked at: an index, or `ISYM_NONE`, which is -1.
+        let partner: Vec<i32> = self.partners.iter().map(|&partner| partner as i32).collect();
         let sum: f64 = self.confidences.iter().copied().map(f64::from).sum();
         Ok(Symmetry {
-            kind: kind_of(kind)?,
-            mean_confidence: sum / self.partners.len().max(1) as f64,
-            coverage: Coverage::of(&mesh.mesh, &self.partners),
-            partner: self.partners,
+            kind,
+            mean_confidence: sum / partner.len().max(1) as f64,
+            coverage: Coverage::of(&mesh.mesh, &partner),
+            partner,
             surface_point,
             confidence: self.confidences,
             side: self.sides,
@@ -505,7 +572,7 @@ impl Stored {
         let wrong = |what: String| Fault::new(ISYM_ERROR_VALUE, format!("vertex {vertex} has {what}"));
         let (count, partner) = (self.partners.len(), self.partners[vertex]);
         let (confidence, side) = (self.confidences[vertex], self.sides[vertex]);
-        if partner < -1 || i64::from(partner) >= count as i64 {
+        if partner != ISYM_NONE && partner as usize >= count {
             return Err(wrong(format!("the partner {partner}; there are {count} vertices")));
         }
         if !(0.0..=1.0).contains(&confidence) {
@@ -514,11 +581,11 @@ impl Stored {
         if !(-1..=1).contains(&side) {
             return Err(wrong(format!("the side {side}; only -1, 0 and 1 are sides")));
         }
-        if partner == -1 {
+        if partner == ISYM_NONE {
             return Ok(None);
         }
         let three = 3 * vertex..3 * vertex + 3;
-        let corners: [u32; 3] = self.corners[three.clone()].try_into().unwrap_or([NONE; 3]);
+        let corners: [u32; 3] = self.corners[three.clone()].try_into().unwrap_or([ISYM_NONE; 3]);
         let weights: [f32; 3] = self.barycentrics[three].try_into().unwrap_or_default();
         if self.faces[vertex] as usize >= faces || corners.iter().any(|&corner| corner as usize >= count) {
             return Err(wrong(format!("the face {} with the corners {corners:?}", self.faces[vertex])));
@@ -531,14 +598,14 @@ impl Stored {
     }
 }
 
-fn kind_of(kind: isym_kind) -> Result<SymmetryKind> {
-    match kind {
-        ISYM_KIND_REFLECTION => Ok(SymmetryKind::Reflection),
-        ISYM_KIND_HALF_TURN => Ok(SymmetryKind::HalfTurn),
-        ISYM_KIND_ROTATION => {
-            Err(Fault::new(ISYM_ERROR_VALUE, "a rotation cannot be restored: no tool takes one"))
-        }
-        _ => Err(Fault::new(ISYM_ERROR_VALUE, format!("{kind} is no kind of symmetry"))),
+fn kind_of(number: i32) -> Result<SymmetryKind> {
+    let known = [ISYM_KIND_REFLECTION, ISYM_KIND_HALF_TURN, ISYM_KIND_ROTATION];
+    let wrong = |what: &str| Err(Fault::new(ISYM_ERROR_VALUE, what));
+    match known.into_iter().find(|kind| *kind as i32 == number) {
+        Some(ISYM_KIND_REFLECTION) => Ok(SymmetryKind::Reflection),
+        Some(ISYM_KIND_HALF_TURN) => Ok(SymmetryKind::HalfTurn),
+        Some(ISYM_KIND_ROTATION) => wrong("a rotation cannot be restored: no tool takes one"),
+        None => wrong(&format!("{number} is no kind of symmetry")),
     }
 }
 
@@ -548,6 +615,9 @@ fn restored(mesh: &MeshObject, symmetry: Symmetry) -> Detection {
 }
 
 /// Frees a result.
+///
+/// @param result The result; NULL is fine.
+/// @return `ISYM_OK`, `ISYM_ERROR_HANDLE`.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_result_free(result: *mut isym_result) -> isym_status {
     boundary(|| RESULTS.remove(result))

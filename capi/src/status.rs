@@ -1,47 +1,53 @@
 //! Status codes, the text of the last error, and the border that no panic crosses.
 
+use super::memory::number;
 use intrinsym::base::error::Error;
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
+use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What a call answers: `ISYM_OK`, or one of the `ISYM_ERROR_` codes. A code is never given another meaning;
-/// treat one that you do not know as an error.
-pub type isym_status = i32;
-
-/// Done.
-pub const ISYM_OK: isym_status = 0;
-/// A pointer argument is NULL.
-pub const ISYM_ERROR_NULL: isym_status = 1;
-/// A handle was freed already, was never made, or is of another kind.
-pub const ISYM_ERROR_HANDLE: isym_status = 2;
-/// A length does not fit: an array has not the length that the mesh or result asks for.
-pub const ISYM_ERROR_LENGTH: isym_status = 3;
-/// An index is past the end: a symmetry or an option that does not exist.
-pub const ISYM_ERROR_INDEX: isym_status = 4;
-/// A text is not UTF-8.
-pub const ISYM_ERROR_TEXT: isym_status = 5;
-/// A value in an array, or a constant, is not among the accepted ones.
-pub const ISYM_ERROR_VALUE: isym_status = 6;
-/// A pointer is not aligned to its type.
-pub const ISYM_ERROR_ALIGNMENT: isym_status = 7;
-/// The mesh cannot be used; the text names the element and the reason.
-pub const ISYM_ERROR_MESH: isym_status = 16;
-/// The file cannot be read or written; the text names the line or byte and what to do.
-pub const ISYM_ERROR_FILE: isym_status = 17;
-/// An option is unknown or outside its range.
-pub const ISYM_ERROR_OPTION: isym_status = 18;
-/// The sign network's model cannot be used.
-pub const ISYM_ERROR_MODEL: isym_status = 19;
-/// The mesh or file is larger than the limits allow.
-pub const ISYM_ERROR_LIMIT: isym_status = 20;
-/// The call was cancelled, by `isym_progress_cancel` or by the progress callback.
-pub const ISYM_ERROR_CANCELLED: isym_status = 21;
-/// The progress callback threw a C++ exception, which was stopped at the border.
-pub const ISYM_ERROR_CALLBACK: isym_status = 22;
-/// A defect of the library; please report it with the text. Handles stay usable.
-pub const ISYM_ERROR_INTERNAL: isym_status = 32;
+/// What a call answers. A code is never given another meaning; treat one that you do not know as an error.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum isym_status {
+    /// Done.
+    ISYM_OK = 0,
+    /// A pointer argument is NULL.
+    ISYM_ERROR_NULL = 1,
+    /// A handle was freed already, was never made, or is of another kind.
+    ISYM_ERROR_HANDLE = 2,
+    /// A length does not fit: an array has not the length that the mesh or result asks for.
+    ISYM_ERROR_LENGTH = 3,
+    /// An index is past the end: a symmetry or an option that does not exist.
+    ISYM_ERROR_INDEX = 4,
+    /// A text is not UTF-8.
+    ISYM_ERROR_TEXT = 5,
+    /// A value in an array, or a constant, is not among the accepted ones.
+    ISYM_ERROR_VALUE = 6,
+    /// A pointer is not aligned to its type.
+    ISYM_ERROR_ALIGNMENT = 7,
+    /// The `size` of a struct is not that of this library's: it was not set, or the header is of another version.
+    ISYM_ERROR_SIZE = 8,
+    /// The mesh cannot be used; the text names the element and the reason.
+    ISYM_ERROR_MESH = 16,
+    /// The file cannot be read or written; the text names the line or byte and what to do.
+    ISYM_ERROR_FILE = 17,
+    /// An option is unknown or outside its range.
+    ISYM_ERROR_OPTION = 18,
+    /// The sign network's model cannot be used.
+    ISYM_ERROR_MODEL = 19,
+    /// The mesh or file is larger than the limits allow.
+    ISYM_ERROR_LIMIT = 20,
+    /// The call was cancelled, by `isym_progress_cancel` or by the progress callback.
+    ISYM_ERROR_CANCELLED = 21,
+    /// The progress callback threw a C++ exception, which was stopped at the border.
+    ISYM_ERROR_CALLBACK = 22,
+    /// A defect of the library; please report it with the text. Handles stay usable.
+    ISYM_ERROR_INTERNAL = 32,
+}
+pub use isym_status::*;
 
 const NAMES: [(isym_status, &CStr); 17] = [
     (ISYM_OK, c"ISYM_OK"),
@@ -52,6 +58,7 @@ const NAMES: [(isym_status, &CStr); 17] = [
     (ISYM_ERROR_TEXT, c"ISYM_ERROR_TEXT"),
     (ISYM_ERROR_VALUE, c"ISYM_ERROR_VALUE"),
     (ISYM_ERROR_ALIGNMENT, c"ISYM_ERROR_ALIGNMENT"),
+    (ISYM_ERROR_SIZE, c"ISYM_ERROR_SIZE"),
     (ISYM_ERROR_MESH, c"ISYM_ERROR_MESH"),
     (ISYM_ERROR_FILE, c"ISYM_ERROR_FILE"),
     (ISYM_ERROR_OPTION, c"ISYM_ERROR_OPTION"),
@@ -60,7 +67,6 @@ const NAMES: [(isym_status, &CStr); 17] = [
     (ISYM_ERROR_CANCELLED, c"ISYM_ERROR_CANCELLED"),
     (ISYM_ERROR_CALLBACK, c"ISYM_ERROR_CALLBACK"),
     (ISYM_ERROR_INTERNAL, c"ISYM_ERROR_INTERNAL"),
-    (-1, c"unknown status"),
 ];
 
 /// A status and what to tell about it.
@@ -125,19 +131,25 @@ fn text_of(panic: &(dyn Any + Send)) -> &str {
     text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("a panic without text")
 }
 
-/// What went wrong in the last call of this thread that returned a status: a sentence in UTF-8, for
-/// people; empty if that call returned `ISYM_OK`. Never NULL. Valid until this thread's next such call.
+/// What went wrong in the last call of this thread that returned a status.
+///
+/// @return A sentence in UTF-8, for people; empty if that call returned `ISYM_OK`. Never NULL. Valid until this thread's
+/// next such call.
 #[unsafe(no_mangle)]
 pub extern "C" fn isym_error_message() -> *const c_char {
     MESSAGE.try_with(|kept| kept.borrow().as_ptr()).unwrap_or(c"".as_ptr())
 }
 
-/// The name of a status in this header, such as "ISYM_ERROR_MESH"; "unknown status" for any other number.
-/// Never NULL, never freed.
+/// The name of a status in this header.
+///
+/// @param status Any number.
+/// @return Such as "ISYM_ERROR_MESH"; "unknown status" for a number that is none. Never NULL, never freed.
 #[unsafe(no_mangle)]
-pub extern "C" fn isym_status_name(status: isym_status) -> *const c_char {
-    let known = NAMES.iter().find(|(code, _)| *code == status);
-    known.unwrap_or(&NAMES[NAMES.len() - 1]).1.as_ptr()
+pub unsafe extern "C" fn isym_status_name(status: MaybeUninit<isym_status>) -> *const c_char {
+    // SAFETY: C hands a number over.
+    let status = unsafe { number(status) };
+    let known = NAMES.iter().find(|(code, _)| *code as i32 == status);
+    known.map_or(c"unknown status", |(_, name)| *name).as_ptr()
 }
 
 #[cfg(test)]
@@ -168,12 +180,11 @@ mod tests {
     }
 
     #[test]
-    fn no_code_is_used_twice_and_each_has_its_name() {
-        for (index, (code, name)) in NAMES.iter().enumerate() {
-            assert!(NAMES[..index].iter().all(|(other, _)| other != code), "{code} twice");
+    fn each_code_has_its_name() {
+        for (code, name) in NAMES {
             // SAFETY: never NULL, never freed.
-            let found = unsafe { CStr::from_ptr(isym_status_name(*code)) };
-            assert_eq!(found, *name);
+            let found = unsafe { CStr::from_ptr(isym_status_name(MaybeUninit::new(code))) };
+            assert_eq!((found, name.to_str().unwrap()), (name, format!("{code:?}").as_str()));
         }
     }
 }

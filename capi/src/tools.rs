@@ -1,8 +1,8 @@
 //! `isym_result_mirror_*`, `_carry_*`, `_symmetrize_*`: what hosts do with a symmetry.
 
-use super::memory::{Output, array, expect, product};
+use super::memory::{Output, Versioned, array, expect, number, product, structure};
 use super::mesh::expect_vertices;
-use super::progress::{PROGRESSES, isym_progress};
+use super::progress::{isym_progress, progress_of};
 use super::result::{RESULTS, ResultObject, isym_result};
 use super::status::{Fault, ISYM_ERROR_LENGTH, ISYM_ERROR_VALUE, Result, boundary, isym_status};
 use intrinsym::mesh::vector::Vector;
@@ -11,39 +11,55 @@ use intrinsym::mirror::faces::mirror_face_selection;
 use intrinsym::mirror::frames::carry_displacement;
 use intrinsym::mirror::positions::symmetrize;
 use intrinsym::mirror::{Merge, Mirroring, mirror_selection, mirror_values};
+use std::mem::MaybeUninit;
 use std::sync::Arc;
 
-/// Which vertices take the value of their mirror image: one of the `ISYM_MERGE_` constants.
-pub type isym_merge = i32;
-/// Every vertex: the two sides are exchanged. This is also how an attribute named "left" becomes "right".
-pub const ISYM_MERGE_SWAP: isym_merge = 0;
-/// Every vertex takes the mean of its own and its image's value.
-pub const ISYM_MERGE_AVERAGE: isym_merge = 1;
-/// Vertices with side -1 take it; side 1 stays, and so does the fixed curve.
-pub const ISYM_MERGE_POSITIVE_WINS: isym_merge = 2;
-/// Vertices with side 1 take it; side -1 stays, and so does the fixed curve.
-pub const ISYM_MERGE_NEGATIVE_WINS: isym_merge = 3;
+/// Which vertices take the value of their mirror image.
+#[repr(i32)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum isym_merge {
+    /// Every vertex: the two sides are exchanged. This is also how an attribute named "left" becomes "right".
+    ISYM_MERGE_SWAP = 0,
+    /// Every vertex takes the mean of its own and its image's value.
+    ISYM_MERGE_AVERAGE = 1,
+    /// Vertices with side -1 take it; side 1 stays, and so does the fixed curve.
+    ISYM_MERGE_POSITIVE_WINS = 2,
+    /// Vertices with side 1 take it; side -1 stays, and so does the fixed curve.
+    ISYM_MERGE_NEGATIVE_WINS = 3,
+}
+pub use isym_merge::*;
+
+/// The library's own values.
+const MERGES: [(isym_merge, Merge); 4] = [
+    (ISYM_MERGE_SWAP, Merge::Swap),
+    (ISYM_MERGE_AVERAGE, Merge::Average),
+    (ISYM_MERGE_POSITIVE_WINS, Merge::PositiveWins),
+    (ISYM_MERGE_NEGATIVE_WINS, Merge::NegativeWins),
+];
 
 /// How mirrored values meet the old ones.
 #[repr(C)]
 #[derive(Debug, Clone, Copy)]
 pub struct isym_mirroring {
-    /// An `ISYM_MERGE_` constant. A half turn has no sides: only swap and average.
-    pub merge: isym_merge,
+    /// `sizeof` of this struct, set by the caller before the call.
+    pub size: usize,
+    /// A half turn has no sides: only swap and average.
+    pub merge: MaybeUninit<isym_merge>,
     /// Vertices with less confidence keep their value; 0..=1.
     pub minimum_confidence: f32,
     /// 0: trusted vertices change wholly. 1: each changes by the share of its confidence.
     pub weight_by_confidence: i32,
 }
 
+// SAFETY: as declared above.
+unsafe impl Versioned for isym_mirroring {}
+
 impl isym_mirroring {
     fn checked(self) -> Result<Mirroring> {
-        let merge = match self.merge {
-            ISYM_MERGE_SWAP => Merge::Swap,
-            ISYM_MERGE_AVERAGE => Merge::Average,
-            ISYM_MERGE_POSITIVE_WINS => Merge::PositiveWins,
-            ISYM_MERGE_NEGATIVE_WINS => Merge::NegativeWins,
-            other => return Err(Fault::new(ISYM_ERROR_VALUE, format!("{other} is no ISYM_MERGE_ constant"))),
+        // SAFETY: the caller's one promise: the struct is filled.
+        let number = unsafe { number(self.merge) };
+        let Some(&(_, merge)) = MERGES.iter().find(|(known, _)| *known as i32 == number) else {
+            return Err(Fault::new(ISYM_ERROR_VALUE, format!("{number} is no ISYM_MERGE_ constant")));
         };
         let weight_by_confidence = match self.weight_by_confidence {
             0 => false,
@@ -65,10 +81,10 @@ fn result_for(handle: *const isym_result, vertex_count: usize) -> Result<Arc<Res
 }
 
 /// # Safety
-/// `mirroring` is NULL or points to one that can be read.
+/// `mirroring` is NULL or points to one, of as many bytes as its first field says.
 unsafe fn mirroring_of(mirroring: *const isym_mirroring) -> Result<Mirroring> {
     // SAFETY: this function's own condition.
-    unsafe { array(mirroring, 1, "mirroring") }?[0].checked()
+    unsafe { structure(mirroring, "mirroring") }?.checked()
 }
 
 /// # Safety
@@ -85,9 +101,16 @@ unsafe fn vectors(values: *const f64, vertex_count: usize, name: &str) -> Result
 
 /// Mirrors a selection of vertices: selects those whose mirror image lies in it.
 ///
-/// `selected` and `mirrored` have one byte per vertex, 0 or 1 (any other number counts as 1); they may be the
-/// same array. Vertices with less than `minimum_confidence`, 0..=1, are not selected. A vertex of a denser side
-/// selects its partner even where that stands for several.
+/// A vertex of a denser side selects its partner even where that stands for several.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param selected One byte per vertex, 0 or 1 (any other number counts as 1).
+/// @param minimum_confidence Vertices with less, 0..=1, are not selected.
+/// @param[out] mirrored One byte per vertex, 0 or 1; may be `selected`.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_OPTION`: a number is outside its range, or the
+/// symmetry is a rotation.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_mirror_selection(
     result: *const isym_result,
@@ -111,10 +134,17 @@ pub unsafe extern "C" fn isym_result_mirror_selection(
 
 /// Mirrors a selection of faces: selects those whose mirror image is selected.
 ///
-/// `selected` and `mirrored` have one byte per face that the mesh was made with, 0 or 1 (any other number counts
-/// as 1); they may be the same array. Where connectivity is mirrored, faces go to their exact mirror images;
-/// elsewhere a face is selected if all its corners are in the mirror image of the selected faces' corners.
-/// Faces with a corner of less than `minimum_confidence`, 0..=1, are not selected.
+/// Where connectivity is mirrored, faces go to their exact mirror images; elsewhere a face is selected if all its corners are
+/// in the mirror image of the selected faces' corners.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param selected One byte per face that the mesh was made with, 0 or 1 (any other number counts as 1).
+/// @param minimum_confidence Faces with a corner of less, 0..=1, are not selected.
+/// @param[out] mirrored One byte per face, 0 or 1; may be `selected`.
+/// @param face_count Number of the mesh's faces.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_OPTION`: a number is outside its range, or the
+/// symmetry is a rotation.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_mirror_face_selection(
     result: *const isym_result,
@@ -141,8 +171,17 @@ pub unsafe extern "C" fn isym_result_mirror_face_selection(
 
 /// Mirrors a vertex attribute of any number of components: weights, colours, masks, texture coordinates.
 ///
-/// `values` and `mirrored` have components * vertex_count numbers, those of one vertex side by side; they may
-/// be the same array. Vectors in space need `isym_result_carry_displacement` instead.
+/// Vectors in space need `isym_result_carry_displacement` instead.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param mirroring Its `size` is set before the call.
+/// @param values components * vertex_count numbers, those of one vertex side by side.
+/// @param components Numbers of one vertex, 1 or more.
+/// @param[out] mirrored As `values`; may be the same array.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`, `ISYM_ERROR_SIZE`, `ISYM_ERROR_VALUE`; `ISYM_ERROR_OPTION`: the
+/// confidence is outside its range, a half turn has no sides, or the symmetry is a rotation.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_mirror_values(
     result: *const isym_result,
@@ -168,11 +207,18 @@ pub unsafe extern "C" fn isym_result_mirror_values(
     })
 }
 
-/// Carries a displacement field across the map in local frames, so that it is right in any pose: a shape
-/// key, or an edit since a remembered state.
+/// Carries a displacement field across the map in local frames, so that it is right in any pose: a shape key, or an edit since a
+/// remembered state.
 ///
-/// `positions`: x, y, z of each vertex of the shape that is displaced, in the pose it is in. `displacements` and
-/// `carried`: x, y, z of each vertex, in any unit; they may be the same array.
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param mirroring Its `size` is set before the call.
+/// @param positions x, y, z of each vertex of the shape that is displaced, in the pose it is in.
+/// @param displacements x, y, z of each vertex, in any unit.
+/// @param[out] carried As `displacements`; may be the same array.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`, `ISYM_ERROR_SIZE`, `ISYM_ERROR_VALUE`; `ISYM_ERROR_OPTION`: the
+/// confidence is outside its range, a half turn has no sides, or the symmetry is a rotation.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_carry_displacement(
     result: *const isym_result,
@@ -197,12 +243,21 @@ pub unsafe extern "C" fn isym_result_carry_displacement(
     })
 }
 
-/// Makes positions symmetric across the map in local frames: each side keeps its pose and takes the other's
-/// shape, or both the mean of the two.
+/// Makes positions symmetric across the map in local frames: each side keeps its pose and takes the other's shape, or both the
+/// mean of the two.
 ///
-/// `positions` and `symmetrized`: x, y, z of each vertex, in any unit and pose; they may be the same array. What
-/// is much smaller than the surface is carried whole; what is as large as a limb's pose stays. Solves one
-/// sparse system.
+/// What is much smaller than the surface is carried whole; what is as large as a limb's pose stays. Solves one sparse system.
+///
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param mirroring Its `size` is set before the call.
+/// @param positions x, y, z of each vertex, in any unit and pose.
+/// @param progress NULL: nothing is reported, and nobody can cancel.
+/// @param[out] symmetrized As `positions`; may be the same array.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`, `ISYM_ERROR_SIZE`, `ISYM_ERROR_VALUE`; `ISYM_ERROR_OPTION`: the
+/// confidence is outside its range, a half turn has no sides, or the symmetry is a rotation. Also
+/// `ISYM_ERROR_CANCELLED`, `ISYM_ERROR_CALLBACK`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_symmetrize_positions(
     result: *const isym_result,
@@ -215,7 +270,7 @@ pub unsafe extern "C" fn isym_result_symmetrize_positions(
 ) -> isym_status {
     boundary(|| {
         let result = result_for(result, vertex_count)?;
-        let progress = PROGRESSES.get(progress)?;
+        let progress = progress_of(progress)?;
         // SAFETY: the caller's one promise, for all three.
         let mirroring = unsafe { mirroring_of(mirroring) }?;
         let positions = unsafe { vectors(positions, vertex_count, "positions") }?;
@@ -229,9 +284,13 @@ pub unsafe extern "C" fn isym_result_symmetrize_positions(
 
 /// Measures how far each vertex is from the fixed curve, along the surface.
 ///
-/// `positions`: x, y, z of each vertex, in any unit and pose. `distances`: vertex_count numbers in that unit;
-/// infinite where the curve cannot be reached: on other shells, without a curve, and with a result from
-/// `isym_result_restore`, which has none.
+/// @param result The result.
+/// @param symmetry From 0, the best first.
+/// @param positions x, y, z of each vertex, in any unit and pose.
+/// @param[out] distances vertex_count numbers in that unit; infinite where the curve cannot be reached: on other shells, without a
+/// curve, and with a result from `isym_result_restore`, which has none.
+/// @param vertex_count Number of the mesh's vertices.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_VALUE`: a position is not finite.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_curve_distances(
     result: *const isym_result,

@@ -7,7 +7,7 @@
 
 namespace {
 
-// A list in the order of the ISYM_MERGE_ constants.
+// A list in the order of isym_merge.
 const QStringList MERGES = {"Swap the sides", "Average of both sides", "Side +1 wins", "Side -1 wins"};
 
 QString readable(const char *name) {
@@ -143,7 +143,7 @@ std::size_t chosen_symmetry(const RichParameterList &parameters) {
 
 isym::Mirroring chosen_mirroring(const RichParameterList &parameters) {
   isym::Mirroring mirroring;
-  mirroring.merge = parameters.getEnum("merge");
+  mirroring.merge = static_cast<isym_merge>(parameters.getEnum("merge"));
   mirroring.minimum_confidence = static_cast<float>(parameters.getDynamicFloat("minimum_confidence"));
   mirroring.weight_by_confidence = parameters.getBool("weight_by_confidence");
   return mirroring;

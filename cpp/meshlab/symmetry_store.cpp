@@ -76,7 +76,7 @@ void keep(CMeshO &mesh, const MeshArrays &arrays, const isym::Result &result, st
   for (std::size_t vertex = 0; vertex < arrays.vertex_count(); ++vertex) {
     const std::size_t place = arrays.vertices()[vertex];
     const std::uint32_t polygon = points.faces[vertex];
-    partner[place] = Scalarm(partners[vertex]);
+    partner[place] = number_of(partners[vertex]);
     confidence[place] = confidences[vertex];
     side[place] = sides[vertex];
     face[place] = polygon == ISYM_NONE ? Scalarm(-1) : number_of(arrays.face_of_polygon()[polygon]);
@@ -95,12 +95,12 @@ isym::Result restored(CMeshO &mesh, const MeshArrays &arrays, const isym::Mesh &
   auto face = kept_attribute<Scalarm>(mesh, SCALARS[3], index);
   auto corners = kept_attribute<Point3m>(mesh, POINTS[0], index);
   auto barycentrics = kept_attribute<Point3m>(mesh, POINTS[1], index);
-  std::vector<std::int32_t> partners;
+  std::vector<std::uint32_t> partners;
   std::vector<float> confidences;
   std::vector<std::int8_t> sides;
   isym::SurfacePoints points;
   for (const std::size_t place : arrays.vertices()) {
-    partners.push_back(static_cast<std::int32_t>(std::min<std::int64_t>(whole(partner[place], SCALARS[0]), INT32_MAX)));
+    partners.push_back(index_of(partner[place], SCALARS[0]));
     confidences.push_back(static_cast<float>(confidence[place]));
     sides.push_back(static_cast<std::int8_t>(std::min<std::int64_t>(whole(side[place], SCALARS[2]), 2)));
     const std::uint32_t kept_face = index_of(face[place], SCALARS[3]);

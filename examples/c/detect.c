@@ -13,30 +13,26 @@ static void check(isym_status status) {
 
 int main(int count, char **arguments) {
     isym_mesh *mesh;
-    isym_options *options;
-    isym_progress *progress;
     isym_result *result;
     size_t vertices, faces, corners, found;
 
     check(isym_mesh_read(count > 1 ? arguments[1] : "human.ply", &mesh));
-    check(isym_options_new(&options));
-    check(isym_progress_new(&progress));
-    check(isym_mesh_detect(mesh, options, progress, &result));
+    // No options: the defaults. No progress: nothing is reported.
+    check(isym_mesh_detect(mesh, NULL, NULL, &result));
     check(isym_mesh_size(mesh, &vertices, &faces, &corners));
     check(isym_result_symmetry_count(result, &found));
-    int32_t *partners = calloc(vertices, sizeof *partners);
+    uint32_t *partners = calloc(vertices, sizeof *partners);
     if (found > 0) {
         check(isym_result_partners(result, 0, partners, vertices));
         for (size_t vertex = 0; vertex < vertices; vertex += vertices / 8 + 1)
-            printf("vertex %zu mirrors to vertex %d\n", vertex, partners[vertex]);
+            if (partners[vertex] != ISYM_NONE)
+                printf("vertex %zu mirrors to vertex %u\n", vertex, (unsigned)partners[vertex]);
     } else {
         puts("no symmetry found");
     }
 
     free(partners);
     isym_result_free(result);
-    isym_progress_free(progress);
-    isym_options_free(options);
     isym_mesh_free(mesh);
     return found > 0 ? 0 : 1;
 }

@@ -18,6 +18,7 @@ use capi::status::*;
 use capi::tools::*;
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 use std::ffi::{CStr, c_void};
+use std::mem::MaybeUninit;
 use std::ptr;
 
 /// Elements of every array that is handed over; no length is larger.
@@ -118,9 +119,18 @@ impl Handles {
 
 const NAMES: [&CStr; 4] = [c"samples", c"symmetries", c"beam_width", c"no_such_option"];
 
+/// Any number in the place of an enumeration, as C may hand it over.
+fn enumeration<T>(number: i8) -> MaybeUninit<T> {
+    let mut value = MaybeUninit::<T>::uninit();
+    // SAFETY: the header's enumerations are as wide as an `i32`.
+    unsafe { value.as_mut_ptr().cast::<i32>().write(number.into()) };
+    value
+}
+
 fn mirroring(merge: i8, confidence: f32, weight: i8) -> isym_mirroring {
     isym_mirroring {
-        merge: merge.into(),
+        size: size_of::<isym_mirroring>(),
+        merge: enumeration(merge),
         minimum_confidence: confidence,
         weight_by_confidence: weight.into(),
     }
@@ -207,12 +217,12 @@ fn call(handles: &mut Handles, call: &Call) {
                 read(handles, *result, *symmetry, *what, *length)
             }
             Call::Restore { mesh, kind, partners, confidence, side, corner, length } => {
-                let mut all_partners: Vec<i32> = partners.iter().map(|&x| x.into()).collect();
-                all_partners.resize(ROOM, -1);
+                let mut all_partners: Vec<u32> = partners.iter().map(|&x| i32::from(x) as u32).collect();
+                all_partners.resize(ROOM, ISYM_NONE);
                 let mut result = ptr::null_mut();
                 let status = isym_result_restore(
                     handles.at(*mesh),
-                    (*kind).into(),
+                    enumeration(*kind),
                     all_partners.as_ptr(),
                     [*confidence; ROOM].as_ptr(),
                     [*side; ROOM].as_ptr(),
@@ -260,7 +270,7 @@ unsafe fn read(handles: &Handles, result: u8, symmetry: u8, what: u8, length: u8
     // SAFETY: lengths are below ROOM.
     unsafe {
         match what % 6 {
-            0 => isym_result_partners(result, symmetry, first.as_mut_ptr().cast(), length),
+            0 => isym_result_partners(result, symmetry, first.as_mut_ptr(), length),
             1 => isym_result_confidences(result, symmetry, numbers.as_mut_ptr(), length),
             2 => isym_result_sides(result, symmetry, bytes.as_mut_ptr().cast(), length),
             3 => isym_result_pair_colours(result, symmetry, bytes.as_mut_ptr(), length),
@@ -348,8 +358,8 @@ fn first_handles() -> Handles {
         [(vertex % 3) as f64, 1.5 * (vertex / 3) as f64, 0.0][index % 3]
     });
     let squares = [0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7];
-    let partners = [2, 1, 0, 5, 4, 3, 8, 7, 6];
-    let corners: [u32; 27] = std::array::from_fn(|index| partners[index / 3] as u32);
+    let partners: [u32; 9] = [2, 1, 0, 5, 4, 3, 8, 7, 6];
+    let corners: [u32; 27] = std::array::from_fn(|index| partners[index / 3]);
     let weights: [f32; 27] = std::array::from_fn(|index| if index % 3 == 0 { 1.0 } else { 0.0 });
     let sides = [1, 0, -1, 1, 0, -1, 1, 0, -1];
     // SAFETY: nine vertices and four faces, as said.
@@ -359,7 +369,7 @@ fn first_handles() -> Handles {
         isym_progress_new(&mut progress);
         let status = isym_result_restore(
             mesh,
-            ISYM_KIND_REFLECTION,
+            MaybeUninit::new(ISYM_KIND_REFLECTION),
             partners.as_ptr(),
             [0.5; 9].as_ptr(),
             sides.as_ptr(),

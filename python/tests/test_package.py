@@ -24,13 +24,12 @@ def test_every_function_of_the_header_is_declared_with_its_parameters():
     in_header = {}
     for name, parameters in re.findall(r"^\w[\w *]*?(isym_\w+)\(([^)]*)\);", HEADER, re.MULTILINE):
         in_header[name] = 0 if parameters.strip() in ("", "void") else parameters.count(",") + 1
-    in_header.pop("isym_internal_call_progress", None)
     assert len(in_header) > 40
     assert declared == in_header
 
 
 def test_numbers_of_errors_kinds_and_merges_are_those_of_the_header():
-    numbers = {name: int(number) for name, number in re.findall(r"#define (ISYM_\w+) (\d+)\n", HEADER)}
+    numbers = {name: int(number) for name, number in re.findall(r"^ +(ISYM_\w+) = (\d+),$", HEADER, re.MULTILINE)}
     ours = {f"ISYM_{name}": getattr(errors, name) for name in dir(errors) if name.startswith("ERROR_")}
     ours |= {f"ISYM_KIND_{kind.name}": int(kind) for kind in intrinsym.SymmetryKind}
     ours |= {f"ISYM_MERGE_{merge.name}": int(merge) for merge in intrinsym.Merge}

@@ -26,11 +26,22 @@
         EXPECT(strlen(isym_error_message()) > 5);  \
     } while (0)
 
+// Enumerations have one width, in C and in C++, whatever the compiler would choose.
+#ifdef __cplusplus
+#define HAS_32_BITS(type) static_assert(sizeof(type) == 4, "32 bits")
+#else
+#define HAS_32_BITS(type) _Static_assert(sizeof(type) == 4, "32 bits")
+#endif
+HAS_32_BITS(isym_status);
+HAS_32_BITS(isym_kind);
+HAS_32_BITS(isym_outcome);
+HAS_32_BITS(isym_merge);
+
 // A flat square of 2 x 2 cells, mirrored in x: vertices 0 1 2 / 3 4 5 / 6 7 8.
 static const double SQUARE[27] = {-1, 0, 0, 0, 0, 0, 1, 0, 0, -1, 1, 0, 0, 1, 0, 1, 1, 0, -1, 2, 0, 0, 2, 0, 1, 2, 0};
 static const uint32_t SQUARE_QUADS[16] = {0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 7, 6, 4, 5, 8, 7};
 static const uint32_t SQUARE_OFFSETS[5] = {0, 4, 8, 12, 16};
-static const int32_t SQUARE_PARTNERS[9] = {2, 1, 0, 5, 4, 3, 8, 7, 6};
+static const uint32_t SQUARE_PARTNERS[9] = {2, 1, 0, 5, 4, 3, 8, 7, 6};
 
 static inline isym_mesh *square(void) {
     isym_mesh *mesh;
@@ -47,7 +58,7 @@ static inline isym_result *square_symmetry(const isym_mesh *mesh) {
         confidences[vertex] = 1;
         faces[vertex] = 0;
         for (int corner = 0; corner < 3; ++corner) {
-            corners[3 * vertex + corner] = (uint32_t)SQUARE_PARTNERS[vertex];
+            corners[3 * vertex + corner] = SQUARE_PARTNERS[vertex];
             weights[3 * vertex + corner] = corner == 0;
         }
     }
@@ -55,6 +66,11 @@ static inline isym_result *square_symmetry(const isym_mesh *mesh) {
     OK(isym_result_restore(mesh, ISYM_KIND_REFLECTION, SQUARE_PARTNERS, confidences, sides, faces, corners, weights, 9,
                            &result));
     return result;
+}
+
+static inline isym_mirroring mirroring(isym_merge merge, float minimum_confidence, int32_t weight_by_confidence) {
+    isym_mirroring how = {sizeof how, merge, minimum_confidence, weight_by_confidence};
+    return how;
 }
 
 static inline isym_mesh *read_mesh(const char *path) {

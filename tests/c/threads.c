@@ -21,7 +21,7 @@ struct job {
     isym_progress *progress;
     isym_status status;
     char message[128];
-    int32_t *partners;
+    uint32_t *partners;
     size_t vertices;
     double finished;
 };
@@ -75,7 +75,7 @@ static void at_once(const char *path, const char *other_path) {
         EXPECT(jobs[i].status == ISYM_OK || (i == 1 && jobs[i].status == ISYM_ERROR_HANDLE));
     }
     if (jobs[1].status == ISYM_OK)
-        EXPECT(memcmp(jobs[0].partners, jobs[1].partners, jobs[0].vertices * sizeof(int32_t)) == 0);
+        EXPECT(memcmp(jobs[0].partners, jobs[1].partners, jobs[0].vertices * sizeof(uint32_t)) == 0);
     for (int i = 0; i < 3; ++i)
         end_job(&jobs[i]);
     OK(isym_mesh_free(other));

@@ -40,7 +40,7 @@ static void versions_and_options(void) {
     isym_options *options;
     OK(isym_options_new(&options));
     for (size_t index = 0; index < isym_option_count(); ++index) {
-        isym_option_spec spec;
+        isym_option_spec spec = {.size = sizeof spec};
         double value;
         OK(isym_option_describe(index, &spec));
         // A default of 0 below the minimum follows from the effort.
@@ -73,9 +73,10 @@ static void human(const char *path) {
     isym_result *result = detect(mesh, 1);
     OK(isym_result_symmetry_count(result, &count));
     EXPECT(count == 1);
-    isym_summary summary;
+    isym_summary summary = {.size = sizeof summary};
     OK(isym_result_summary(result, 0, &summary));
     EXPECT(summary.kind == ISYM_KIND_REFLECTION && summary.exact_share == 1 && summary.mean_confidence == 1);
+    EXPECT(summary.order == 2 && summary.plausibility > 0.5 && summary.plausibility <= 1);
     uint8_t continuous = 9;
     OK(isym_result_continuous_family(result, &continuous));
     EXPECT(continuous == 0);
@@ -83,7 +84,7 @@ static void human(const char *path) {
     EXPECT(summary.paired_share == 1 && summary.shells_self_mirrored == 1);
     EXPECT(summary.shells_paired == 0 && summary.shells_alone == 0);
 
-    int32_t *partners = malloc(n * sizeof *partners);
+    uint32_t *partners = malloc(n * sizeof *partners);
     int8_t *sides = malloc(n);
     float *confidences = malloc(n * sizeof *confidences), *weights = malloc(3 * n * sizeof *weights);
     uint32_t *face = malloc(n * sizeof *face), *three = malloc(3 * n * sizeof *three);
@@ -92,7 +93,7 @@ static void human(const char *path) {
     OK(isym_result_confidences(result, 0, confidences, n));
     OK(isym_result_surface_points(result, 0, face, three, weights, n));
     for (size_t v = 0; v < n; ++v) {
-        EXPECT(partners[partners[v]] == (int32_t)v && sides[partners[v]] == -sides[v] && confidences[v] == 1);
+        EXPECT(partners[partners[v]] == v && sides[partners[v]] == -sides[v] && confidences[v] == 1);
         EXPECT(face[v] < faces && weights[3 * v] + weights[3 * v + 1] + weights[3 * v + 2] == 1);
     }
 
@@ -109,6 +110,17 @@ static void human(const char *path) {
     OK(isym_result_report(result, json, size));
     EXPECT(strlen(json) + 1 == size && strstr(json, "\"outcome\": \"found\"") && strstr(json, "human.ply"));
 
+    // NULL options are the defaults: one symmetry is searched.
+    isym_result *plain;
+    double value;
+    uint32_t *again = malloc(n * sizeof *again);
+    OK(isym_options_get(NULL, "symmetries", &value));
+    EXPECT(value == 1);
+    OK(isym_mesh_detect(mesh, NULL, NULL, &plain));
+    OK(isym_result_partners(plain, 0, again, n));
+    EXPECT(memcmp(partners, again, n * sizeof *again) == 0);
+    OK(isym_result_free(plain));
+
     // A stored map works as the found one does, and the result outlives its mesh.
     isym_result *stored;
     OK(isym_result_restore(mesh, summary.kind, partners, confidences, sides, face, three, weights, n, &stored));
@@ -118,15 +130,15 @@ static void human(const char *path) {
     OK(isym_mesh_free(mesh));
     isym_progress *progress;
     OK(isym_progress_new(&progress));
-    const isym_mirroring wins = {ISYM_MERGE_POSITIVE_WINS, 0.5f, 0};
+    const isym_mirroring wins = mirroring(ISYM_MERGE_POSITIVE_WINS, 0.5f, 0);
     OK(isym_result_symmetrize_positions(result, 0, &wins, positions, progress, first, n));
-    OK(isym_result_symmetrize_positions(stored, 0, &wins, positions, progress, second, n));
+    OK(isym_result_symmetrize_positions(stored, 0, &wins, positions, NULL, second, n));
     EXPECT(memcmp(first, second, 3 * n * sizeof *first) == 0);
     OK(isym_progress_free(progress));
     OK(isym_result_free(stored));
     OK(isym_result_free(result));
     free(partners), free(sides), free(confidences), free(weights), free(face), free(three), free(offsets);
-    free(edges), free(closed), free(parameters), free(json), free(positions), free(first), free(second);
+    free(edges), free(closed), free(parameters), free(json), free(positions), free(first), free(second), free(again);
 }
 
 // Deformed, the human keeps its map; a result of another connectivity is refused.
@@ -148,7 +160,7 @@ static void human_again(const char *path) {
     OK(isym_options_new(&options));
     OK(isym_progress_new(&progress));
     OK(isym_mesh_detect_again(moved, first, options, progress, &second));
-    int32_t *before = malloc(n * sizeof *before), *after = malloc(n * sizeof *after);
+    uint32_t *before = malloc(n * sizeof *before), *after = malloc(n * sizeof *after);
     OK(isym_result_partners(first, 0, before, n));
     OK(isym_result_partners(second, 0, after, n));
     EXPECT(memcmp(before, after, n * sizeof *before) == 0);
@@ -159,7 +171,7 @@ static void human_again(const char *path) {
     // And once more, from the second result, when the first is gone.
     isym_result *third;
     OK(isym_result_free(first));
-    OK(isym_mesh_detect_again(mesh, second, options, progress, &third));
+    OK(isym_mesh_detect_again(mesh, second, NULL, NULL, &third));
     OK(isym_result_partners(third, 0, after, n));
     EXPECT(memcmp(before, after, n * sizeof *before) == 0);
     OK(isym_result_free(second));
@@ -225,10 +237,10 @@ static void tools(void) {
     double values[18], found[18];
     for (int i = 0; i < 18; ++i)
         values[i] = i;
-    const isym_mirroring swap = {ISYM_MERGE_SWAP, 0, 0}, wins = {ISYM_MERGE_NEGATIVE_WINS, 0, 1};
+    const isym_mirroring swap = mirroring(ISYM_MERGE_SWAP, 0, 0), wins = mirroring(ISYM_MERGE_NEGATIVE_WINS, 0, 1);
     OK(isym_result_mirror_values(result, 0, &swap, values, 2, found, 9));
     for (int i = 0; i < 18; ++i)
-        EXPECT(found[i] == 2 * SQUARE_PARTNERS[i / 2] + i % 2);
+        EXPECT(found[i] == 2.0 * SQUARE_PARTNERS[i / 2] + i % 2);
 
     double push[27] = {0}, carried[27];
     push[0] = 0.5, push[1] = 0.25, push[2] = 0.125;
@@ -261,11 +273,9 @@ static void arrays(void) {
     OK(isym_mesh_polygons(turned, offsets, 5, corners, 16));
     EXPECT(memcmp(corners, SQUARE_QUADS, sizeof corners) == 0 && offsets[4] == 16);
 
-    isym_progress *progress;
     isym_eigen *pairs;
     size_t n, count;
-    OK(isym_progress_new(&progress));
-    OK(isym_mesh_eigen(quads, 4, progress, &pairs));
+    OK(isym_mesh_eigen(quads, 4, NULL, &pairs));
     OK(isym_eigen_size(pairs, &n, &count));
     EXPECT(n == 9 && count == 4);
     double eigenvalues[4], functions[36], mass[9], total = 0, norm = 0;
@@ -274,7 +284,6 @@ static void arrays(void) {
         total += mass[v], norm += mass[v] * functions[4 * v] * functions[4 * v];
     EXPECT(fabs(total - 1) < 1e-12 && fabs(norm - 1) < 1e-9 && eigenvalues[0] > 1 && eigenvalues[0] <= eigenvalues[1]);
     OK(isym_eigen_free(pairs));
-    OK(isym_progress_free(progress));
     OK(isym_mesh_free(quads));
     OK(isym_mesh_free(triangles));
     OK(isym_mesh_free(single));

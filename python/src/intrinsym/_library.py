@@ -17,11 +17,22 @@ from .errors import error_of
 ENVIRONMENT_VARIABLE = "INTRINSYM_LIBRARY"
 
 
-class Summary(ctypes.Structure):
+class Sized(ctypes.Structure):
+    """A struct whose first field is its own size, as the library asks for."""
+
+    _fields_ = [("size", ctypes.c_size_t)]
+
+    def __init__(self, *values: Any) -> None:
+        super().__init__(ctypes.sizeof(type(self)), *values)
+
+
+class Summary(Sized):
     """``isym_summary``."""
 
     _fields_ = [
         ("kind", ctypes.c_int32),
+        ("order", ctypes.c_uint32),
+        ("plausibility", ctypes.c_double),
         ("score", ctypes.c_double),
         ("mean_confidence", ctypes.c_double),
         ("exact_share", ctypes.c_double),
@@ -32,7 +43,7 @@ class Summary(ctypes.Structure):
     ]
 
 
-class Mirroring(ctypes.Structure):
+class Mirroring(Sized):
     """``isym_mirroring``."""
 
     _fields_ = [
@@ -42,7 +53,7 @@ class Mirroring(ctypes.Structure):
     ]
 
 
-class OptionSpecStruct(ctypes.Structure):
+class OptionSpecStruct(Sized):
     """``isym_option_spec``."""
 
     _fields_ = [
@@ -71,7 +82,7 @@ _SIZE = ctypes.c_size_t
 _OUT_SIZE = ctypes.POINTER(ctypes.c_size_t)
 _OUT_DOUBLE = ctypes.POINTER(ctypes.c_double)
 _MIRRORING = ctypes.POINTER(Mirroring)
-_I8, _I32 = _array(np.int8), _array(np.int32)
+_I8 = _array(np.int8)
 _U8, _U32 = _array(np.uint8), _array(np.uint32)
 _F32, _F64 = _array(np.float32), _array(np.float64)
 
@@ -106,9 +117,7 @@ CHECKED: dict[str, list[Any]] = {
     "isym_result_symmetry_count": [_HANDLE, _OUT_SIZE],
     "isym_result_continuous_family": [_HANDLE, ctypes.POINTER(ctypes.c_uint8)],
     "isym_result_summary": [_HANDLE, _SIZE, ctypes.POINTER(Summary)],
-    "isym_result_order": [_HANDLE, _SIZE, _OUT_SIZE],
-    "isym_result_plausibility": [_HANDLE, _SIZE, ctypes.POINTER(ctypes.c_double)],
-    "isym_result_partners": [_HANDLE, _SIZE, _I32, _SIZE],
+    "isym_result_partners": [_HANDLE, _SIZE, _U32, _SIZE],
     "isym_result_confidences": [_HANDLE, _SIZE, _F32, _SIZE],
     "isym_result_sides": [_HANDLE, _SIZE, _I8, _SIZE],
     "isym_result_surface_points": [_HANDLE, _SIZE, _U32, _U32, _F32, _SIZE],
@@ -117,7 +126,7 @@ CHECKED: dict[str, list[Any]] = {
     "isym_result_curve": [_HANDLE, _SIZE, _U32, _U8, _SIZE, _U32, _F32, _SIZE],
     "isym_result_report_size": [_HANDLE, _OUT_SIZE],
     "isym_result_report": [_HANDLE, ctypes.c_char_p, _SIZE],
-    "isym_result_restore": [_HANDLE, ctypes.c_int32, _I32, _F32, _I8, _U32, _U32, _F32, _SIZE, _OUT_HANDLE],
+    "isym_result_restore": [_HANDLE, ctypes.c_int32, _U32, _F32, _I8, _U32, _U32, _F32, _SIZE, _OUT_HANDLE],
     "isym_result_free": [_HANDLE],
     "isym_result_mirror_selection": [_HANDLE, _SIZE, _U8, ctypes.c_float, _U8, _SIZE],
     "isym_result_mirror_face_selection": [_HANDLE, _SIZE, _U8, ctypes.c_float, _U8, _SIZE],

@@ -178,7 +178,7 @@ class Mesh:
         """
         count = self.vertex_count
         arrays = [
-            _arrays.exactly(partner, (count,), np.int32, "partner"),
+            _arrays.exactly(partner, (count,), np.int32, "partner").view(np.uint32),
             _arrays.exactly(confidence, (count,), np.float32, "confidence"),
             _arrays.exactly(side, (count,), np.int8, "side"),
             _arrays.exactly(surface_points.faces, (count,), np.uint32, "faces"),

@@ -110,16 +110,7 @@ class Symmetry:
     """
 
     #: What a pickle holds.
-    _STORED = (
-        "_summary",
-        "order",
-        "plausibility",
-        "partner",
-        "confidence",
-        "side",
-        "surface_points",
-        "fixed_curve",
-    )
+    _STORED = ("_summary", "partner", "confidence", "side", "surface_points", "fixed_curve")
 
     def __init__(self, result: Handle, index: int, mesh: Mesh) -> None:
         self._result = result
@@ -152,19 +143,15 @@ class Symmetry:
         """Reflection, half turn or rotation."""
         return SymmetryKind(self._summary.kind)
 
-    @cached_property
+    @property
     def order(self) -> int:
         """After how many times it is the identity: 2, or 3 and more for a rotation (experimental)."""
-        order = ctypes.c_size_t()
-        LIBRARY.isym_result_order(self._result.pointer, self._index, ctypes.byref(order))
-        return order.value
+        return self._summary.order
 
-    @cached_property
+    @property
     def plausibility(self) -> float:
         """How plausible it is, 0..1, that it is a symmetry of the shape at all. A restored one has 1."""
-        plausibility = ctypes.c_double()
-        LIBRARY.isym_result_plausibility(self._result.pointer, self._index, ctypes.byref(plausibility))
-        return plausibility.value
+        return self._summary.plausibility
 
     @property
     def score(self) -> float:
@@ -208,7 +195,8 @@ class Symmetry:
         Of a rotation (experimental) the image: ``partner[partner]`` is not each vertex itself, and other shells than the
         largest have -1.
         """
-        return self._read("partners", np.int32)
+        # NONE is -1 in a signed number.
+        return self._read("partners", np.uint32).view(np.int32)
 
     @cached_property
     def confidence(self) -> NDArray[np.float32]:

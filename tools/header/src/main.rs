@@ -4,15 +4,20 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 const INTRODUCTION: &str = "\
-// Intrinsym: the intrinsic mirror symmetry of a surface mesh. This is the C library's only header.
-//
-// Made by cbindgen from capi/src (`make header`); do not edit.
-//
-// Every function that can fail returns an isym_status: ISYM_OK, or a code and, in this thread, a text
-// (isym_error_message). On failure nothing is written. Every NULL is an error, except for user_data. Sizes of
-// arrays are in elements. Handles come from functions whose last argument is a pointer to one, and are freed
-// by the function of their kind; a freed handle is an error and no crash. Functions may be called from several
-// threads at once, on the same handles too.
+/// @file
+/// Intrinsym: the intrinsic mirror symmetry of a surface mesh. This is the C library's only header.
+///
+/// Made by cbindgen from capi/src (`make header`); do not edit. The comments are Doxygen's.
+///
+/// Every function that can fail returns an isym_status: ISYM_OK, or a code and, in this thread, a text
+/// (isym_error_message). On failure nothing is written. Any call may answer, beside the codes that stand with it,
+/// ISYM_ERROR_NULL, ISYM_ERROR_HANDLE, ISYM_ERROR_LENGTH, ISYM_ERROR_ALIGNMENT, ISYM_ERROR_TEXT and ISYM_ERROR_INTERNAL.
+///
+/// A NULL is an error, but for user_data, for options (the defaults), for progress (none), and for what is freed. Sizes of
+/// arrays are in elements. The first field of each struct is its size: set it to sizeof before the call.
+///
+/// Handles come from functions whose last argument is a pointer to one, and are freed by the function of their kind; a freed
+/// handle is an error and no crash. Functions may be called from several threads at once, on the same handles too.
 ";
 
 /// The repository.
@@ -33,10 +38,23 @@ fn sources() -> [PathBuf; 8] {
         .map(|name| root().join(format!("capi/src/{name}.rs")))
 }
 
+const EXPORT_MACRO: &str = "
+/// What stands before each function. Programs that link the static library on Windows define ISYM_STATIC.
+#ifndef ISYM_API
+#if defined(_WIN32) && !defined(ISYM_STATIC)
+#define ISYM_API __declspec(dllimport)
+#elif defined(__GNUC__)
+#define ISYM_API __attribute__((visibility(\"default\")))
+#else
+#define ISYM_API
+#endif
+#endif
+";
+
 fn version_macros() -> String {
     let version = version();
     let mut text = format!(
-        "\n// The version of this header; isym_version() is the version of the library that is running.\n\
+        "\n/// The version of this header; isym_version() is the version of the library that is running.\n\
          #define ISYM_VERSION \"{version}\"\n"
     );
     for (name, part) in ["MAJOR", "MINOR", "PATCH"].into_iter().zip(version.split(['.', '-'])) {
@@ -50,7 +68,7 @@ fn generated() -> String {
     let mut builder = cbindgen::Builder::new()
         .with_config(config)
         .with_header(INTRODUCTION)
-        .with_after_include(version_macros());
+        .with_after_include(version_macros() + EXPORT_MACRO);
     for source in sources() {
         builder = builder.with_src(source);
     }
