@@ -91,7 +91,7 @@ pub fn by_plane(
     let place = |shell: &Shell| shell.points.iter().map(|&point| mesh.positions[point as usize]).collect();
     let own: Vec<Vec<Vector>> = shells.iter().map(place).collect();
     let image = |points: &Vec<Vector>| points.iter().map(|&point| plane.image(point)).collect();
-    let places = Places { mirrored: own.iter().map(image).collect(), own };
+    let places = Places { mirrored: own.iter().map(image).collect(), own, shifts: false };
     paired(mesh, shells, &places, usize::MAX, progress)
 }
 
@@ -142,6 +142,8 @@ fn paired(
 struct Places {
     own: Vec<Vec<Vector>>,
     mirrored: Vec<Vec<Vector>>,
+    /// Whether a shell is shifted onto its partner: where it should be is not known that well.
+    shifts: bool,
 }
 
 impl Places {
@@ -157,7 +159,7 @@ impl Places {
             |(other, anchors): (&Shell, &Vec<u32>)| other.points[..anchors.len()].iter().map(place).collect();
         let own: Vec<Vec<Vector>> = shells.iter().zip(anchors).map(of_shell).collect();
         let carried = |(points, anchors): (&Vec<Vector>, &Vec<u32>)| primary.carrier.carried(points, anchors);
-        Places { mirrored: own.iter().zip(anchors).map(carried).collect(), own }
+        Places { mirrored: own.iter().zip(anchors).map(carried).collect(), own, shifts: true }
     }
 
     /// Mean distance from where points of `source` should be to the nearest points of `target`.
@@ -313,7 +315,10 @@ fn assigned(count: usize, mismatch: impl Fn(usize, usize) -> Option<f32>) -> Vec
 fn match_shells(shells: &[Shell], places: &Places, source: usize, target: usize) -> VertexMap {
     let walk = SurfaceWalk::new(&places.own[target], &shells[target].triangles);
     let goals = &places.mirrored[source];
-    let shift = shift_onto(&picked(goals), &places.own[target]);
+    let shift = match places.shifts {
+        true => shift_onto(&picked(goals), &places.own[target]),
+        false => [0.0; 3],
+    };
     let goals: Vec<Vector> =
         goals.iter().map(|goal| [0, 1, 2].map(|axis| goal[axis] + shift[axis])).collect();
     let leaves = places.own[target].iter().copied().zip(0..);

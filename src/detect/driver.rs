@@ -46,8 +46,8 @@ const SETTLED: f64 = 0.75;
 /// The same product from which on a mirror plane in space is the answer, and nothing is searched.
 const AT_REST: f64 = 0.9;
 /// Times that it is fitted to the images of all points, at most, and how little it then moves, in sqrt(area).
-const PLANE_ROUNDS: usize = 4;
-const RESTS: f64 = 1e-4;
+const PLANE_ROUNDS: usize = 8;
+const RESTS: f64 = 1e-6;
 /// What is asked of the plausibility of a map for which the connectivity or the vertices speak, in percent.
 const ANY: usize = 0;
 /// A wide search whose best map is less plausible than this ends with "none".
@@ -120,10 +120,12 @@ impl About<'_> {
             && !options.states_signs();
         let Some(plane) = wanted.then(|| MirrorPlane::of(mesh)).flatten() else { return Ok(None) };
         let shells = mesh.shells();
+        progress.report("mirror plane", 0.03)?;
         let mut plane = plane;
         let mut companions = companions::by_plane(mesh, &shells, &plane, progress)?;
         for _ in 0..PLANE_ROUNDS {
             let next = plane.through(&companions::pairs(mesh, &shells, &companions));
+            progress.report("mirror plane", 0.03)?;
             let moved = next.distance(&plane);
             plane = next;
             companions = companions::by_plane(mesh, &shells, &plane, progress)?;

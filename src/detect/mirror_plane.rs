@@ -56,12 +56,14 @@ impl MirrorPlane {
         let axes = principal_axes(moments);
         let sizes = [0, 1, 2].map(|k| along(&moments, axes[k]));
         let largest = sizes.iter().copied().fold(0.0, f64::max);
-        let is_open = |k: usize| (0..3).any(|l| l != k && (sizes[k] - sizes[l]).abs() < DISTINCT * largest);
+        // A shape of revolution has a family of planes.
+        if [(0, 1), (1, 2), (2, 0)].iter().any(|&(k, l)| (sizes[k] - sizes[l]).abs() < DISTINCT * largest) {
+            return None;
+        }
         let tree = RTree::bulk_load(places.iter().map(|place| place.at).collect());
         let step = places.len().div_ceil(FITTED).max(1);
         let fitted: Vec<Vector> = places.iter().step_by(step).map(|place| place.at).collect();
         let planes = (0..3)
-            .filter(|&k| !is_open(k))
             .map(|k| MirrorPlane { normal: axes[k], offset: dot(axes[k], middle) }.fitted(&fitted, &tree));
         let best = planes.min_by(|a, b| a.1.total_cmp(&b.1))?;
         (best.1 < NEAR).then_some(best.0)
