@@ -14,6 +14,7 @@ use intrinsym::detect::shell_symmetry::{PreparedShell, candidates, finish, signs
 use intrinsym::mesh::{Mesh, io};
 use intrinsym::refine::full_refinement::MatchTarget;
 use intrinsym::refine::rigid_parts;
+use intrinsym::search::candidates::Hints;
 use intrinsym::spectral::laplacian::IntrinsicSurface;
 use intrinsym::verify::confidence::Evidence;
 use intrinsym::verify::hypothesis::Hypothesis;
@@ -43,7 +44,7 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let solved = proxy.as_ref().map_or(&shells[0], |proxy| &proxy.shell);
     let shell = PreparedShell::new(IntrinsicSurface::with_mean_curvature(solved), &plan, 1, &progress)?;
     let signs = signs(&shell.surface, &shell.basis, &options, &[])?;
-    let found = candidates(&shell, &signs, None, &plan.search, &options, &progress)?;
+    let found = candidates(&shell, &Hints { signs: &signs, twins: None }, &plan.search, &options, &progress)?;
     let Some(candidate) = found.first() else { return Ok(String::new()) };
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
     let map = finish(&shell, &target, candidate, &plan, 0, &progress)?;

@@ -13,7 +13,7 @@ use intrinsym::detect::driver::{Outcome, detect};
 use intrinsym::detect::shell_symmetry::{self, PreparedShell};
 use intrinsym::mesh::PolygonMesh;
 use intrinsym::refine::full_refinement::MatchTarget;
-use intrinsym::search::candidates::Candidate;
+use intrinsym::search::candidates::{Candidate, Hints};
 use intrinsym::spectral::laplacian::IntrinsicSurface;
 use intrinsym::spectral::sampling::Samples;
 use proptest::prelude::*;
@@ -233,9 +233,15 @@ fn with_signs(shell: &mut PreparedShell, signs: &[bool]) -> (Candidate, Vec<u32>
     shell.samples = Samples::at(&shell.basis, shell.samples.vertices.clone());
     let (options, plan, progress) = (Options::default(), Plan::small(), Progress::default());
     let predicted = shell_symmetry::signs(&shell.surface, &shell.basis, &options, &[]).unwrap();
-    let best = shell_symmetry::candidates(shell, &predicted, None, &plan.search, &options, &progress)
-        .unwrap()
-        .swap_remove(0);
+    let best = shell_symmetry::candidates(
+        shell,
+        &Hints { signs: &predicted, twins: None },
+        &plan.search,
+        &options,
+        &progress,
+    )
+    .unwrap()
+    .swap_remove(0);
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
     let partners =
         shell_symmetry::finish(shell, &target, &best, &plan, 0, &progress).unwrap().images.partners;

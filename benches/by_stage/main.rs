@@ -32,6 +32,7 @@ use intrinsym::mesh::half_edges::HalfEdges;
 use intrinsym::mesh::{Mesh, Shell};
 use intrinsym::refine::full_refinement::MatchTarget;
 use intrinsym::refine::rigid_parts;
+use intrinsym::search::candidates::Hints;
 use intrinsym::spectral::continuous_family::orbits;
 use intrinsym::spectral::displacement::mean_displacement;
 use intrinsym::spectral::eigenbasis::Eigenbasis;
@@ -181,7 +182,7 @@ fn time_search(
     let quiet = Progress::default();
     timer.time("sign network", || signs(&shell.surface, &shell.basis, options, &[]));
     let signs = signs(&shell.surface, &shell.basis, options, &[]).expect("signs");
-    let search = || candidates(shell, &signs, None, &plan.search, options, &quiet);
+    let search = || candidates(shell, &Hints { signs: &signs, twins: None }, &plan.search, options, &quiet);
     timer.time("candidates", search);
     let best = &search().expect("candidates")[0];
     timer.time("refinement", || finish(shell, target, best, plan, 0, &quiet));

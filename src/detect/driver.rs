@@ -24,7 +24,7 @@ use crate::detect::shell_symmetry::{PreparedShell, candidates, of_images, signs}
 use crate::detect::stated_signs;
 use crate::mesh::vector::{Vector, point_areas, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell};
-use crate::search::candidates::GAP;
+use crate::search::candidates::{GAP, Hints};
 use crate::search::sign_network::SignPrediction;
 use crate::search::twin_starts::TwinDistances;
 use crate::spectral::continuous_family::{Orbits, orbits};
@@ -379,8 +379,7 @@ impl<'a> Case<'a> {
             None => {
                 let found = candidates(
                     &solved.shell,
-                    &solved.signs,
-                    solved.twins.as_ref(),
+                    &Hints { signs: &solved.signs, twins: solved.twins.as_ref() },
                     &plan.search,
                     options,
                     progress,

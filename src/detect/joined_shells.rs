@@ -192,7 +192,7 @@ impl Contacts {
             touching.contains(&contact.shells) && touching.contains(&[a.min(b), a.max(b)])
         };
         let shells: Vec<usize> = (0..self.places.len()).filter(|&shell| is_joined(shell)).collect();
-        let largest = self.largest(&is_joined);
+        let largest = self.largest(is_joined);
         let mut group: Vec<usize> = (0..self.places.len()).collect();
         let mut joined = Vec::new();
         let mut join = |contact: &Contact, group: &mut Vec<usize>| {

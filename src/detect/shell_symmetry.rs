@@ -10,11 +10,10 @@ use crate::refine::full_refinement::{self, MatchTarget};
 use crate::refine::mesh_descent::Seeds;
 use crate::refine::vertex_rows::Guide;
 use crate::search::candidate_score::{Score, Scorer};
-use crate::search::candidates::{self, CANDIDATE_SIZE, Candidate, parities};
+use crate::search::candidates::{self, CANDIDATE_SIZE, Candidate, Hints, parities};
 use crate::search::compositions;
 use crate::search::refinement::SampleRefiner;
 use crate::search::sign_network::{REFERENCES, SIGNS, SignNetwork, SignPrediction};
-use crate::search::twin_starts::TwinDistances;
 use crate::spectral::displacement::mean_displacement;
 use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
@@ -107,16 +106,15 @@ fn predict(
 /// [`crate::Error::Cancelled`].
 pub fn candidates(
     shell: &PreparedShell,
-    signs: &[SignPrediction],
-    twins: Option<&TwinDistances>,
+    hints: &Hints,
     search: &Search,
     options: &Options,
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
     let (surface, basis, samples) = (&shell.surface, &shell.basis, &shell.samples);
     let refiner = SampleRefiner::new(samples);
-    let scorer = Scorer::new(surface, basis, &refiner, parities(signs));
-    let found = candidates::find(surface, &refiner, &scorer, signs, twins, search, options, progress)?;
+    let scorer = Scorer::new(surface, basis, &refiner, parities(hints.signs));
+    let found = candidates::find(surface, &refiner, &scorer, hints, search, options, progress)?;
     let most = options.symmetries;
     let of_kind = |kind| {
         let found: Vec<Candidate> =

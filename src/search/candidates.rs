@@ -57,9 +57,16 @@ pub struct Candidate {
     pub doubts: Vec<f64>,
 }
 
+/// What is known before a search.
+#[derive(Clone, Copy, Default)]
+pub struct Hints<'a> {
+    /// Which of the first eigenfunctions are even or odd; empty without a network.
+    pub signs: &'a [SignPrediction],
+    /// Of a surface whose parts have likely twins.
+    pub twins: Option<&'a TwinDistances>,
+}
+
 /// Refines the starts of a search and returns the maps that are no identity, best first.
-///
-/// `signs` says which of the first eigenfunctions are even or odd; empty without a network.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
@@ -67,14 +74,13 @@ pub fn find(
     surface: &IntrinsicSurface,
     refiner: &SampleRefiner,
     scorer: &Scorer,
-    signs: &[SignPrediction],
-    twins: Option<&TwinDistances>,
+    hints: &Hints,
     search: &Search,
     options: &Options,
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
     let (samples, eigenvalues, token) = (refiner.samples, scorer.eigenvalues, progress.token());
-    let mut starts = propose_signs(signs);
+    let mut starts = propose_signs(hints.signs);
     starts.truncate(search.network_starts);
     // Without a network the beam search stands alone.
     let beam_width = if starts.is_empty() { search.beam_width.max(LEAST_BEAM) } else { search.beam_width };
@@ -90,7 +96,7 @@ pub fn find(
     }
     progress.report("candidates", 0.45)?;
     let seen = Mutex::default();
-    let mut candidates = of_twins(refiner, scorer, twins, &seen)?;
+    let mut candidates = of_twins(refiner, scorer, hints.twins, &seen)?;
     for starts in starts.chunks(few) {
         let tried = threads::map(options.threads, starts.iter().collect(), |start| {
             token.check()?;
