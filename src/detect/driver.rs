@@ -139,7 +139,8 @@ impl About<'_> {
         Ok(found.map(|(symmetry, share)| {
             let evidence = format!("a plane in space mirrors {:.0} % of the surface", 100.0 * share);
             let report = Report { evidence, ..Report::of(mesh) };
-            Detection { outcome: Outcome::Found, symmetries: vec![symmetry], report, judging: None }
+            let outcome = outcome(share, options.plausibility, symmetry.mean_confidence);
+            Detection { outcome, symmetries: vec![symmetry], report, judging: None }
         }))
     }
 
