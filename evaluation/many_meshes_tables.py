@@ -13,7 +13,8 @@ def report(result: dict) -> str:
     """Rows after two kills, and what Ray adds to the command line's time."""
     head = f"`make evaluate-ray`, {result['date']} ([data](results/{result['date']}-ray.json)); {result['machine']}, Ray {result['ray']}."
     start = f"Starting Ray and its first worker takes {result['start_seconds']:.0f} s, which these tables leave out."
-    return "\n\n".join([head, rows(result["compared"]), runs(result["killed_twice"]), overheads(result), start])
+    tables = [rows(result["compared"]), runs(result["killed_twice"]), overheads(result), of_a_run(result)]
+    return "\n\n".join([head, *tables, start])
 
 
 def rows(compared: dict) -> str:
@@ -41,7 +42,8 @@ def killed(kills: list) -> str:
 def overheads(result: dict) -> str:
     """Both ways over the same meshes: medians of runs in turns."""
     lines = []
-    for name, cost in (("small", result["costs"][0]), ("large", result["costs"][1])):
+    small, large = result["costs"]
+    for name, cost in (("small", small), ("large_few", large), ("large", large)):
         measured = result[name]
         ours, theirs = measured["medians"]["ray"], measured["medians"]["command_line"]
         seconds = [f"{theirs['wall']:.1f}", f"{ours['wall']:.1f}", f"{theirs['cpu']:.1f}", f"{ours['cpu']:.1f}"]
@@ -49,6 +51,23 @@ def overheads(result: dict) -> str:
         lines.append([f"{cost['vertices']:,}", f"{measured['meshes']:,}", *seconds, *shares])
     header = ["vertices", "meshes", "`--jobs 2`, wall s", "Ray, wall s", "`--jobs 2`, CPU s", "Ray, CPU s"]
     return table([*header, "overhead, wall", "overhead, CPU"], lines)
+
+
+def of_a_run(result: dict) -> str:
+    """What Ray adds to a run, and to each of its large meshes: from two numbers of them."""
+    few, many = result["large_few"], result["large"]
+    more = many["meshes"] - few["meshes"]
+
+    def a_mesh(way: str, kind: str) -> float:
+        return (many["medians"][way][kind] - few["medians"][way][kind]) / more
+
+    shares = [100 * (a_mesh("ray", kind) / a_mesh("command_line", kind) - 1) for kind in ("wall", "cpu")]
+    added = few["medians"]["ray"]["wall"] - few["medians"]["command_line"]["wall"]
+    fixed = added - few["meshes"] * (a_mesh("ray", "wall") - a_mesh("command_line", "wall"))
+    return (
+        f"Of the large meshes, from the two numbers of them: Ray adds {fixed:.1f} s to a run, and {shares[0]:+.1f} % of wall time "
+        f"and {shares[1]:+.1f} % of CPU time to each mesh."
+    )
 
 
 def bill(result: dict) -> str:
