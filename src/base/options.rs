@@ -215,6 +215,11 @@ impl Options {
         self.known_signs.iter().any(|&sign| sign != 0)
     }
 
+    /// Whether the best reflection is all that is asked for, whichever its signs.
+    pub fn asks_for_one(&self) -> bool {
+        self.symmetries == 1 && self.rotations == 0 && !self.states_signs()
+    }
+
     /// The values in the order of [`OPTIONS`].
     pub fn values(&self) -> [usize; OPTIONS.len()] {
         [

@@ -114,10 +114,7 @@ impl About<'_> {
     /// The answer where a plane in space mirrors the mesh, as it does what is not posed yet: nothing is solved then.
     fn at_rest(&self) -> Result<Option<Detection>> {
         let About { mesh, options, progress, .. } = *self;
-        let wanted = self.mechanisms.mirror_plane
-            && options.symmetries == 1
-            && options.rotations == 0
-            && !options.states_signs();
+        let wanted = self.mechanisms.mirror_plane && options.asks_for_one();
         let Some(plane) = wanted.then(|| MirrorPlane::of(mesh)).flatten() else { return Ok(None) };
         let shells = mesh.shells();
         progress.report("mirror plane", 0.03)?;
@@ -146,7 +143,11 @@ impl About<'_> {
 
     /// The answer of the joined shells; if it leaves doubts that of the largest one alone, if that leaves fewer.
     fn searched(&self, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
-        let joined = JoinedShells::new(self.mesh, self.mesh.shells());
+        // Twins are those of one symmetry, and stated signs those of the largest shell's functions.
+        let joined = match self.options.asks_for_one() {
+            true => JoinedShells::new(self.mesh, self.mesh.shells()),
+            false => JoinedShells::alone(self.mesh.shells()),
+        };
         let is_alone = joined.twins.is_empty();
         let found = self.of_shells(&joined, plans, clock)?;
         if is_alone || found.is_settled() {
@@ -259,7 +260,7 @@ impl<'a> Case<'a> {
     /// The answer where the connectivity of the largest shell admits one reflection and the shape agrees with it: nothing is solved then.
     fn exact(&self) -> Result<Option<Detection>> {
         let Case { shells, about: About { mesh, options, progress, .. }, .. } = *self;
-        let wanted = options.symmetries == 1 && options.rotations == 0 && !options.states_signs();
+        let wanted = options.asks_for_one();
         let Some(found) = self.about.unrivalled.as_ref().filter(|found| wanted && !found.has_defects())
         else {
             return Ok(None);
