@@ -48,6 +48,8 @@ const AT_REST: f64 = 0.9;
 /// Times that it is fitted to the images of all points, at most, and how little it then moves, in sqrt(area).
 const PLANE_ROUNDS: usize = 8;
 const RESTS: f64 = 1e-6;
+/// A finer mesh has so many points that once is enough.
+const FINE: usize = 20_000;
 /// What is asked of the plausibility of a map for which the connectivity or the vertices speak, in percent.
 const ANY: usize = 0;
 /// A wide search whose best map is less plausible than this ends with "none".
@@ -120,7 +122,8 @@ impl About<'_> {
         progress.report("mirror plane", 0.03)?;
         let mut plane = plane;
         let mut companions = companions::by_plane(mesh, &shells, &plane, progress)?;
-        for _ in 0..PLANE_ROUNDS {
+        let rounds = if mesh.point_count() > FINE { 1 } else { PLANE_ROUNDS };
+        for _ in 0..rounds {
             let next = plane.through(&companions::pairs(mesh, &shells, &companions));
             progress.report("mirror plane", 0.03)?;
             let moved = next.distance(&plane);

@@ -4,6 +4,7 @@
 //! shells are joined by triangles across their contacts, some at each, the more the larger it is, and what comes of it is searched like any other surface. A contact much smaller than
 //! the others of its shells, as of a hand on a hip, joins nothing. Triangles that join are no part of the result.
 
+use crate::detect::proxy::Proxy;
 use crate::detect::twins;
 use crate::geometry::shortest_paths::EdgeLengths;
 use crate::geometry::surface_grid::{Place, places};
@@ -29,6 +30,8 @@ const NEAR: f64 = 0.05;
 /// Distance of the triangles that join, in sqrt(area), and most of them at one contact.
 const APART: f64 = 0.03;
 const MOST_JOINTS: usize = 32;
+/// Vertices of the surface along which distances are measured.
+const COARSE: usize = 16_000;
 /// Part of a shell's largest contact that another of its contacts must have.
 const SMALLEST_CONTACT: f64 = 0.5;
 
@@ -143,15 +146,20 @@ impl Contacts {
     /// Distances of shells from each other along their surface, row by row: the mean over the vertices of both.
     fn distances(&self, mesh: &Mesh, shells: &[Shell]) -> Vec<f64> {
         let count = shells.len();
-        let whole = union(mesh, shells);
+        let mut whole = union(mesh, shells);
+        let points = whole.points.clone();
+        let local = |point: u32| points.binary_search(&point).expect("a point of it") as u32;
         let all: Vec<u32> = (0..count as u32).collect();
-        let local = |point: u32| whole.points.binary_search(&point).expect("a point of it") as u32;
-        let mut triangles = whole.triangles.clone();
-        triangles.extend(self.joints(&all).into_iter().map(|triangle| triangle.map(local)));
-        let walk = SurfaceWalk::new(&whole.positions, &triangles);
-        let edges = EdgeLengths::of_walk(&walk, &whole.positions);
-        let parts: Vec<Vec<u32>> =
-            shells.iter().map(|shell| shell.points.iter().map(|&point| local(point)).collect()).collect();
+        whole.triangles.extend(self.joints(&all).into_iter().map(|triangle| triangle.map(local)));
+        let proxy = Proxy::new(&whole, COARSE, 1);
+        let Shell { positions, triangles, .. } = proxy.as_ref().map_or(&whole, |proxy| &proxy.shell);
+        let edges = EdgeLengths::of_walk(&SurfaceWalk::new(positions, triangles), positions);
+        let place = |&point: &u32| match &proxy {
+            Some(proxy) => proxy.nearest_by_edges()[local(point) as usize],
+            None => local(point),
+        };
+        let part = |shell: &Shell| shell.points.iter().map(place).collect();
+        let parts: Vec<Vec<u32>> = shells.iter().map(part).collect();
         let mut distances = vec![0.0; count * count];
         for (own, part) in parts.iter().enumerate() {
             let from = edges.distances(part);
