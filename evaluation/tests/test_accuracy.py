@@ -24,6 +24,11 @@ def truth_of(case):
     return accuracy.assemblies.laid_out(accuracy.assemblies.draw("mannequin", 1)[0])[2]["partner"]
 
 
+def near_truth(partners, rng):
+    """The truth with each tenth answer missing."""
+    return np.where(rng.random(len(partners)) < 0.1, -1, partners)
+
+
 def answered_by(monkeypatch, answers):
     """Lets `detect` write these maps, by the name of the mesh."""
 
@@ -71,11 +76,6 @@ def test_a_spoiled_answer_fails(tmp_path, monkeypatch, capsys):
         answered_by(monkeypatch, answers | {name: worse})
         assert accuracy.gate("", chosen) == 1
     assert "record-accuracy" in capsys.readouterr().err
-
-
-def near_truth(partners, rng):
-    """The truth with each tenth answer missing."""
-    return np.where(rng.random(len(partners)) < 0.1, -1, partners)
 
 
 def test_the_same_shapes_are_drawn_again(tmp_path):
