@@ -25,6 +25,7 @@ test: setup-test ## Check format and lints, run all tests
 	@$(MAKE) --no-print-directory fuzz FUZZ_SECONDS=10
 	@$(MAKE) --no-print-directory test-meshlab
 	@$(MAKE) --no-print-directory train-test
+	@$(MAKE) --no-print-directory test-accuracy
 	@$(MAKE) --no-print-directory test-python
 	@$(MAKE) --no-print-directory test-ray RAY_FLAGS='-m "not client"'
 	@$(MAKE) --no-print-directory test-blender BPY=4.5.15

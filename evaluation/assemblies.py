@@ -182,10 +182,14 @@ def judge(partners: np.ndarray, faces: np.ndarray, truth: dict) -> dict:
 
 def near_share(partners, rest, true, area: float) -> float | None:
     """Share of the vertices with a known mirror point whose image lies near it."""
+    return share(rest_distances(partners, rest, true) < NEAR * np.sqrt(area))
+
+
+def rest_distances(partners, rest, true) -> np.ndarray:
+    """How far, at rest, the image of each vertex with a known mirror point is from it; infinite where there is none."""
     judged = np.flatnonzero(~np.isnan(true[:, 0]))
     images = partners[judged]
-    distance = np.where(images >= 0, np.linalg.norm(rest[images] - true[judged], axis=1), np.inf)
-    return share(distance < NEAR * np.sqrt(area))
+    return np.where(images >= 0, np.linalg.norm(rest[images] - true[judged], axis=1), np.inf)
 
 
 def share(marks: np.ndarray) -> float | None:

@@ -1,5 +1,5 @@
 # Measuring: the published benchmark, generated shapes, damage, and the fits made from generated shapes. Included by Makefile.
-.PHONY: evaluate evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed evaluate-watertight evaluate-family evaluate-symmetries evaluate-assemblies evaluate-ray ablate
+.PHONY: evaluate evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed evaluate-watertight evaluate-family evaluate-symmetries evaluate-assemblies evaluate-ray ablate test-accuracy record-accuracy
 
 EVALUATE_PYTHON = $(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m
 EVALUATE_DATE ?= $(shell date +%Y-%m-%d)
@@ -77,3 +77,11 @@ ablate: train-setup ## Measure the program with one thing changed at a time: doc
 	cargo build --release --locked --bin intrinsym --example ablate
 	$(EVALUATE_PYTHON) evaluation.ablate $(ABLATE_FLAGS) --out docs/results/$(EVALUATE_DATE)-ablation.json --work $(EVALUATE_DATA)/ablation
 	$(EVALUATE_PYTHON) evaluation.pages
+
+test-accuracy: train-setup ## Compare maps of twenty generated shapes with the errors recorded in evaluation/accuracy.json
+	cargo build --release --locked --bin intrinsym
+	$(EVALUATE_PYTHON) evaluation.accuracy
+
+record-accuracy: train-setup ## Record these errors anew, after a change of results on purpose
+	cargo build --release --locked --bin intrinsym
+	$(EVALUATE_PYTHON) evaluation.accuracy --record
