@@ -80,6 +80,7 @@ pub fn detect_by(
 ) -> Result<Detection> {
     let mut clock = Clock::start();
     progress.report("shells", 0.0)?;
+    progress.report("connectivity", 0.01)?;
     let (connectivity, unrivalled) = match mechanisms.connectivity {
         true => connectivity(mesh, progress)?,
         false => (None, None),
@@ -117,15 +118,15 @@ impl About<'_> {
     fn at_rest(&self) -> Result<Option<Detection>> {
         let About { mesh, options, progress, .. } = *self;
         let wanted = self.mechanisms.mirror_plane && options.asks_for_one();
+        progress.report("mirror plane", 0.02)?;
         let Some(plane) = wanted.then(|| MirrorPlane::of(mesh)).flatten() else { return Ok(None) };
         let shells = mesh.shells();
-        progress.report("mirror plane", 0.03)?;
         let mut plane = plane;
         let mut companions = companions::by_plane(mesh, &shells, &plane, progress)?;
         let rounds = if mesh.point_count() > FINE { 1 } else { PLANE_ROUNDS };
         for _ in 0..rounds {
             let next = plane.through(&companions::pairs(mesh, &shells, &companions));
-            progress.report("mirror plane", 0.03)?;
+            progress.check()?;
             let moved = next.distance(&plane);
             plane = next;
             companions = companions::by_plane(mesh, &shells, &plane, progress)?;
