@@ -13,7 +13,7 @@ use crate::detect::companions::{self, Companion, Primary};
 use crate::detect::correspondence::Symmetry;
 use crate::detect::filled_holes::FilledShell;
 use crate::detect::fixed_curve::{odd_function, zero_set};
-use crate::detect::mirror_plane::MirrorPlane;
+use crate::detect::mirror_plane::{MIRRORED, MOSTLY, MirrorPlane};
 use crate::detect::proxy::Proxy;
 use crate::detect::shell_symmetry::PreparedShell;
 use crate::geometry::adjacency::nearest_seeds;
@@ -27,11 +27,8 @@ use crate::spectral::displacement::mean_displacement;
 use crate::verify::confidence::Evidence;
 use crate::verify::hypothesis::{Hypothesis, exchanges_sheets};
 
-/// Distance of a plane's image from the surface, in sqrt(area), up to which a point counts as mirrored, and from which on it has no partner.
-const MIRRORED: f64 = 0.006;
+/// Distance of a plane's image from the surface, in sqrt(area), from which on a point has no partner.
 const LOST: f64 = 0.03;
-/// The least share of the surface that a mirror plane of the mesh mirrors.
-const MOSTLY: f64 = 0.75;
 
 /// What completing the map of the largest shell to all shells needs.
 pub struct Gatherer<'a> {

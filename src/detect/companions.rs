@@ -6,11 +6,10 @@
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::connectivity::automorphism::shell_signatures;
-use crate::detect::mirror_plane::{MirrorPlane, Pair};
-use crate::geometry::embedded_triangles::TrianglePoint;
+use crate::detect::mirror_plane::MirrorPlane;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
-use crate::mesh::vector::{Vector, cross, point_areas, squared_norm, subtract};
+use crate::mesh::vector::{Vector, squared_norm, subtract};
 use crate::mesh::{Mesh, Shell};
 use crate::refine::rigid_parts::Carrier;
 use crate::search::refinement::nearest;
@@ -93,29 +92,6 @@ pub fn by_plane(
     let image = |points: &Vec<Vector>| points.iter().map(|&point| plane.image(point)).collect();
     let places = Places { mirrored: own.iter().map(image).collect(), own, shifts: false };
     paired(mesh, shells, &places, usize::MAX, progress)
-}
-
-/// Points with their images, in the unit of the mesh.
-pub fn pairs(mesh: &Mesh, shells: &[Shell], companions: &[Option<Companion>]) -> Vec<Pair> {
-    let areas = point_areas(&mesh.positions, &mesh.triangles);
-    let mut pairs = Vec::new();
-    for (shell, companion) in shells.iter().zip(companions) {
-        let Some(companion) = companion else { continue };
-        for (&point, image) in shell.points.iter().zip(&companion.images.points) {
-            let triangle = shells[companion.target].triangle_of_local[image.triangle as usize];
-            let corners = mesh.triangles[triangle as usize].map(|point| mesh.positions[point as usize]);
-            let normal = cross(subtract(corners[1], corners[0]), subtract(corners[2], corners[0]));
-            let length = squared_norm(normal).sqrt().max(f64::MIN_POSITIVE);
-            pairs.push(Pair {
-                from: mesh.positions[point as usize],
-                to: TrianglePoint { triangle, ..*image }
-                    .interpolate_vectors(&mesh.triangles, &mesh.positions),
-                normal: normal.map(|x| x / length),
-                area: areas[point as usize],
-            });
-        }
-    }
-    pairs
 }
 
 fn paired(

@@ -45,11 +45,6 @@ const CERTAIN: usize = 90;
 const SETTLED: f64 = 0.75;
 /// The same product from which on a mirror plane in space is the answer, and nothing is searched.
 const AT_REST: f64 = 0.9;
-/// Times that it is fitted to the images of all points, at most, and how little it then moves, in sqrt(area).
-const PLANE_ROUNDS: usize = 8;
-const RESTS: f64 = 1e-6;
-/// A finer mesh has so many points that once is enough.
-const FINE: usize = 20_000;
 /// What is asked of the plausibility of a map for which the connectivity or the vertices speak, in percent.
 const ANY: usize = 0;
 /// A wide search whose best map is less plausible than this ends with "none".
@@ -121,19 +116,7 @@ impl About<'_> {
         progress.report("mirror plane", 0.02)?;
         let Some(plane) = wanted.then(|| MirrorPlane::of(mesh)).flatten() else { return Ok(None) };
         let shells = mesh.shells();
-        let mut plane = plane;
-        let mut companions = companions::by_plane(mesh, &shells, &plane, progress)?;
-        let rounds = if mesh.point_count() > FINE { 1 } else { PLANE_ROUNDS };
-        for _ in 0..rounds {
-            let next = plane.through(&companions::pairs(mesh, &shells, &companions));
-            progress.check()?;
-            let moved = next.distance(&plane);
-            plane = next;
-            companions = companions::by_plane(mesh, &shells, &plane, progress)?;
-            if moved < RESTS {
-                break;
-            }
-        }
+        let companions = companions::by_plane(mesh, &shells, &plane, progress)?;
         let vertices = self.mechanisms.mirrored_vertices;
         let gatherer = Gatherer::new(mesh, &shells, None, self.connectivity.as_ref(), vertices);
         let found = gatherer.by_plane(&plane, &companions, options.threads, progress)?;

@@ -5,14 +5,23 @@
 //! plane of pairs: the eigenvector of least eigenvalue of the symmetrised moments between them).
 
 use crate::geometry::surface_grid::{Place, places};
+use crate::geometry::surface_walk::SurfaceWalk;
 use crate::mesh::Mesh;
 use crate::mesh::rotation::principal_axes;
 use crate::mesh::vector::{Vector, cross, dot, squared_norm, subtract};
 use rstar::RTree;
+use rstar::primitives::GeomWithData;
 
 /// Distance of the places that are compared, in sqrt(area), and how many are fitted.
 const SPACING: f64 = 0.02;
 const FITTED: usize = 100;
+/// Places on which a plane that is near is settled, and how little it then moves, in sqrt(area).
+const SETTLED: usize = 400;
+const RESTS: f64 = 1e-6;
+/// Distance of a plane's image from the surface, in sqrt(area), up to which a point counts as mirrored.
+pub const MIRRORED: f64 = 0.006;
+/// The least share of the surface that a mirror plane of the mesh mirrors.
+pub const MOSTLY: f64 = 0.75;
 /// Rounds of the fit; the share of the places that is fitted, the nearest to the surface.
 const ROUNDS: usize = 8;
 const KEPT: f64 = 0.8;
@@ -25,17 +34,15 @@ const FAR: f64 = 0.03;
 /// Second moments as near to each other as this, in parts of the largest, leave the plane's normal open.
 const DISTINCT: f64 = 0.02;
 
-/// A point, its image on the surface, the surface's normal there, and the point's area.
+/// A place, and its number.
+type Leaf = GeomWithData<Vector, usize>;
+
+/// A place, its image on the surface, and the surface's normal there.
 #[derive(Debug, Clone, Copy)]
-pub struct Pair {
-    /// The point.
-    pub from: Vector,
-    /// Its image.
-    pub to: Vector,
-    /// Of length 1.
-    pub normal: Vector,
-    /// Its weight.
-    pub area: f64,
+struct Pair {
+    from: Vector,
+    to: Vector,
+    normal: Vector,
 }
 
 /// A plane: what is on it has `dot(normal, position) = offset`.
@@ -60,13 +67,56 @@ impl MirrorPlane {
         if [(0, 1), (1, 2), (2, 0)].iter().any(|&(k, l)| (sizes[k] - sizes[l]).abs() < DISTINCT * largest) {
             return None;
         }
-        let tree = RTree::bulk_load(places.iter().map(|place| place.at).collect());
-        let step = places.len().div_ceil(FITTED).max(1);
-        let fitted: Vec<Vector> = places.iter().step_by(step).map(|place| place.at).collect();
+        let leaf = |(place, index): (&Place, usize)| GeomWithData::new(place.at, index);
+        let tree = RTree::bulk_load(places.iter().zip(0..).map(leaf).collect());
+        let some = |count: usize| {
+            places.iter().step_by(places.len().div_ceil(count).max(1)).map(|place| place.at).collect()
+        };
+        let fitted: Vec<Vector> = some(FITTED);
         let planes = (0..3)
             .map(|k| MirrorPlane { normal: axes[k], offset: dot(axes[k], middle) }.fitted(&fitted, &tree));
-        let best = planes.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        (best.1 < NEAR).then_some(best.0)
+        let (near, median) = planes.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        if median >= NEAR {
+            return None;
+        }
+        let surface = SurfaceWalk::new(&mesh.positions, &mesh.triangles);
+        near.settled(&some(SETTLED), |goal| {
+            let place = tree.nearest_neighbor(goal).expect("a place").data;
+            let (_, point) = surface.nearest(goal, places[place].corners[0]);
+            let corners =
+                mesh.triangles[point.triangle as usize].map(|corner| mesh.positions[corner as usize]);
+            let normal = cross(subtract(corners[1], corners[0]), subtract(corners[2], corners[0]));
+            let length = squared_norm(normal).sqrt().max(f64::MIN_POSITIVE);
+            let to = point.interpolate_vectors(&mesh.triangles, &mesh.positions);
+            (to, normal.map(|x| x / length))
+        })
+    }
+
+    /// The plane nearby whose images lie best on the surface, of which `nearest` gives the nearest point and the normal there; `None` if it does not mirror most of the places.
+    fn settled(
+        mut self,
+        places: &[Vector],
+        nearest: impl Fn(Vector) -> (Vector, Vector),
+    ) -> Option<MirrorPlane> {
+        let pair = |plane: &MirrorPlane, &from: &Vector| {
+            let (to, normal) = nearest(plane.image(from));
+            Pair { from, to, normal }
+        };
+        for _ in 0..ROUNDS {
+            let pairs: Vec<Pair> = places.iter().map(|place| pair(&self, place)).collect();
+            let next = self.through(&pairs);
+            let moved = next.distance(&self);
+            self = next;
+            if moved < RESTS {
+                break;
+            }
+        }
+        let is_mirrored = |place: &&Vector| {
+            let Pair { from, to, .. } = pair(&self, place);
+            squared_norm(subtract(self.image(from), to)) < MIRRORED * MIRRORED
+        };
+        let mirrored = places.iter().filter(is_mirrored).count();
+        (mirrored as f64 >= MOSTLY * places.len() as f64).then_some(self)
     }
 
     /// The mirror image of a place.
@@ -76,18 +126,18 @@ impl MirrorPlane {
     }
 
     /// How far images by two planes are from each other, about.
-    pub fn distance(&self, other: &MirrorPlane) -> f64 {
+    fn distance(&self, other: &MirrorPlane) -> f64 {
         let same = dot(self.normal, other.normal).signum();
         let apart = subtract(self.normal, other.normal.map(|x| same * x));
         squared_norm(apart).sqrt() + 2.0 * (self.offset - same * other.offset).abs()
     }
 
     /// The plane nearby that fits best, and the median distance of images from the surface.
-    fn fitted(mut self, sought: &[Vector], tree: &RTree<Vector>) -> (MirrorPlane, f64) {
+    fn fitted(mut self, sought: &[Vector], tree: &RTree<Leaf>) -> (MirrorPlane, f64) {
         let mut median = f64::INFINITY;
         for _ in 0..ROUNDS {
             let pair = |&from: &Vector| {
-                let near = *tree.nearest_neighbor(self.image(from)).expect("a place");
+                let near = *tree.nearest_neighbor(self.image(from)).expect("a place").geom();
                 (squared_norm(subtract(self.image(from), near)), from, near)
             };
             let mut pairs: Vec<(f64, Vector, Vector)> = sought.iter().map(pair).collect();
@@ -105,7 +155,7 @@ impl MirrorPlane {
 
     /// The plane nearby whose images lie best on the tangent planes of the surface (Y. Chen, G. Medioni, "Object modelling by registration of multiple range
     /// images", 1992), but for points that have no image near where it should be.
-    pub fn through(&self, pairs: &[Pair]) -> MirrorPlane {
+    fn through(&self, pairs: &[Pair]) -> MirrorPlane {
         let aside = principal_axes(std::array::from_fn(|i| self.normal.map(|x| x * self.normal[i])));
         let [u, v] = [aside[0], aside[1]];
         // What turns the plane about two axes, and what shifts it, do to how far an image is off.
@@ -120,8 +170,8 @@ impl MirrorPlane {
             let turn = |axis: Vector| -2.0 * (dot(axis, pair.from) * along + away * dot(axis, pair.normal));
             let row = [turn(u), turn(v), 2.0 * along];
             for i in 0..3 {
-                (0..3).for_each(|j| matrix[i][j] += pair.area * row[i] * row[j]);
-                right[i] -= pair.area * row[i] * dot(off, pair.normal);
+                (0..3).for_each(|j| matrix[i][j] += row[i] * row[j]);
+                right[i] -= row[i] * dot(off, pair.normal);
             }
         }
         let Some([a, b, shift]) = solved(&matrix, right) else { return *self };
