@@ -34,7 +34,7 @@ GROUPS = {
     "people": {"person": (2, 3), "biped": (0, 2)},
     "animals": {"quadruped": (2,), "bird": (1,), "insect": (5,), "sea-star": (2,)},
     "trees": {"random": (5,)},
-    "blobs": {"blob": (1, 2)},
+    "blobs": {"blob": (1, 3)},
     "plates": {"plate": (4, 6, 7)},
     "furniture": {"table": (6,), "chair": (8,), "bracket": (3,)},
     "assemblies": {"furniture": (8,), "vehicle": (2, 20)},

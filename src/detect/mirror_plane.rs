@@ -17,6 +17,8 @@ const SPACING: f64 = 0.02;
 const FITTED: usize = 100;
 /// Places on which a plane that is near is settled, and how little it then moves, in sqrt(area).
 const SETTLED: usize = 400;
+/// Points of the mesh on which it is settled in the end.
+const POINTS: usize = 4000;
 const RESTS: f64 = 1e-6;
 /// Distance of a plane's image from the surface, in sqrt(area), up to which a point counts as mirrored.
 pub const MIRRORED: f64 = 0.006;
@@ -80,7 +82,7 @@ impl MirrorPlane {
             return None;
         }
         let surface = SurfaceWalk::new(&mesh.positions, &mesh.triangles);
-        near.settled(&some(SETTLED), |goal| {
+        let nearest = |goal: Vector| {
             let place = tree.nearest_neighbor(goal).expect("a place").data;
             let (_, point) = surface.nearest(goal, places[place].corners[0]);
             let corners =
@@ -89,7 +91,11 @@ impl MirrorPlane {
             let length = squared_norm(normal).sqrt().max(f64::MIN_POSITIVE);
             let to = point.interpolate_vectors(&mesh.triangles, &mesh.positions);
             (to, normal.map(|x| x / length))
-        })
+        };
+        // Places depend on how the mesh lies; points of it do not.
+        let step = mesh.point_count().div_ceil(POINTS).max(1);
+        let points: Vec<Vector> = mesh.positions.iter().step_by(step).copied().collect();
+        near.settled(&some(SETTLED), nearest)?.settled(&points, nearest)
     }
 
     /// The plane nearby whose images lie best on the surface, of which `nearest` gives the nearest point and the normal there; `None` if it does not mirror most of the places.
