@@ -22,6 +22,9 @@ from conftest import (
     write_mesh,
 )
 
+from intrinsym.ray import _command
+from intrinsym.ray._command import main
+
 
 def test_rows_maps_and_summary(batch, meshes, tmp_path, command_line):
     copy_examples(meshes)
@@ -98,6 +101,23 @@ def test_poison_takes_nothing_with_it(batch, meshes, tmp_path):
     batch(tmp_path / "list.txt", "--output", output, "--timeout", 4, "--again", "Timeout")
     assert rows_in(output)["hang-1.ply"]["error"] == "no answer within 4 s"
     assert without_times(rows_in(output)).keys() == rows.keys()
+
+
+def test_an_unknown_kind_of_error_is_refused(capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(["meshes", "--output", "out", "--again", "Timeot"])
+    assert ended.value.code == 2 and "'Timeot' is none of Unreadable, Timeout," in capsys.readouterr().err
+
+
+def test_without_an_address_no_other_ray_is_joined(monkeypatch):
+    asked = {}
+    monkeypatch.delenv("RAY_ADDRESS", raising=False)
+    monkeypatch.setattr(_command.ray, "is_initialized", lambda: False)
+    monkeypatch.setattr(_command.ray, "init", lambda address, **_: asked.update(address=address))
+    monkeypatch.setattr(_command.ray, "shutdown", lambda: None)
+    monkeypatch.setattr(_command, "_run", lambda *_: {})
+    main(["meshes", "--output", "out", "--quiet"])
+    assert asked == {"address": "local"}
 
 
 def test_a_killed_worker_loses_nothing(cluster, batch, meshes, gated, tmp_path):

@@ -24,6 +24,11 @@ from ._inputs import find_meshes, place_of
 from ._store import Busy, Store
 from ._work import Plan, run
 
+#: The kinds of errors that a row may have.
+ERROR_KINDS = (
+    "Unreadable", "Timeout", "Memory", "Crash", "Killed",
+    *(error.__name__ for error in IntrinsymError.__subclasses__()),
+)  # fmt: skip
 #: Options of the library that the command sets by its own ones.
 OWN_OPTIONS = ("threads", "memory")
 EXIT_STATUS = """Exit status: 0 every mesh has its row, which may be an error; 2 the command could not run; 130 interrupted."""
@@ -77,7 +82,7 @@ def parser() -> argparse.ArgumentParser:
         help=f"memory for one mesh, more of which is an error; Ray keeps it free (default: {MEMORY}, and keeps none)")  # fmt: skip
     add("--write", type=_words(FILE_KINDS), default=(), metavar="KINDS",
         help="files to write for each mesh besides its row: map, ply, or map,ply")  # fmt: skip
-    add("--again", type=_words(None), default=(), metavar="KINDS",
+    add("--again", type=_words(ERROR_KINDS), default=(), metavar="KINDS",
         help="try meshes with these errors again, such as Timeout,Memory")  # fmt: skip
     add("--quiet", "-q", action="store_true", help="print nothing but errors")
     method = made.add_argument_group("the method, as in `intrinsym detect`")
@@ -100,11 +105,11 @@ def _positive(kind: type) -> Callable[[str], Any]:
     return number
 
 
-def _words(known: Sequence[str] | None) -> Callable[[str], tuple[str, ...]]:
+def _words(known: Sequence[str]) -> Callable[[str], tuple[str, ...]]:
     def split(text: str) -> tuple[str, ...]:
         words = tuple(sorted(set(filter(None, text.split(",")))))
         for word in words:
-            if known is not None and word not in known:
+            if word not in known:
                 raise argparse.ArgumentTypeError(f"{word!r} is none of {', '.join(known)}")
         return words
 
@@ -117,7 +122,9 @@ def _run_where_asked(arguments: argparse.Namespace) -> dict[str, Any]:
     os.environ.setdefault("RAY_USAGE_STATS_ENABLED", "0")
     ours = not ray.is_initialized()
     if ours:
-        ray.init(address=arguments.address, log_to_driver=False, logging_level=logging.ERROR)
+        # Without an address Ray would join whatever runs on this machine, and end with it.
+        address = arguments.address or os.environ.get("RAY_ADDRESS") or "local"
+        ray.init(address=address, log_to_driver=False, logging_level=logging.ERROR)
     try:
         if (arguments.address or "").startswith("ray://"):
             return ray.get(ray.remote(num_cpus=0)(_run).remote(arguments, False))
