@@ -9,7 +9,7 @@ use crate::spectral::continuous_family::Orbits;
 use crate::verify::acceptance::Judgement;
 use crate::verify::hypothesis::Hypothesis;
 pub use crate::verify::outcome::Outcome;
-use crate::verify::outcome::outcome;
+use crate::verify::outcome::{CONFIDENT, outcome};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -127,10 +127,16 @@ fn is_empty(symmetry: &Symmetry) -> bool {
 /// The outcome for whoever asks for `asked` percent of plausibility, and what speaks against the first of the `symmetries`, in words.
 pub(crate) fn conclusion(symmetries: &[Symmetry], asked: usize) -> (Outcome, String) {
     let Some(best) = symmetries.first() else { return (Outcome::None, String::new()) };
-    let outcome = outcome(best.plausibility, asked, best.mean_confidence);
+    let outcome = outcome(best.plausibility, asked, best.mean_confidence, best.coverage.paired_share);
     let doubts = match outcome {
         Outcome::Doubtful if 100.0 * best.plausibility < asked as f64 => {
             "; its plausibility is below the one asked for: it is given as doubtful".into()
+        }
+        Outcome::Doubtful if best.mean_confidence >= CONFIDENT => {
+            format!(
+                "; it is doubtful: {:.0} % of the surface has a partner",
+                100.0 * best.coverage.paired_share
+            )
         }
         Outcome::Doubtful => {
             format!("; it is doubtful: its mean confidence over the surface is {:.2}", best.mean_confidence)

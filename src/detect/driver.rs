@@ -121,10 +121,11 @@ impl About<'_> {
         let gatherer = Gatherer::new(mesh, &shells, None, self.connectivity.as_ref(), vertices);
         let found = gatherer.by_plane(&plane, &companions, options.threads, progress)?;
         Ok(found.map(|(symmetry, share)| {
-            let evidence = format!("a plane in space mirrors {:.0} % of the surface", 100.0 * share);
+            let symmetries = vec![symmetry];
+            let (outcome, doubts) = conclusion(&symmetries, options.plausibility);
+            let evidence = format!("a plane in space mirrors {:.0} % of the surface{doubts}", 100.0 * share);
             let report = Report { evidence, ..Report::of(mesh) };
-            let outcome = outcome(share, options.plausibility, symmetry.mean_confidence);
-            Detection { outcome, symmetries: vec![symmetry], report, judging: None }
+            Detection { outcome, symmetries, report, judging: None }
         }))
     }
 
@@ -408,7 +409,8 @@ impl<'a> Case<'a> {
             clock.lap("rotations");
         }
         if maps.is_empty() {
-            let is_given = |map: &Hypothesis| outcome(map.judged.plausibility, asked, 1.0) != Outcome::None;
+            let is_given =
+                |map: &Hypothesis| outcome(map.judged.plausibility, asked, 1.0, 1.0) != Outcome::None;
             maps.extend(best.filter(|(map, _)| is_given(map)));
         }
         if solved.orbits.continuous {

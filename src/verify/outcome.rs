@@ -3,7 +3,9 @@
 /// A map of at least this share of the plausibility that is asked for is given as doubtful; one of less is not given at all.
 const GIVEN: f64 = 0.1;
 /// A map of less mean confidence over the surface is doubtful, however plausible it is.
-const CONFIDENT: f64 = 0.5;
+pub const CONFIDENT: f64 = 0.5;
+/// The same of a map that leaves more than this share of the surface without a partner.
+const ALONE: f64 = 0.5;
 
 /// What was found, the best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
@@ -17,12 +19,14 @@ pub enum Outcome {
     None,
 }
 
-/// The outcome of a best map of this `plausibility` and `mean_confidence`, each 0..=1, for whoever asks for `asked` percent of plausibility.
-pub fn outcome(plausibility: f64, asked: usize, mean_confidence: f64) -> Outcome {
+/// The outcome of a best map of this `plausibility`, `mean_confidence` and share of the surface that has a partner, each 0..=1, for whoever asks for
+/// `asked` percent of plausibility.
+pub fn outcome(plausibility: f64, asked: usize, mean_confidence: f64, paired_share: f64) -> Outcome {
     let needed = asked as f64;
+    let is_weak = mean_confidence < CONFIDENT || 1.0 - paired_share > ALONE;
     match 100.0 * plausibility {
         percent if percent < GIVEN * needed => Outcome::None,
-        percent if percent < needed || mean_confidence < CONFIDENT => Outcome::Doubtful,
+        percent if percent < needed || is_weak => Outcome::Doubtful,
         _ => Outcome::Found,
     }
 }
@@ -33,20 +37,26 @@ mod tests {
 
     #[test]
     fn plausibility_tells_found_from_doubtful_and_from_none() {
-        let of = |plausibility| outcome(plausibility, 50, 0.9);
+        let of = |plausibility| outcome(plausibility, 50, 0.9, 1.0);
         assert_eq!([of(0.5), of(0.49), of(0.05), of(0.04)].map(|outcome| outcome as usize), [0, 1, 1, 2]);
     }
 
     #[test]
     fn a_map_without_confidence_is_doubtful_at_best() {
-        assert_eq!(outcome(0.97, 50, 0.49), Outcome::Doubtful);
-        assert_eq!(outcome(0.04, 50, 0.49), Outcome::None);
-        assert_eq!(outcome(0.97, 50, 0.5), Outcome::Found);
+        assert_eq!(outcome(0.97, 50, 0.49, 1.0), Outcome::Doubtful);
+        assert_eq!(outcome(0.04, 50, 0.49, 1.0), Outcome::None);
+        assert_eq!(outcome(0.97, 50, 0.5, 1.0), Outcome::Found);
     }
 
     #[test]
     fn whoever_takes_any_map_is_told_of_its_confidence_alone() {
-        assert_eq!(outcome(0.0, 0, 0.9), Outcome::Found);
-        assert_eq!(outcome(0.0, 0, 0.1), Outcome::Doubtful);
+        assert_eq!(outcome(0.0, 0, 0.9, 1.0), Outcome::Found);
+        assert_eq!(outcome(0.0, 0, 0.1, 1.0), Outcome::Doubtful);
+    }
+
+    #[test]
+    fn a_map_that_leaves_most_of_the_surface_alone_is_doubtful() {
+        assert_eq!(outcome(1.0, 50, 0.9, 0.49), Outcome::Doubtful);
+        assert_eq!(outcome(1.0, 50, 0.9, 0.5), Outcome::Found);
     }
 }
