@@ -30,7 +30,7 @@ use crate::verify::hypothesis::{Hypothesis, exchanges_sheets};
 /// Distance of a plane's image from the surface, in sqrt(area), from which on a point has no partner.
 const LOST: f64 = 0.03;
 
-/// What completing the map of the largest shell to all shells needs.
+/// What completing the map of the searched shell to all shells needs.
 pub struct Gatherer<'a> {
     mesh: &'a Mesh,
     shells: &'a [Shell],
@@ -41,7 +41,7 @@ pub struct Gatherer<'a> {
     mirrored_vertices: bool,
 }
 
-/// A map of the largest shell, or of its proxy, with what is known of each of its vertices.
+/// A map of the searched shell, or of its proxy, with what is known of each of its vertices.
 struct Known<'a> {
     shell: &'a Shell,
     images: &'a VertexMap,
@@ -68,7 +68,7 @@ impl<'a> Gatherer<'a> {
         Gatherer { mesh, shells, anchors, connectivity, mirrored_vertices }
     }
 
-    /// The symmetry that an exact bijection of the largest shell is, to which the shape agrees; its vertices go to `partners`.
+    /// The symmetry that an exact bijection of the searched shell is, to which the shape agrees; its vertices go to `partners`.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
@@ -206,7 +206,7 @@ impl<'a> Gatherer<'a> {
 pub struct Assembler<'a> {
     gatherer: Gatherer<'a>,
     filled: Option<&'a FilledShell>,
-    /// The largest shell, filled if it has holes, or its proxy.
+    /// The searched shell, filled if it has holes, or its proxy.
     pub shell: &'a PreparedShell,
     proxy: Option<&'a Proxy<'a>>,
     /// The same for refinement.
@@ -246,14 +246,14 @@ impl<'a> Assembler<'a> {
         let mut map = PointMap::empty(self.gatherer.mesh);
         let trust = Evidence::new(&self.target, found, kind.order()).confidence();
         let odd = odd_function(&self.shell.surface, &self.shell.basis, &found.images);
-        self.insert_largest(&mut map, &found.images, &trust, &odd);
+        self.insert_searched(&mut map, &found.images, &trust, &odd);
         let (score, plausibility) = (found.score.total(), found.judged.plausibility);
         let summary = Summary { kind, score, plausibility };
         let known = Known { shell: self.solved(), images: &found.images, trust: &trust, odd: &odd, summary };
         self.gatherer.complete(map, known, threads, progress)
     }
 
-    /// Whether vertices of the largest shell are mirrored, though edges need not be, near a map.
+    /// Whether vertices of the searched shell are mirrored, though edges need not be, near a map.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
@@ -269,12 +269,12 @@ impl<'a> Assembler<'a> {
         }
         let mut map = PointMap::empty(self.gatherer.mesh);
         let count = found.images.partners.len();
-        self.insert_largest(&mut map, &found.images, &vec![0.0; count], &vec![0.0; count]);
+        self.insert_searched(&mut map, &found.images, &vec![0.0; count], &vec![0.0; count]);
         let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
         Ok(mirrored_vertices::find(self.gatherer.mesh, estimate, None, kind, threads, progress)?.is_some())
     }
 
-    /// The map with images that follow the rigid parts of the largest shell, judged anew: a reflection by what its parts
+    /// The map with images that follow the rigid parts of the searched shell, judged anew: a reflection by what its parts
     /// say, others by how far they move the surface, since the motions of a half turn's parts may all be the identity, and agree. In a map
     /// that will not count whatever they say, turned parts are not sought.
     ///
@@ -312,7 +312,7 @@ impl<'a> Assembler<'a> {
         Ok(Hypothesis { images, judged, moved, ..found })
     }
 
-    /// How far in space the largest shell's vertices are from their images: mean over the surface, in sqrt(area).
+    /// How far in space the searched shell's vertices are from their images: mean over the surface, in sqrt(area).
     pub fn moved(&self, images: &VertexMap) -> f64 {
         let (Shell { positions, triangles, .. }, areas) = (self.solved(), &self.shell.surface.lumped_mass);
         let moved = |(place, image): (&Vector, &TrianglePoint)| {
@@ -322,19 +322,19 @@ impl<'a> Assembler<'a> {
         sum / areas.iter().sum::<f64>()
     }
 
-    /// The largest shell, filled if it has holes.
-    fn largest(&self) -> &Shell {
+    /// The searched shell, joined of several or the largest one, filled if it has holes.
+    fn searched(&self) -> &Shell {
         self.filled.map_or(&self.gatherer.shells[0], |filled| &filled.shell)
     }
 
     /// That or its proxy.
     fn solved(&self) -> &Shell {
-        self.proxy.map_or(self.largest(), |proxy| &proxy.shell)
+        self.proxy.map_or(self.searched(), |proxy| &proxy.shell)
     }
 
-    /// Enters the largest shell's images, confidence and odd function, carried back from the proxy if there is one.
-    fn insert_largest(&self, map: &mut PointMap, images: &VertexMap, trust: &[f32], odd: &[f64]) {
-        let shell = self.largest();
+    /// Enters the searched shell's images, confidence and odd function, carried back from the proxy if there is one.
+    fn insert_searched(&self, map: &mut PointMap, images: &VertexMap, trust: &[f32], odd: &[f64]) {
+        let shell = self.searched();
         let (mut images, mut trust, odd) = match self.proxy {
             Some(proxy) => {
                 let trust = proxy.carry_values(trust).into_iter().map(|value| value as f32).collect();
@@ -350,10 +350,10 @@ impl<'a> Assembler<'a> {
         map.insert_odd(shell, &odd);
     }
 
-    /// Images under the only pairing of the largest shell that the connectivity admits; a vertex that it leaves out goes where one
+    /// Images under the only pairing of the searched shell that the connectivity admits; a vertex that it leaves out goes where one
     /// beside it goes. `None` if it pairs less than half of the shell.
     pub fn images_of_all(&self, found: &Automorphism) -> Option<VertexMap> {
-        let shell = self.largest();
+        let shell = self.searched();
         let mut local = vec![NONE; self.gatherer.mesh.positions.len()];
         for (index, &point) in shell.points.iter().enumerate().filter(|(_, point)| **point != NONE) {
             local[point as usize] = index as u32;

@@ -223,7 +223,7 @@ struct Case<'a> {
     twins: &'a [[u32; 2]],
 }
 
-/// The largest shell or its proxy with all that does not depend on the search.
+/// The searched shell or its proxy with all that does not depend on the search.
 struct Solved<'a> {
     /// The plan for which it was made.
     plan: Plan,
@@ -234,7 +234,7 @@ struct Solved<'a> {
     twins: Option<TwinDistances>,
 }
 
-/// Maps of the largest shell, the best first.
+/// Maps of the searched shell, the best first.
 type Maps = Vec<(Hypothesis, SymmetryKind)>;
 
 impl Solved<'_> {
@@ -245,7 +245,7 @@ impl Solved<'_> {
 }
 
 impl<'a> Case<'a> {
-    /// The answer where the connectivity of the largest shell admits one reflection and the shape agrees with it: nothing is solved then.
+    /// The answer where the connectivity of the searched shell admits one reflection and the shape agrees with it: nothing is solved then.
     fn exact(&self) -> Result<Option<Detection>> {
         let Case { shells, about: About { mesh, options, progress, .. }, .. } = *self;
         let wanted = options.asks_for_one();
@@ -287,7 +287,7 @@ impl<'a> Case<'a> {
         )
     }
 
-    /// Simplifies and solves the largest shell.
+    /// Simplifies and solves the searched shell.
     fn solve(&self, plan: &Plan, clock: &mut Clock) -> Result<Solved<'a>> {
         let About { mesh, options, progress, .. } = *self.about;
         let largest = self.filled.map_or(&self.shells[0], |filled| &filled.shell);

@@ -11,6 +11,7 @@ use crate::geometry::surface_grid::{Place, places};
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell};
+use crate::spectral::twin_parts::MOST_PARTS;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use std::collections::HashSet;
@@ -19,8 +20,6 @@ use std::collections::HashSet;
 const MAJORITY: f64 = 0.5;
 /// Smaller shells, by their share of the area, are carried along.
 const LEAST: f64 = 0.001;
-/// Most shells that are joined.
-const MOST: usize = 64;
 /// Distance of the places on surfaces that are compared, in sqrt(area).
 const SPACING: f64 = 0.01;
 /// Shells that are nearer to each other than this, in sqrt(area), touch.
@@ -51,16 +50,21 @@ impl JoinedShells {
         JoinedShells { shells, joints: Vec::new(), twins: Vec::new() }
     }
 
-    /// O(area / spacing^2 x log + mesh).
+    /// The large shells that have a likely twin, joined, where no shell holds most of the area; else the largest shell alone.
+    ///
+    /// O(area / spacing^2 x log + shells x mesh).
     pub fn new(mesh: &Mesh, shells: Vec<Shell>) -> JoinedShells {
         let large = |shell: &&Shell| shell.area() >= LEAST;
-        let members = shells.iter().take_while(large).take(MOST).count();
+        let members = shells.iter().take_while(large).take(MOST_PARTS).count();
         if members < 2 || shells[0].area() >= MAJORITY {
             return JoinedShells::alone(shells);
         }
         let contacts = Contacts::between(mesh, &shells[..members]);
         let distances = contacts.distances(mesh, &shells[..members]);
         let twins = twins::likely(mesh, &shells[..members], &distances);
+        if twins.iter().filter(|twin| **twin != NONE).count() < 2 {
+            return JoinedShells::alone(shells);
+        }
         let is_joined = |shell: usize| shell < members && twins[shell] != NONE;
         let joints = contacts.joints(&twins);
         let (joined, rest): (Vec<_>, Vec<_>) =

@@ -57,11 +57,13 @@ pub struct MirrorPlane {
 }
 
 impl MirrorPlane {
-    /// The plane whose images are nearest to the surface; `None` if they are not near it, or if the moments of the shape single no plane out. Some ms, if they are not near it.
+    /// The plane whose images are nearest to the surface; `None` if they are not near it, or if the moments of the shape single no plane out.
+    ///
+    /// O(triangles + area / spacing^2), and if images are near, some thousand walks on the surface.
     pub fn of(mesh: &Mesh) -> Option<MirrorPlane> {
         let places: Vec<Place> = places(&mesh.positions, &mesh.triangles, SPACING);
-        let middle = mean(places.iter().map(|place| (place.at, 1.0)));
-        let moments = moments(places.iter().map(|place| subtract(place.at, middle)).map(|at| (at, at, 1.0)));
+        let middle = mean(places.iter().map(|place| place.at));
+        let moments = moments(places.iter().map(|place| subtract(place.at, middle)).map(|at| (at, at)));
         let axes = principal_axes(moments);
         let sizes = [0, 1, 2].map(|k| along(&moments, axes[k]));
         let largest = sizes.iter().copied().fold(0.0, f64::max);
@@ -153,7 +155,6 @@ impl MirrorPlane {
                 break;
             }
             pairs.truncate((KEPT * pairs.len() as f64).ceil() as usize);
-            let pairs: Vec<(Vector, Vector, f64)> = pairs.into_iter().map(|(_, a, b)| (a, b, 1.0)).collect();
             self = MirrorPlane::between(&pairs);
         }
         (self, median)
@@ -186,11 +187,11 @@ impl MirrorPlane {
         MirrorPlane { normal: normal.map(|x| x / length), offset: (self.offset + shift) / length }
     }
 
-    /// The plane that fits best to weighted pairs.
-    fn between(pairs: &[(Vector, Vector, f64)]) -> MirrorPlane {
-        let from = mean(pairs.iter().map(|pair| (pair.0, pair.2)));
-        let to = mean(pairs.iter().map(|pair| (pair.1, pair.2)));
-        let centred = |&(a, b, weight): &(Vector, Vector, f64)| (subtract(a, from), subtract(b, to), weight);
+    /// The plane that fits best to pairs, whose distances come first.
+    fn between(pairs: &[(f64, Vector, Vector)]) -> MirrorPlane {
+        let from = mean(pairs.iter().map(|pair| pair.1));
+        let to = mean(pairs.iter().map(|pair| pair.2));
+        let centred = |&(_, a, b): &(f64, Vector, Vector)| (subtract(a, from), subtract(b, to));
         let moments = moments(pairs.iter().map(centred));
         let least = |a: &Vector, b: &Vector| along(&moments, *a).total_cmp(&along(&moments, *b));
         let normal = principal_axes(moments).into_iter().min_by(least).expect("three");
@@ -198,11 +199,11 @@ impl MirrorPlane {
     }
 }
 
-fn mean(weighted: impl Iterator<Item = (Vector, f64)>) -> Vector {
+fn mean(places: impl Iterator<Item = Vector>) -> Vector {
     let (mut sum, mut all) = ([0.0; 3], 0.0);
-    for (at, weight) in weighted {
-        (0..3).for_each(|axis| sum[axis] += weight * at[axis]);
-        all += weight;
+    for at in places {
+        (0..3).for_each(|axis| sum[axis] += at[axis]);
+        all += 1.0;
     }
     sum.map(|value| value / all)
 }
@@ -212,13 +213,13 @@ fn along(moments: &[[f64; 3]; 3], axis: Vector) -> f64 {
     (0..3).map(|i| axis[i] * dot(moments[i], axis)).sum()
 }
 
-/// The weighted sum of `(a b^T + b a^T) / 2`.
-fn moments(pairs: impl Iterator<Item = (Vector, Vector, f64)>) -> [[f64; 3]; 3] {
+/// The sum of `(a b^T + b a^T) / 2`.
+fn moments(pairs: impl Iterator<Item = (Vector, Vector)>) -> [[f64; 3]; 3] {
     let mut sum = [[0.0; 3]; 3];
-    for (a, b, weight) in pairs {
+    for (a, b) in pairs {
         for i in 0..3 {
             for j in 0..3 {
-                sum[i][j] += 0.5 * weight * (a[i] * b[j] + b[i] * a[j]);
+                sum[i][j] += 0.5 * (a[i] * b[j] + b[i] * a[j]);
             }
         }
     }

@@ -15,12 +15,7 @@ const ROUNDS: usize = 5;
 /// defects, and hardly one of half of the shell: that asks for lookalikes of half of its vertices within three rings.
 /// O(corners + points log points).
 pub(super) fn shells_with_lookalikes(mesh: &Mesh) -> Vec<bool> {
-    let mut colours = vec![0; mesh.point_count()];
-    for _ in 0..ROUNDS {
-        colours = refined(mesh, &colours);
-    }
-    let mut of_shell: Vec<(u64, u32)> =
-        colours.into_iter().zip(mesh.shell_of_point.iter().copied()).collect();
+    let mut of_shell = coloured(mesh);
     of_shell.sort_unstable();
     let mut counts = vec![[0usize; 2]; mesh.shell_count];
     for alike in of_shell.chunk_by(|a, b| a.0 == b.0) {
@@ -31,6 +26,15 @@ pub(super) fn shells_with_lookalikes(mesh: &Mesh) -> Vec<bool> {
         }
     }
     counts.iter().map(|&[repeated, points]| repeated as f64 >= REPEATED * points as f64).collect()
+}
+
+/// The colour of each point, and its shell.
+fn coloured(mesh: &Mesh) -> Vec<(u64, u32)> {
+    let mut colours = vec![0; mesh.point_count()];
+    for _ in 0..ROUNDS {
+        colours = refined(mesh, &colours);
+    }
+    colours.into_iter().zip(mesh.shell_of_point.iter().copied()).collect()
 }
 
 /// One round: each face takes in the colours of its corners, each point those of its faces, both in no order.
@@ -59,14 +63,9 @@ pub struct Signature {
 
 /// The signature of each shell. O(corners + points log points).
 pub fn shell_signatures(mesh: &Mesh) -> Vec<Signature> {
-    let mut colours = vec![0; mesh.point_count()];
-    for _ in 0..ROUNDS {
-        colours = refined(mesh, &colours);
-    }
     let mut signatures = vec![Signature { hash: 0, distinct: 0.0 }; mesh.shell_count];
     let mut points = vec![0usize; mesh.shell_count];
-    let mut of_shell: Vec<(u64, u32)> =
-        colours.into_iter().zip(mesh.shell_of_point.iter().copied()).collect();
+    let mut of_shell = coloured(mesh);
     of_shell.sort_unstable_by_key(|&(colour, shell)| (shell, colour));
     for alike in of_shell.chunk_by(|a, b| a == b) {
         let (colour, shell) = (alike[0].0, alike[0].1 as usize);
