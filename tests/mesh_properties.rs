@@ -1,8 +1,7 @@
 //! Properties of reading and validating: no bytes make a reader panic, and neither numbering, scale nor
 //! position change what is found.
 
-use intrinsym::base::limits::Limits;
-use intrinsym::mesh::{Mesh, NONE, PolygonMesh, io};
+use intrinsym::{Limits, Mesh, NONE, PolygonMesh, io};
 use proptest::prelude::*;
 use std::path::Path;
 

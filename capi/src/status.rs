@@ -1,7 +1,7 @@
 //! Status codes, the text of the last error, and the border that no panic crosses.
 
 use super::memory::number;
-use intrinsym::base::error::Error;
+use intrinsym::Error;
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};

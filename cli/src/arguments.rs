@@ -4,8 +4,7 @@ use crate::picture::Up;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command as ClapCommand, FromArgMatches, Parser, Subcommand};
-use intrinsym::base::limits::Limits;
-use intrinsym::base::options::{OPTIONS, OptionSpec, Options};
+use intrinsym::{Limits, OPTIONS, OptionSpec, Options};
 use std::path::PathBuf;
 
 const EXIT_STATUS: &str = "Exit status: 0 found (or done), 3 doubtful (the files are written), 1 no symmetry found, 2 error, 130 interrupted, \

@@ -3,10 +3,7 @@
 use crate::Ending;
 use crate::arguments::Detect;
 use crate::outputs::{Input, Outputs};
-use intrinsym::base::error::Result;
-use intrinsym::base::progress::Progress;
-use intrinsym::detect::driver::{Detection, Outcome, detect};
-use intrinsym::mesh::{Mesh, io};
+use intrinsym::{Detection, Mesh, Outcome, Progress, Result, detect, io};
 use std::path::{Path, PathBuf};
 
 /// What is left of a finished job.

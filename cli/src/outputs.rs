@@ -4,15 +4,10 @@ use crate::arguments::{Colors, Detect, Kind};
 use crate::picture;
 use crate::report;
 use crate::targets::{self, Claims, Evidence};
-use intrinsym::base::atomic_file::write_atomically;
-use intrinsym::base::error::Result;
-use intrinsym::base::symmetry_kind::SymmetryKind;
-use intrinsym::detect::correspondence::Symmetry;
-use intrinsym::detect::coverage::Coverage;
-use intrinsym::detect::driver::Detection;
-use intrinsym::mesh::Mesh;
-use intrinsym::mesh::io::{self, AttributeValues, MeshFile, VertexAttribute};
+use intrinsym::internals::base::atomic_file::write_atomically;
+use intrinsym::io::{AttributeValues, MeshFile, VertexAttribute};
 use intrinsym::mirror::pair_colour::pair_colours;
+use intrinsym::{Coverage, Detection, Mesh, Result, Symmetry, SymmetryKind, io};
 use std::path::{Path, PathBuf};
 
 /// Kinds of results in the order in which they are written: the report, which lists the others, is last.

@@ -3,7 +3,7 @@
 
 use crate::arguments::Kind;
 use crate::picture;
-use intrinsym::mesh::io;
+use intrinsym::io;
 use serde_json::Value;
 use std::collections::HashMap;
 use std::ffi::{OsStr, OsString};

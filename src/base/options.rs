@@ -31,10 +31,9 @@ pub struct Options {
     pub symmetries: usize,
     /// Width of the beam that searches parity vectors; 0: as the effort says.
     pub beam_width: usize,
-    /// 1: the sign network proposes beside the search; 0: the search alone.
-    pub network: usize,
-    /// Least plausibility, in percent, at which a map counts as a symmetry; half of it is enough for one that mirrors vertices
-    /// ([`crate::connectivity::mirrored_vertices`]). 0 accepts every finished map.
+    /// Whether the sign network proposes beside the search.
+    pub network: bool,
+    /// Least plausibility, in percent, at which a map counts as a symmetry; half of it is enough for one that mirrors vertices. 0 accepts every finished map.
     pub plausibility: usize,
     /// Vertices of the largest shell up to which the map is sought on the shell itself; a finer one is simplified to
     /// about so many, and the map is carried back; 0: as the effort says.
@@ -47,7 +46,7 @@ pub struct Options {
     pub rotations: usize,
     /// A sign network of the caller's own instead of the embedded one: trusted input.
     pub model: Option<PathBuf>,
-    /// Signs that a person knows of the mesh's eigenfunctions ([`crate::detect::driver::eigen`]), from the first on: 1 even, -1 odd,
+    /// Signs that a person knows of the mesh's eigenfunctions ([`crate::eigen`]), from the first on: 1 even, -1 odd,
     /// 0 unknown. They overrule the network.
     pub known_signs: Vec<i8>,
 }
@@ -182,7 +181,7 @@ impl Default for Options {
             plausibility: OPTIONS[2].default,
             threads: OPTIONS[3].default,
             memory: OPTIONS[4].default,
-            network: OPTIONS[5].default,
+            network: OPTIONS[5].default == 1,
             eigenfunctions: OPTIONS[6].default,
             samples: OPTIONS[7].default,
             beam_width: OPTIONS[8].default,
@@ -211,24 +210,24 @@ impl Options {
     }
 
     /// Whether any sign is known.
-    pub fn states_signs(&self) -> bool {
+    pub(crate) fn states_signs(&self) -> bool {
         self.known_signs.iter().any(|&sign| sign != 0)
     }
 
     /// Whether the best reflection is all that is asked for, whichever its signs.
-    pub fn asks_for_one(&self) -> bool {
+    pub(crate) fn asks_for_one(&self) -> bool {
         self.symmetries == 1 && self.rotations == 0 && !self.states_signs()
     }
 
     /// The values in the order of [`OPTIONS`].
-    pub fn values(&self) -> [usize; OPTIONS.len()] {
+    pub(crate) fn values(&self) -> [usize; OPTIONS.len()] {
         [
             self.effort as usize,
             self.symmetries,
             self.plausibility,
             self.threads,
             self.memory,
-            self.network,
+            usize::from(self.network),
             self.eigenfunctions,
             self.samples,
             self.beam_width,
@@ -249,7 +248,7 @@ impl Options {
             "plausibility" => self.plausibility = value,
             "threads" => self.threads = value,
             "memory" => self.memory = value,
-            "network" => self.network = value,
+            "network" => self.network = value == 1,
             "eigenfunctions" => self.eigenfunctions = value,
             "samples" => self.samples = value,
             "beam_width" => self.beam_width = value,

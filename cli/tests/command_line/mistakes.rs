@@ -24,7 +24,7 @@ fn numeric_options_name_their_range() {
 fn help_shows_the_shared_table() {
     let help = stdout(&run(&["detect", "--help"]));
     let flat = help.split_whitespace().collect::<Vec<_>>().join(" ");
-    for spec in &intrinsym::base::options::OPTIONS {
+    for spec in &intrinsym::OPTIONS {
         assert!(flat.contains(&format!("--{}", spec.name.replace('_', "-"))), "{help}");
         if spec.choices.is_empty() {
             let range = format!("{} Range {}..={}", spec.help, spec.minimum, spec.maximum);
