@@ -280,7 +280,7 @@ enum Whole {
 }
 
 /// How the bijections of one shell are sought.
-struct Search<'a> {
+struct WholeShellSearch<'a> {
     shells: &'a Shells,
     classes: &'a Classes,
     estimate: &'a Estimate,
@@ -300,7 +300,7 @@ fn match_whole_shells(
     progress: &Progress,
 ) -> Result<WholeShells> {
     let budget = WALKS * matching.half_edges.count() as u64;
-    let mut search = Search { shells, classes, estimate, budget, bijections };
+    let mut search = WholeShellSearch { shells, classes, estimate, budget, bijections };
     let (mut inexact, mut defective, mut unrivalled) = (Vec::new(), None, None);
     for shell in shells.by_size() {
         progress.check()?;
@@ -320,7 +320,7 @@ fn match_whole_shells(
     Ok(WholeShells { inexact, defective, unrivalled, bijections: search.bijections })
 }
 
-impl Search<'_> {
+impl WholeShellSearch<'_> {
     fn match_whole_shell(
         &mut self,
         matching: &mut Matching,
