@@ -5,11 +5,12 @@ mod support;
 use intrinsym::internals::base::effort::Plan;
 use intrinsym::internals::base::limits::estimated_memory;
 use intrinsym::{
-    CancelToken, Detection, Error, Mesh, NONE, OPTIONS, Options, Outcome, PolygonMesh, Progress,
+    CancelToken, Detection, Error, Mesh, NONE, OPTIONS, Options, Outcome, PolygonMesh, Progress, Reason,
     SymmetryKind, detect,
 };
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
+use std::time::{Duration, Instant};
 use support::*;
 
 fn detected(mesh: &Mesh, options: &Options) -> Detection {
@@ -458,6 +459,34 @@ fn cancelling_at_any_report_stops_the_call_there() {
     assert!(matches!(result, Err(Error::Cancelled)));
 }
 
+/// What comes of a detection of the blob that waits at the `last` start of a search for candidates until its time is over.
+fn out_of_time_at(last: usize, time_limit: usize) -> intrinsym::Result<Detection> {
+    let (start, count) = (Instant::now(), Cell::new(0));
+    let callback = |stage: &str, _: f64| {
+        count.set(count.get() + usize::from(stage == "candidates"));
+        let left = Duration::from_secs(time_limit as u64).saturating_sub(start.elapsed());
+        if count.get() == last {
+            std::thread::sleep(left + Duration::from_millis(10));
+        }
+    };
+    let progress = Progress::new(Some(&callback), CancelToken::default());
+    detect(&validated(&example("blob")), &Options { time_limit, ..Options::default() }, &progress)
+}
+
+#[test]
+fn time_that_ends_before_any_answer_is_an_error_that_names_the_stage() {
+    let error = out_of_time_at(1, 1).unwrap_err();
+    assert!(matches!(error, Error::TimeLimit { stage: "candidates" | "refining" }), "{error}");
+}
+
+#[test]
+fn time_that_ends_in_a_larger_plan_leaves_the_answer_of_the_smaller_one() {
+    let found = out_of_time_at(2, 5).unwrap();
+    assert_ne!(found.outcome, Outcome::Found);
+    assert!(found.report.reasons.contains(&Reason::TimeLimit), "{}", found.report.evidence());
+    assert!(found.report.judged.is_some());
+}
+
 #[test]
 fn options_outside_their_range_are_refused() {
     let mesh = validated(&icosphere(1));
@@ -473,6 +502,7 @@ fn options_outside_their_range_are_refused() {
                 plausibility,
                 threads,
                 memory,
+                time_limit,
                 _,
                 eigenfunctions,
                 samples,
@@ -489,6 +519,7 @@ fn options_outside_their_range_are_refused() {
                 proxy_vertices,
                 memory,
                 threads,
+                time_limit,
                 rotations,
                 ..Options::default()
             }

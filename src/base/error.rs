@@ -43,6 +43,14 @@ pub enum Error {
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,
+    /// [`crate::Options::time_limit`] was reached before there was any answer.
+    #[error(
+        "the time limit was reached in the stage {stage:?} before there was any answer; raise it, or lower the effort"
+    )]
+    TimeLimit {
+        /// What was under way, as [`crate::Progress`] names it.
+        stage: &'static str,
+    },
     /// A defect of this library; please report it.
     #[error("internal error, please report it: {0}")]
     Internal(String),

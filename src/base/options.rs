@@ -40,6 +40,9 @@ pub struct Options {
     pub proxy_vertices: usize,
     /// Most memory of a detection in MB, estimated before it is taken; 0 for no limit.
     pub memory: usize,
+    /// Seconds of wall time after which a detection ends with the best map so far, as doubtful; 0 for no limit. The result then depends
+    /// on the machine.
+    pub time_limit: usize,
     /// Threads that a detection uses at most; the result does not depend on it.
     pub threads: usize,
     /// EXPERIMENTAL. Most rotations of order three or more to return after the symmetries that are their own inverses.
@@ -71,7 +74,7 @@ pub struct OptionSpec {
 }
 
 /// The table all hosts read.
-pub const OPTIONS: [OptionSpec; 11] = [
+pub const OPTIONS: [OptionSpec; 12] = [
     OptionSpec {
         name: "effort",
         default: 1,
@@ -116,6 +119,15 @@ pub const OPTIONS: [OptionSpec; 11] = [
         choices: &[],
         expert: false,
         help: "Most memory in MB, mesh included, estimated before it is taken: a mesh that needs more is refused; 0: no limit.",
+    },
+    OptionSpec {
+        name: "time_limit",
+        default: 0,
+        minimum: 1,
+        maximum: 1_000_000,
+        choices: &[],
+        expert: false,
+        help: "Seconds after which a detection ends with the best map so far, as doubtful, or with an error if there is none; 0: no limit.",
     },
     OptionSpec {
         name: "network",
@@ -181,12 +193,13 @@ impl Default for Options {
             plausibility: OPTIONS[2].default,
             threads: OPTIONS[3].default,
             memory: OPTIONS[4].default,
-            network: OPTIONS[5].default == 1,
-            eigenfunctions: OPTIONS[6].default,
-            samples: OPTIONS[7].default,
-            beam_width: OPTIONS[8].default,
-            proxy_vertices: OPTIONS[9].default,
-            rotations: OPTIONS[10].default,
+            time_limit: OPTIONS[5].default,
+            network: OPTIONS[6].default == 1,
+            eigenfunctions: OPTIONS[7].default,
+            samples: OPTIONS[8].default,
+            beam_width: OPTIONS[9].default,
+            proxy_vertices: OPTIONS[10].default,
+            rotations: OPTIONS[11].default,
             model: None,
             known_signs: Vec::new(),
         }
@@ -227,6 +240,7 @@ impl Options {
             self.plausibility,
             self.threads,
             self.memory,
+            self.time_limit,
             usize::from(self.network),
             self.eigenfunctions,
             self.samples,
@@ -248,6 +262,7 @@ impl Options {
             "plausibility" => self.plausibility = value,
             "threads" => self.threads = value,
             "memory" => self.memory = value,
+            "time_limit" => self.time_limit = value,
             "network" => self.network = value == 1,
             "eigenfunctions" => self.eigenfunctions = value,
             "samples" => self.samples = value,

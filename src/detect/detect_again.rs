@@ -4,6 +4,7 @@
 //! the truth than one that is found anew, or refined on the new shape (`docs/speed.md`). So it is kept as it is, and
 //! only judged again, on a simplified mesh and by few eigenfunctions.
 
+use crate::base::effort::{Mechanisms, Plan};
 use crate::base::error::{Error, Result};
 use crate::base::limits::{check_memory, estimated_memory};
 use crate::base::options::Options;
@@ -14,7 +15,7 @@ use crate::detect::clock::Clock;
 use crate::detect::correspondence::Symmetry;
 use crate::detect::coverage::Coverage;
 use crate::detect::detection::{Detection, Report};
-use crate::detect::driver::detect;
+use crate::detect::driver::{detect, detect_by};
 use crate::detect::judging_mesh::JudgingMesh;
 use crate::detect::shell_symmetry::of_images;
 use crate::mesh::Mesh;
@@ -90,14 +91,14 @@ pub fn detect_again<'a>(
     if !previous.symmetries.iter().any(|symmetry| is_wanted(symmetry, options)) {
         return detect(mesh, options, progress);
     }
-    let mut clock = Clock::start();
-    let again = judged(mesh, previous, options, progress, &mut clock)?;
+    let (mut clock, progress) = (Clock::start(), &progress.within(options.time_limit));
+    let again = progress.name_stage(judged(mesh, previous, options, progress, &mut clock))?;
     let seconds = clock.laps;
     if again.outcome != Outcome::None {
-        progress.report("done", 1.0)?;
+        progress.done()?;
         return Ok(Detection { report: Report { seconds, ..again.report }, ..again });
     }
-    let mut anew = detect(mesh, options, progress)?;
+    let mut anew = detect_by(mesh, options, &Plan::of(options), Mechanisms::default(), progress)?;
     anew.report.reasons.push(Reason::NotKept { because: again.report.reasons });
     let spent = seconds.iter().map(|(_, seconds)| seconds).sum();
     anew.report.seconds.insert(0, ("earlier maps".into(), spent));

@@ -129,6 +129,13 @@ impl Detection {
         Detection { outcome: Outcome::Found, symmetries: vec![symmetry], report, judging: None }
     }
 
+    /// The same where time ended what could remove its doubts.
+    pub(crate) fn out_of_time(mut self) -> Detection {
+        self.outcome = self.outcome.max(Outcome::Doubtful);
+        self.report.reasons.push(Reason::TimeLimit);
+        self
+    }
+
     /// Whether no larger plan needs to be followed.
     pub(crate) fn is_settled(&self) -> bool {
         self.outcome == Outcome::Found && self.worth() >= SETTLED

@@ -22,10 +22,10 @@ const AT_REST: f64 = 0.9;
 /// the surface; every other shell is then given its partner.
 ///
 /// # Errors
-/// [`crate::Error::Option`], [`crate::Error::Limit`], [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+/// [`crate::Error::Option`], [`crate::Error::Limit`], [`crate::Error::TimeLimit`], [`crate::Error::Cancelled`], [`crate::Error::Internal`].
 pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Detection> {
     options.validate()?;
-    detect_by(mesh, options, &Plan::of(options), Mechanisms::default(), progress)
+    detect_by(mesh, options, &Plan::of(options), Mechanisms::default(), &progress.within(options.time_limit))
 }
 
 /// [`detect`] by plans of the caller's own, in turn until an answer leaves no doubts, and by some mechanisms alone: for measuring.
@@ -41,19 +41,22 @@ pub fn detect_by(
 ) -> Result<Detection> {
     let mut clock = Clock::start();
     progress.report("shells", 0.0)?;
-    let question = Question::new(mesh, options, mechanisms, progress, &mut clock)?;
-    let at_rest = question.at_rest()?;
-    clock.lap("mirror plane");
-    let mut best = match at_rest {
-        Some(at_rest) if at_rest.worth() >= AT_REST => at_rest,
-        other => {
-            let found = searched(&question, plans, &mut clock)?;
-            other.filter(|at_rest| at_rest.worth() > found.worth()).unwrap_or(found)
-        }
-    };
-    progress.report("done", 1.0)?;
+    let found = Question::new(mesh, options, mechanisms, progress, &mut clock)
+        .and_then(|question| answer(&question, plans, &mut clock));
+    let mut best = progress.name_stage(found)?;
+    progress.done()?;
     best.report.seconds = clock.laps;
     Ok(best.without_empty(options.plausibility))
+}
+
+/// The mirror plane's answer, or that of a search, if it is worth more.
+fn answer(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
+    let at_rest = question.at_rest()?;
+    clock.lap("mirror plane");
+    match at_rest {
+        Some(at_rest) if at_rest.worth() >= AT_REST => Ok(at_rest),
+        other => better(other, searched(question, plans, clock)),
+    }
 }
 
 /// The answer of the joined shells; if it leaves doubts that of the largest one alone, if that leaves fewer.
@@ -69,8 +72,16 @@ fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<De
         return Ok(found);
     }
     let alone = JoinedShells::alone(question.mesh.shells());
-    let other = of_shells(question, &alone, plans, clock)?;
-    Ok(if other.worth() > found.worth() { other } else { found })
+    better(Some(found), of_shells(question, &alone, plans, clock))
+}
+
+/// The one of two answers that is worth more; the earlier one, as doubtful, if time ended the other.
+fn better(earlier: Option<Detection>, later: Result<Detection>) -> Result<Detection> {
+    match (earlier, later) {
+        (Some(earlier), Err(Error::TimeLimit { .. })) => Ok(earlier.out_of_time()),
+        (Some(earlier), Ok(later)) if earlier.worth() >= later.worth() => Ok(earlier),
+        (_, later) => later,
+    }
 }
 
 /// The answer of exact connectivity, or by the plans in turn until one leaves no doubts.
@@ -85,23 +96,31 @@ fn of_shells(
         clock.lap("correspondence");
         return Ok(exact);
     }
-    let (mut best, mut solved): (Option<Detection>, Option<Spectrum>) = (None, None);
+    let (mut best, mut solved): (Option<Detection>, _) = (None, None);
     // Maps finished on what is solved.
     let mut finished = Vec::new();
     for plan in plans {
-        let spectrum = match solved.take().filter(|solved| solved.serves(plan)) {
-            Some(solved) => solved,
-            None => match Spectrum::new(&domain, plan, clock) {
-                // What a smaller plan has answered stands.
-                Err(Error::Limit { .. }) if best.is_some() => break,
-                solved => {
+        let mut follow = || {
+            let spectrum = match solved.take().filter(|solved: &Spectrum| solved.serves(plan)) {
+                Some(solved) => solved,
+                None => {
                     finished.clear();
-                    solved?
+                    Spectrum::new(&domain, plan, clock)?
                 }
-            },
+            };
+            let found = attempt(&domain, &spectrum, plan, &mut finished, clock);
+            solved = Some(spectrum);
+            found
         };
-        let found = attempt(&domain, &spectrum, plan, &mut finished, clock)?;
-        solved = Some(spectrum);
+        let found = match (follow(), best.take()) {
+            // What a smaller plan has answered stands.
+            (Err(Error::Limit { .. }), Some(best)) => return Ok(best),
+            (Err(Error::TimeLimit { .. }), Some(best)) => return Ok(best.out_of_time()),
+            (found, earlier) => {
+                best = earlier;
+                found?
+            }
+        };
         let settled = found.is_settled() || plan.search.beam_width > 0 && found.is_hopeless();
         if best.as_ref().is_none_or(|best| found.is_better(best)) {
             best = Some(found);

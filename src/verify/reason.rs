@@ -70,6 +70,8 @@ pub enum Reason {
         /// Mean confidence over the surface, 0..=1.
         mean_confidence: f64,
     },
+    /// The time limit ended the search before a larger plan could remove the doubts about the answer.
+    TimeLimit,
     /// The symmetry was kept by the caller, and is not judged.
     Restored,
     /// What was known of an earlier shape is no symmetry of this one.
@@ -139,6 +141,7 @@ impl Display for Reason {
                 to,
                 "but over the whole surface its mean confidence is {mean_confidence:.3}: it is no symmetry of the mesh"
             ),
+            Reason::TimeLimit => to.write_str("the time limit ended the search"),
             Reason::Restored => to.write_str("restored from stored arrays"),
             Reason::NotKept { because } => {
                 write!(to, "an earlier shape's map was not kept: {}", in_words(because))
