@@ -147,3 +147,23 @@ def test_a_deformed_shape_keeps_its_map_and_another_shape_does_not(quadruped, de
     anew = quadruped.detect(previous=wrong)
     assert not anew.report.kept
     assert np.array_equal(anew[0].partner, symmetry.partner)
+
+
+def test_partners_share_a_colour_and_other_pairs_do_not(symmetry):
+    colours = symmetry.pair_colours
+    sure = symmetry.confidence > 0.5
+    paired = sure & sure[symmetry.partner] & (symmetry.partner[symmetry.partner] == np.arange(len(sure)))
+    assert paired.sum() > 1000
+    difference = np.abs(colours[paired].astype(int) - colours[symmetry.partner[paired]])
+    assert np.median(difference.max(axis=1)) < 8
+    assert len(np.unique(colours, axis=0)) > 1000
+
+
+def test_distances_from_the_curve_are_nothing_on_it_and_scale_with_the_positions(quadruped, symmetry):
+    vertices = quadruped.vertices
+    distances = symmetry.curve_distances(vertices)
+    lowest = [distances[line.edges].min() for line in symmetry.fixed_curve]
+    assert distances.min() >= 0 and max(lowest) < 0.05 * distances.max()
+    np.testing.assert_allclose(symmetry.curve_distances(2 * vertices), 2 * distances, rtol=1e-6)
+    with pytest.raises(intrinsym.ArgumentError, match="positions"):
+        symmetry.curve_distances(vertices[1:])

@@ -16,7 +16,6 @@ from ._handles import Handle, new_handle
 from ._library import LIBRARY, OptionSpecStruct
 from .errors import ERROR_OPTION, OptionError
 
-
 #: How hard a detection tries.
 Effort = Literal["fast", "default", "thorough"]
 
