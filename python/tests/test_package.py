@@ -74,6 +74,14 @@ def test_the_wheel_works_in_a_clean_environment(tmp_path):
     count, library = run.stdout.split()
     assert count == "3398"
     assert Path(library).is_relative_to(tmp_path)
+    program = tmp_path / "venv" / "bin" / "intrinsym"
+    run = subprocess.run(
+        [program, "detect", EXAMPLES / "quadruped.ply", "--map", "map", "--output", "paired.ply"],
+        env=environment, cwd=tmp_path, capture_output=True, text=True,
+    )  # fmt: skip
+    assert run.returncode == 0 and len((tmp_path / "map").read_text().splitlines()) == 3398, run.stderr
+    version = subprocess.run([program, "--version"], capture_output=True, text=True).stdout
+    assert version.split()[-1] == intrinsym.__version__
     batch = tmp_path / "venv" / "bin" / "intrinsym-batch"
     run = subprocess.run([batch, "x", "--output", "y"], env=environment, capture_output=True, text=True)
     assert run.returncode == 2 and 'pip install "intrinsym[ray]"' in run.stderr
