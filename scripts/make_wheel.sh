@@ -65,7 +65,7 @@ END
 
 link_program() {
     write_linker
-    cargo rustc --release --locked --bin intrinsym -- -C "linker=$PWD/$BUILD/linker"
+    cargo rustc --release --locked -p intrinsym-cli --bin intrinsym -- -C "linker=$PWD/$BUILD/linker"
     mkdir -p "$PROGRAMS"
     strip -o "$PROGRAMS/intrinsym" "$CARGO_TARGET_DIR/release/intrinsym"
 }
