@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict, fields
 
 import numpy as np
 import pytest
@@ -42,13 +43,28 @@ def test_a_lump_is_not_found_to_have_a_symmetry():
 def test_no_symmetry_is_an_empty_answer_with_its_evidence(loose_triangles):
     found = loose_triangles.detect()
     assert not found and len(found) == 0
-    assert found.outcome is intrinsym.Outcome.NONE and "no symmetry of the mesh" in found.evidence
+    assert found.outcome is intrinsym.Outcome.NONE
+    assert "nothing_said" in [reason.name for reason in found.report.reasons]
 
 
 def test_a_doubtful_answer_holds_its_map_and_what_speaks_against_it(quadruped):
     found = quadruped.detect(plausibility=100)
     assert found.outcome is intrinsym.Outcome.DOUBTFUL == found.report.json["outcome"]
-    assert found and found[0].partner.min() >= 0 and found.evidence.endswith("it is given as doubtful")
+    assert found and found[0].partner.min() >= 0
+    best_map, doubt = found.report.reasons
+    assert (best_map.name, doubt.name) == ("best_map", "low_plausibility")
+    assert best_map.figures["accepted_from"] == 100 and doubt.figures == {}
+    assert best_map.figures["judged"] == asdict(found.report.judged)
+
+
+def test_every_number_of_the_report_is_a_field(detection):
+    report, whole = detection.report, detection.report.json
+    names = {field.name for field in fields(report)}
+    assert set(whole["report"]) <= names
+    assert asdict(report.repairs) == whole["report"]["repairs"] and asdict(report.judged) == whole["report"]["judged"]
+    assert [asdict(sign) for sign in report.signs] == whole["report"]["signs"]
+    typed = {name for part in (report.symmetries[0], detection[0].evidence) for name in asdict(part)}
+    assert set(whole["symmetries"][0]) == typed | {"kind", "order"}
 
 
 def test_shells_are_counted():

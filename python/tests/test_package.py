@@ -8,13 +8,14 @@ import subprocess
 import sys
 import venv
 from pathlib import Path
-from typing import Literal, get_origin
+from typing import Literal, get_args, get_origin
 
 import pytest
 from conftest import EXAMPLES, ROOT
 
 import intrinsym
 from intrinsym import _library, errors
+from intrinsym.report import ReasonName
 
 HEADER = (ROOT / "include" / "isym.h").read_text()
 
@@ -36,6 +37,13 @@ def test_numbers_of_errors_kinds_and_merges_are_those_of_the_header():
     ours |= {f"ISYM_MERGE_{merge.name}": int(merge) for merge in intrinsym.Merge}
     assert ours.items() <= numbers.items()
     assert len([name for name in numbers if name.startswith(("ISYM_KIND_", "ISYM_MERGE_"))]) == 7
+
+
+def test_the_reasons_are_those_of_the_library():
+    source = (ROOT / "src" / "verify" / "reason.rs").read_text()
+    (body,) = re.findall(r"pub enum Reason \{\n(.*?)\n\}", source, re.DOTALL)
+    names = re.findall(r"^    (\w+)(?: \{|,)", body, re.MULTILINE)
+    assert [re.sub("(?<!^)([A-Z])", r"_\1", name).lower() for name in names] == list(get_args(ReasonName))
 
 
 def test_the_version_is_that_of_the_crate():

@@ -29,7 +29,7 @@ from .errors import (
 from .mesh import Eigenpairs, Mesh, Polygons, detect, eigen
 from .options import Effort, OptionSpec, option_specs
 from .progress import Progress
-from .report import Judgement, Outcome, Repairs, Report, SignPrediction, SymmetryReport
+from .report import Judgement, Outcome, Reason, Repairs, Report, SignPrediction, SymmetryReport
 from .surface import CurveLine, SurfacePoints
 from .symmetry import Evidence, Merge, Symmetry, SymmetryKind
 
@@ -58,6 +58,7 @@ __all__ = [
     "Outcome",
     "Polygons",
     "Progress",
+    "Reason",
     "Repairs",
     "Report",
     "SignPrediction",

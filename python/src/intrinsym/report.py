@@ -3,9 +3,32 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from enum import Enum
-from typing import Any
+from typing import Any, Literal, TypeVar, Union
+
+Part = TypeVar("Part")
+
+#: What may speak for an answer or against it.
+ReasonName = Literal[
+    "mirror_plane",
+    "mirrored_connectivity",
+    "best_map",
+    "no_candidate",
+    "not_onto_itself",
+    "one_reflection",
+    "mirrored_vertices",
+    "rotations",
+    "rotations_of_family",
+    "continuous_family",
+    "low_plausibility",
+    "low_confidence",
+    "few_partners",
+    "nothing_said",
+    "restored",
+    "not_kept",
+]
 
 
 class Outcome(str, Enum):
@@ -75,6 +98,16 @@ class Judgement:
 
 
 @dataclass(frozen=True)
+class Reason:
+    """One thing that speaks for an answer or against it; :attr:`Report.evidence` has all of them in words."""
+
+    #: Which, such as "best_map" or "low_confidence".
+    name: ReasonName
+    #: Its figures by name, as in the JSON; empty where it has none.
+    figures: dict[str, Any]
+
+
+@dataclass(frozen=True)
 class SymmetryReport:
     """What the report says of one symmetry beyond :class:`intrinsym.Symmetry`."""
 
@@ -94,7 +127,9 @@ class Report:
 
     #: Found, doubtful or none.
     outcome: Outcome
-    #: One sentence that says why the outcome is what it is.
+    #: Why the outcome is what it is.
+    reasons: tuple[Reason, ...]
+    #: The reasons in one sentence.
     evidence: str
     #: The figures of that sentence; None if no candidate map was worth a judgement.
     judged: Judgement | None
@@ -139,15 +174,23 @@ class Report:
         judged = read["judged"]
         typed = {
             "outcome": Outcome(whole["outcome"]),
-            "judged": judged and Judgement(**judged),
-            "symmetries": tuple(map(_symmetry, whole["symmetries"])),
-            "repairs": Repairs(**read["repairs"]),
+            "reasons": tuple(map(_reason, read["reasons"])),
+            "judged": judged and _named(Judgement, judged),
+            "symmetries": tuple(_named(SymmetryReport, entry) for entry in whole["symmetries"]),
+            "repairs": _named(Repairs, read["repairs"]),
             "eigenvalues": tuple(read["eigenvalues"]),
-            "signs": tuple(SignPrediction(**sign) for sign in read["signs"]),
+            "signs": tuple(_named(SignPrediction, sign) for sign in read["signs"]),
             "seconds": tuple((stage, seconds) for stage, seconds in read["seconds"]),
         }
-        return cls(**{**read, **typed}, options=whole["options"], version=whole["version"], json=whole)
+        return _named(cls, {**whole, **read, **typed, "json": whole})
 
 
-def _symmetry(entry: dict[str, Any]) -> SymmetryReport:
-    return SymmetryReport(**{field.name: entry[field.name] for field in fields(SymmetryReport)})
+def _reason(entry: Union[ReasonName, dict[ReasonName, dict[str, Any]]]) -> Reason:
+    """A reason without figures is its name alone."""
+    ((name, figures),) = ({entry: {}} if isinstance(entry, str) else entry).items()
+    return Reason(name, figures)
+
+
+def _named(kind: Callable[..., Part], values: dict[str, Any]) -> Part:
+    """A dataclass of the values that have its fields' names."""
+    return kind(**{field.name: values[field.name] for field in fields(kind)})  # type: ignore[arg-type]
