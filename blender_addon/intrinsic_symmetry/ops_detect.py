@@ -29,7 +29,7 @@ def is_doubtful(found):
 def in_words(found, index=0):
     """What was found, how much of the mesh it speaks of, and what speaks against it."""
     family = ". One of a continuous family, as a sphere or a vase has" if found.continuous_family else ""
-    coverage = found.report["symmetries"][index]["coverage"]
+    coverage = found.report.symmetries[index].coverage
     said = f"{about(found[index])}{family}. {coverage}"
     return f"Doubtful: {said}. {sentence(found.evidence)}" if is_doubtful(found) else said
 
@@ -116,7 +116,7 @@ class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):
     def _finish(self, object, job):
         """Waits for the worker and keeps what it found; object mode."""
         found = job.answer()
-        labels.take_predictions(object.data, found.report["report"])
+        labels.take_predictions(object.data, found.report)
         if not found:
             self.report({"WARNING"}, f"No symmetry found: {found.evidence}")
             return {"CANCELLED"}

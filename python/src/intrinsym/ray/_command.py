@@ -127,7 +127,8 @@ def _run_where_asked(arguments: argparse.Namespace) -> dict[str, Any]:
         ray.init(address=address, log_to_driver=False, logging_level=logging.ERROR)
     try:
         if (arguments.address or "").startswith("ray://"):
-            return ray.get(ray.remote(num_cpus=0)(_run).remote(arguments, False))
+            summary: dict[str, Any] = ray.get(ray.remote(num_cpus=0)(_run).remote(arguments, False))
+            return summary
         return _run(arguments, sys.stderr.isatty() and not arguments.quiet)
     finally:
         if ours:
