@@ -119,6 +119,7 @@ class Mesh:
         plausibility: int | None = None,
         threads: int | None = None,
         memory: int | None = None,
+        time_limit: int | None = None,
         network: bool | None = None,
         eigenfunctions: int | None = None,
         samples: int | None = None,
@@ -148,6 +149,9 @@ class Mesh:
             Most threads of this call. The result does not depend on it.
         memory : int, 0 to 100000000 MB, default 0
             Most memory, mesh included, estimated before it is taken; 0 is no limit.
+        time_limit : int, 0 to 1000000 seconds, default 0
+            After so long the best map so far is the answer, as doubtful, or LimitError is raised; 0 is no limit. The result then
+            depends on the machine.
         network : bool, default True
             Whether the sign network proposes even and odd eigenfunctions.
         eigenfunctions : int, 12 to 200
@@ -186,6 +190,7 @@ class Mesh:
                 "plausibility": plausibility,
                 "threads": threads,
                 "memory": memory,
+                "time_limit": time_limit,
                 "network": network,
                 "eigenfunctions": eigenfunctions,
                 "samples": samples,
