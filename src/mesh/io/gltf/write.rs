@@ -1,0 +1,239 @@
+//! Writing a `.glb`: the file's own JSON and bytes with vertex attributes added.
+//!
+//! Attributes of an application's own begin with `_` and cannot be unsigned 32-bit integers (glTF 2.0, section 3.7.2.1): all are
+//! floats, which hold every vertex number below 2^24.
+
+use super::Block;
+use crate::base::error::{Error, Result};
+use crate::base::limits::Limits;
+use crate::mesh::io::{AttributeValues, VertexAttribute};
+use crate::mesh::polygons::Polygons;
+use crate::mesh::{PolygonMesh, RepairReport, triangulate, validate};
+use serde_json::value::RawValue;
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, HashSet};
+use std::io::{self, Write};
+use std::ops::Range;
+
+/// What files have in their `asset.generator` that were written here.
+pub const GLB_MARK: &str = "symmetry by intrinsym";
+
+const LARGEST_WHOLE_FLOAT: u64 = 1 << 24;
+const FLOAT: u32 = 5126;
+const UNSIGNED_SHORT: u32 = 5123;
+const UNSIGNED_INT: u32 = 5125;
+const ARRAY_BUFFER: u32 = 34962;
+
+/// What is needed to write a file back.
+#[derive(Debug, Clone)]
+pub struct GltfFile {
+    pub(super) json: Vec<u8>,
+    /// The first buffer.
+    pub(super) binary: Vec<u8>,
+    pub(super) blocks: Vec<Block>,
+    pub(super) has_colours: bool,
+}
+
+/// Elements of the document as their text, so that what is not changed stays as it is.
+type Texts = Vec<Box<RawValue>>;
+
+impl GltfFile {
+    /// A file that holds positions and triangles only.
+    pub fn of_polygons(mesh: &PolygonMesh) -> Result<GltfFile> {
+        let unlimited = Limits { vertices: u64::MAX, faces: u64::MAX, file_bytes: u64::MAX };
+        validate::check(mesh, &unlimited)?;
+        let polygons = Polygons::clean(mesh, &mut RepairReport::default());
+        let (triangles, _) = triangulate::triangulate(&polygons, &mesh.positions);
+        let positions: Vec<[f32; 3]> =
+            mesh.positions.iter().map(|position| position.map(|number| number as f32)).collect();
+        let bound = |start: f32, choose: fn(f32, f32) -> f32| {
+            positions
+                .iter()
+                .fold([start; 3], |bound, position| [0, 1, 2].map(|axis| choose(bound[axis], position[axis])))
+        };
+        let (lowest, highest) = (bound(f32::INFINITY, f32::min), bound(f32::NEG_INFINITY, f32::max));
+        let mut binary: Vec<u8> =
+            positions.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
+        let start = binary.len();
+        binary.extend(triangles.as_flattened().iter().flat_map(|corner| corner.to_le_bytes()));
+        let json = json!({
+            "asset": { "version": "2.0" },
+            "scenes": [{ "nodes": [0] }],
+            "nodes": [{ "mesh": 0 }],
+            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1 }] }],
+            "accessors": [
+                { "bufferView": 0, "componentType": FLOAT, "count": positions.len(), "type": "VEC3", "min": lowest, "max": highest },
+                { "bufferView": 1, "componentType": UNSIGNED_INT, "count": 3 * triangles.len(), "type": "SCALAR" },
+            ],
+            "bufferViews": [
+                { "buffer": 0, "byteLength": start, "target": ARRAY_BUFFER },
+                { "buffer": 0, "byteOffset": start, "byteLength": binary.len() - start, "target": ARRAY_BUFFER + 1 },
+            ],
+        });
+        let block = Block { node: 0, primitives: vec![0], vertices: 0..positions.len() };
+        Ok(GltfFile { json: json.to_string().into_bytes(), binary, blocks: vec![block], has_colours: false })
+    }
+
+    /// Whether a primitive has colours of its own.
+    pub fn has_colours(&self) -> bool {
+        self.has_colours
+    }
+
+    /// The JSON and the bytes behind the file's own, with the attributes.
+    pub fn with(&self, attributes: &[VertexAttribute]) -> Result<Glb<'_>> {
+        let count = self.blocks.last().map_or(0, |block| block.vertices.end) as u64;
+        if count > LARGEST_WHOLE_FLOAT {
+            return Err(Error::Limit {
+                what: "the number of vertices in a .glb",
+                found: count,
+                limit: LARGEST_WHOLE_FLOAT,
+            });
+        }
+        self.try_with(attributes).map_err(|error| {
+            Error::Internal(format!("a glTF document that was read cannot be changed: {error}"))
+        })
+    }
+
+    fn try_with(&self, attributes: &[VertexAttribute]) -> serde_json::Result<Glb<'_>> {
+        let mut root: BTreeMap<String, Box<RawValue>> = serde_json::from_slice(&self.json)?;
+        let (mut accessors, mut views): (Texts, Texts) =
+            (list(&root, "accessors")?, list(&root, "bufferViews")?);
+        let (mut meshes, mut nodes): (Vec<Value>, Texts) = (list(&root, "meshes")?, list(&root, "nodes")?);
+        let start = self.binary.len().next_multiple_of(4);
+        let (mut added, mut used, mut current) = (Vec::new(), HashSet::new(), None);
+        for block in &self.blocks {
+            let mesh = match current {
+                Some((node, mesh)) if node == block.node => mesh,
+                _ => own_mesh(&mut nodes[block.node], &mut meshes, &mut used)?,
+            };
+            current = Some((block.node, mesh));
+            for attribute in attributes {
+                let (name, mut accessor, bytes) = encoded(attribute, &block.vertices);
+                let view = json!({ "buffer": 0, "byteOffset": start + added.len(), "byteLength": bytes.len(), "target": ARRAY_BUFFER });
+                accessor["bufferView"] = views.len().into();
+                for &primitive in &block.primitives {
+                    meshes[mesh]["primitives"][primitive]["attributes"][&name] = accessors.len().into();
+                }
+                views.push(serde_json::value::to_raw_value(&view)?);
+                accessors.push(serde_json::value::to_raw_value(&accessor)?);
+                added.extend(bytes);
+            }
+        }
+        let mut buffers: Vec<Value> = list(&root, "buffers")?;
+        let mut first = buffers.first_mut().map_or(json!({}), Value::take);
+        first.as_object_mut().map(|first| first.remove("uri"));
+        first["byteLength"] = (start + added.len()).into();
+        buffers.splice(..buffers.len().min(1), [first]);
+        let mut set = |name: &str, text| root.insert(name.to_string(), text);
+        set("accessors", serde_json::value::to_raw_value(&accessors)?);
+        set("bufferViews", serde_json::value::to_raw_value(&views)?);
+        set("buffers", serde_json::value::to_raw_value(&buffers)?);
+        set("meshes", serde_json::value::to_raw_value(&meshes)?);
+        set("nodes", serde_json::value::to_raw_value(&nodes)?);
+        Ok(Glb { json: text(root)?, binary: &self.binary, added })
+    }
+}
+
+/// A list of the document, empty if there is none.
+fn list<T: serde::de::DeserializeOwned>(
+    root: &BTreeMap<String, Box<RawValue>>,
+    name: &str,
+) -> serde_json::Result<Vec<T>> {
+    root.get(name).map_or(Ok(Vec::new()), |text| serde_json::from_str(text.get()))
+}
+
+/// The mesh of a node: a copy if another node shows it too, since each has results of its own.
+fn own_mesh(
+    node: &mut Box<RawValue>,
+    meshes: &mut Vec<Value>,
+    used: &mut HashSet<usize>,
+) -> serde_json::Result<usize> {
+    let mut value: Value = serde_json::from_str(node.get())?;
+    let mesh = value["mesh"].as_u64().unwrap_or_default() as usize;
+    if used.insert(mesh) {
+        return Ok(mesh);
+    }
+    meshes.push(meshes[mesh].clone());
+    value["mesh"] = (meshes.len() - 1).into();
+    *node = serde_json::value::to_raw_value(&value)?;
+    Ok(meshes.len() - 1)
+}
+
+/// Name, accessor and bytes of the values of some vertices.
+fn encoded(attribute: &VertexAttribute, vertices: &Range<usize>) -> (String, Value, Vec<u8>) {
+    let count = vertices.len();
+    let own = |bytes| {
+        let name = format!("_{}", attribute.name.to_uppercase());
+        (name, json!({ "componentType": FLOAT, "count": count, "type": "SCALAR" }), bytes)
+    };
+    match &attribute.values {
+        AttributeValues::Int(values) => {
+            own(values[vertices.clone()].iter().flat_map(|&value| (value as f32).to_le_bytes()).collect())
+        }
+        AttributeValues::Float(values) => {
+            own(values[vertices.clone()].iter().flat_map(|value| value.to_le_bytes()).collect())
+        }
+        AttributeValues::Color(values) => {
+            let opaque = |[red, green, blue]: [u8; 3]| [linear(red), linear(green), linear(blue), u16::MAX];
+            let bytes = values[vertices.clone()]
+                .iter()
+                .flat_map(|&colour| opaque(colour))
+                .flat_map(u16::to_le_bytes)
+                .collect();
+            let accessor = json!({ "componentType": UNSIGNED_SHORT, "normalized": true, "count": count, "type": "VEC4" });
+            ("COLOR_0".into(), accessor, bytes)
+        }
+    }
+}
+
+/// From sRGB to the linear light that glTF's colours are in.
+fn linear(channel: u8) -> u16 {
+    let share = f64::from(channel) / 255.0;
+    let light = if share <= 0.04045 { share / 12.92 } else { ((share + 0.055) / 1.055).powf(2.4) };
+    (light * 65535.0).round() as u16
+}
+
+/// The document as text, the asset with its mark first.
+fn text(mut root: BTreeMap<String, Box<RawValue>>) -> serde_json::Result<Vec<u8>> {
+    let asset = root.remove("asset").map_or(Ok(json!({})), |text| serde_json::from_str(text.get()));
+    let mut asset: Value = asset?;
+    let generator = asset["generator"].as_str().unwrap_or_default().to_string();
+    if !generator.contains(GLB_MARK) {
+        let separator = if generator.is_empty() { "" } else { ", " };
+        asset["generator"] = format!("{generator}{separator}{GLB_MARK}").into();
+    }
+    let mut text = format!("{{\"asset\":{asset}").into_bytes();
+    for (key, value) in root {
+        write!(text, ",{}:{}", json!(key), value.get()).map_err(serde_json::Error::io)?;
+    }
+    text.push(b'}');
+    Ok(text)
+}
+
+/// The content of a `.glb`.
+pub struct Glb<'a> {
+    json: Vec<u8>,
+    binary: &'a [u8],
+    added: Vec<u8>,
+}
+
+impl Glb<'_> {
+    /// Writes the container.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let json = self.json.len().next_multiple_of(4);
+        let binary = self.binary.len().next_multiple_of(4);
+        let size =
+            |bytes: usize| u32::try_from(bytes).map_err(|_| io::Error::other("a .glb holds at most 4 GiB"));
+        out.write_all(b"glTF\x02\0\0\0")?;
+        out.write_all(&size(28 + json + binary + self.added.len())?.to_le_bytes())?;
+        out.write_all(&size(json)?.to_le_bytes())?;
+        out.write_all(b"JSON")?;
+        out.write_all(&self.json)?;
+        out.write_all(&b"   "[..json - self.json.len()])?;
+        out.write_all(&size(binary + self.added.len())?.to_le_bytes())?;
+        out.write_all(b"BIN\0")?;
+        out.write_all(self.binary)?;
+        out.write_all(&[0; 3][..binary - self.binary.len()])?;
+        out.write_all(&self.added)
+    }
+}
