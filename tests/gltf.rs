@@ -252,6 +252,9 @@ fn skins_are_applied_at_rest_and_at_a_time() {
     near(at("turn", 2.0)[3], [0.5f64.sqrt(), 1.0 + 0.5f64.sqrt(), 0.0]);
     near(at("lift", 2.0)[3], [1.0, 1.5, 0.0]);
     near(at("lift", 1.5)[3], [1.0, 1.0 + 0.15625, 0.0]);
+    builder.json["accessors"][times]["count"] = json!(0);
+    let message = posed(&builder, "turn", 0.0).unwrap_err().to_string();
+    assert!(message.contains("has not one value for each of its times"), "{message}");
     let message = posed(&builder, "run", 0.0).unwrap_err().to_string();
     assert!(message.contains("no animation is named \"run\"; the file has: turn, lift"), "{message}");
     let off = folder("still").join("a.off");
@@ -476,6 +479,16 @@ fn a_written_file_keeps_its_content_and_gains_attributes() {
         floats(&json, &binary, &json["meshes"][1]["primitives"][0]["attributes"]["_SYM_VERTEX"])[0],
         23.0
     );
+}
+
+#[test]
+fn a_document_of_an_odd_shape_is_not_written() {
+    let mut builder = square();
+    builder.json["asset"] = json!("mine");
+    let path = folder("odd").join("a.glb");
+    let message = io::write_glb(&path, &builder.read(), &attributes(4)).unwrap_err().to_string();
+    assert!(message.contains("cannot be changed: generator belongs into an object"), "{message}");
+    assert!(!path.exists());
 }
 
 #[test]

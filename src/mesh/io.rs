@@ -205,7 +205,7 @@ pub fn write_ply(path: &Path, file: &MeshFile, attributes: &[VertexAttribute]) -
 /// triangles.
 ///
 /// # Errors
-/// As [`write_ply`], and [`Error::Limit`] for more vertices than floats can number.
+/// As [`write_ply`]; [`Error::Limit`] for more vertices than floats can number.
 pub fn write_glb(path: &Path, file: &MeshFile, attributes: &[VertexAttribute]) -> Result<()> {
     check_counts(attributes, file.polygons.positions.len())?;
     let plain;
@@ -216,7 +216,7 @@ pub fn write_glb(path: &Path, file: &MeshFile, attributes: &[VertexAttribute]) -
             &plain
         }
     };
-    let glb = gltf.with(attributes)?;
+    let glb = gltf.with(attributes).map_err(|fault| fault.into_error(path))?;
     write_atomically(path, |out| glb.write(out))
 }
 

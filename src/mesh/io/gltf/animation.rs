@@ -73,7 +73,7 @@ fn value_at(data: &Data, sampler: &Sampler, time: f64, width: usize) -> Result<V
     let values = data.numbers(sampler.output, width)?;
     let is_cubic = sampler.interpolation == "CUBICSPLINE";
     let size = values.len() / times.len().max(1) / if is_cubic { 3 } else { 1 };
-    if size == 0 || (width > 1 && size != width) {
+    if times.is_empty() || size == 0 || (width > 1 && size != width) {
         return Err(Fault::new(
             "an animation has not one value for each of its times; export the file again",
         ));

@@ -6,6 +6,7 @@
 use super::Block;
 use crate::base::error::{Error, Result};
 use crate::base::limits::Limits;
+use crate::mesh::io::scanner::Fault;
 use crate::mesh::io::{AttributeValues, VertexAttribute};
 use crate::mesh::polygons::Polygons;
 use crate::mesh::{PolygonMesh, RepairReport, triangulate, validate};
@@ -80,17 +81,14 @@ impl GltfFile {
     }
 
     /// The JSON and the bytes behind the file's own, with the attributes.
-    pub fn with(&self, attributes: &[VertexAttribute]) -> Result<Glb<'_>> {
-        let count = self.blocks.last().map_or(0, |block| block.vertices.end) as u64;
-        if count > LARGEST_WHOLE_FLOAT {
-            return Err(Error::Limit {
-                what: "the number of vertices in a .glb",
-                found: count,
-                limit: LARGEST_WHOLE_FLOAT,
-            });
+    pub fn with(&self, attributes: &[VertexAttribute]) -> Result<Glb<'_>, Fault> {
+        let found = self.blocks.last().map_or(0, |block| block.vertices.end) as u64;
+        if found > LARGEST_WHOLE_FLOAT {
+            let what = "the number of vertices in a .glb";
+            return Err(Error::Limit { what, found, limit: LARGEST_WHOLE_FLOAT }.into());
         }
         self.try_with(attributes).map_err(|error| {
-            Error::Internal(format!("a glTF document that was read cannot be changed: {error}"))
+            Fault::new(format!("the glTF that was read cannot be changed: {error}; write a .ply"))
         })
     }
 
@@ -112,7 +110,10 @@ impl GltfFile {
                 let view = json!({ "buffer": 0, "byteOffset": start + added.len(), "byteLength": bytes.len(), "target": ARRAY_BUFFER });
                 accessor["bufferView"] = views.len().into();
                 for &primitive in &block.primitives {
-                    meshes[mesh]["primitives"][primitive]["attributes"][&name] = accessors.len().into();
+                    let path = format!("/primitives/{primitive}/attributes");
+                    let primitive =
+                        meshes[mesh].pointer_mut(&path).ok_or_else(|| not_an_object("primitive"))?;
+                    set(primitive, &name, accessors.len())?;
                 }
                 views.push(serde_json::value::to_raw_value(&view)?);
                 accessors.push(serde_json::value::to_raw_value(&accessor)?);
@@ -122,14 +123,13 @@ impl GltfFile {
         let mut buffers: Vec<Value> = list(&root, "buffers")?;
         let mut first = buffers.first_mut().map_or(json!({}), Value::take);
         first.as_object_mut().map(|first| first.remove("uri"));
-        first["byteLength"] = (start + added.len()).into();
+        set(&mut first, "byteLength", start + added.len())?;
         buffers.splice(..buffers.len().min(1), [first]);
-        let mut set = |name: &str, text| root.insert(name.to_string(), text);
-        set("accessors", serde_json::value::to_raw_value(&accessors)?);
-        set("bufferViews", serde_json::value::to_raw_value(&views)?);
-        set("buffers", serde_json::value::to_raw_value(&buffers)?);
-        set("meshes", serde_json::value::to_raw_value(&meshes)?);
-        set("nodes", serde_json::value::to_raw_value(&nodes)?);
+        replace(&mut root, "accessors", &accessors)?;
+        replace(&mut root, "bufferViews", &views)?;
+        replace(&mut root, "buffers", &buffers)?;
+        replace(&mut root, "meshes", &meshes)?;
+        replace(&mut root, "nodes", &nodes)?;
         Ok(Glb { json: text(root)?, binary: &self.binary, added })
     }
 }
@@ -140,6 +140,26 @@ fn list<T: serde::de::DeserializeOwned>(
     name: &str,
 ) -> serde_json::Result<Vec<T>> {
     root.get(name).map_or(Ok(Vec::new()), |text| serde_json::from_str(text.get()))
+}
+
+fn replace(
+    root: &mut BTreeMap<String, Box<RawValue>>,
+    name: &str,
+    list: &impl serde::Serialize,
+) -> serde_json::Result<()> {
+    root.insert(name.to_string(), serde_json::value::to_raw_value(list)?);
+    Ok(())
+}
+
+/// Sets a member of what must be an object.
+fn set(object: &mut Value, key: &str, value: impl Into<Value>) -> serde_json::Result<()> {
+    let members = object.as_object_mut().ok_or_else(|| not_an_object(key))?;
+    members.insert(key.to_string(), value.into());
+    Ok(())
+}
+
+fn not_an_object(what: &str) -> serde_json::Error {
+    serde::de::Error::custom(format_args!("{what} belongs into an object"))
 }
 
 /// The mesh of a node: a copy if another node shows it too, since each has results of its own.
@@ -154,7 +174,7 @@ fn own_mesh(
         return Ok(mesh);
     }
     meshes.push(meshes[mesh].clone());
-    value["mesh"] = (meshes.len() - 1).into();
+    set(&mut value, "mesh", meshes.len() - 1)?;
     *node = serde_json::value::to_raw_value(&value)?;
     Ok(meshes.len() - 1)
 }
@@ -200,7 +220,7 @@ fn text(mut root: BTreeMap<String, Box<RawValue>>) -> serde_json::Result<Vec<u8>
     let generator = asset["generator"].as_str().unwrap_or_default().to_string();
     if !generator.contains(GLB_MARK) {
         let separator = if generator.is_empty() { "" } else { ", " };
-        asset["generator"] = format!("{generator}{separator}{GLB_MARK}").into();
+        set(&mut asset, "generator", format!("{generator}{separator}{GLB_MARK}"))?;
     }
     let mut text = format!("{{\"asset\":{asset}").into_bytes();
     for (key, value) in root {
