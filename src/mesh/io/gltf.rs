@@ -7,6 +7,7 @@
 mod animation;
 mod data;
 mod document;
+mod plain;
 mod scene;
 mod write;
 

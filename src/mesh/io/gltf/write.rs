@@ -5,11 +5,8 @@
 
 use super::Block;
 use crate::base::error::{Error, Result};
-use crate::base::limits::Limits;
 use crate::mesh::io::scanner::Fault;
 use crate::mesh::io::{AttributeValues, VertexAttribute};
-use crate::mesh::polygons::Polygons;
-use crate::mesh::{PolygonMesh, RepairReport, triangulate, validate};
 use serde_json::value::RawValue;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, HashSet};
@@ -20,10 +17,9 @@ use std::ops::Range;
 pub const GLB_MARK: &str = "symmetry by intrinsym";
 
 const LARGEST_WHOLE_FLOAT: u64 = 1 << 24;
-const FLOAT: u32 = 5126;
+pub(super) const FLOAT: u32 = 5126;
 const UNSIGNED_SHORT: u32 = 5123;
-const UNSIGNED_INT: u32 = 5125;
-const ARRAY_BUFFER: u32 = 34962;
+pub(super) const ARRAY_BUFFER: u32 = 34962;
 
 /// What is needed to write a file back.
 #[derive(Debug, Clone)]
@@ -39,42 +35,6 @@ pub struct GltfFile {
 type Texts = Vec<Box<RawValue>>;
 
 impl GltfFile {
-    /// A file that holds positions and triangles only.
-    pub fn of_polygons(mesh: &PolygonMesh) -> Result<GltfFile> {
-        let unlimited = Limits { vertices: u64::MAX, faces: u64::MAX, file_bytes: u64::MAX };
-        validate::check(mesh, &unlimited)?;
-        let polygons = Polygons::clean(mesh, &mut RepairReport::default());
-        let (triangles, _) = triangulate::triangulate(&polygons, &mesh.positions);
-        let positions: Vec<[f32; 3]> =
-            mesh.positions.iter().map(|position| position.map(|number| number as f32)).collect();
-        let bound = |start: f32, choose: fn(f32, f32) -> f32| {
-            positions
-                .iter()
-                .fold([start; 3], |bound, position| [0, 1, 2].map(|axis| choose(bound[axis], position[axis])))
-        };
-        let (lowest, highest) = (bound(f32::INFINITY, f32::min), bound(f32::NEG_INFINITY, f32::max));
-        let mut binary: Vec<u8> =
-            positions.as_flattened().iter().flat_map(|number| number.to_le_bytes()).collect();
-        let start = binary.len();
-        binary.extend(triangles.as_flattened().iter().flat_map(|corner| corner.to_le_bytes()));
-        let json = json!({
-            "asset": { "version": "2.0" },
-            "scenes": [{ "nodes": [0] }],
-            "nodes": [{ "mesh": 0 }],
-            "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1 }] }],
-            "accessors": [
-                { "bufferView": 0, "componentType": FLOAT, "count": positions.len(), "type": "VEC3", "min": lowest, "max": highest },
-                { "bufferView": 1, "componentType": UNSIGNED_INT, "count": 3 * triangles.len(), "type": "SCALAR" },
-            ],
-            "bufferViews": [
-                { "buffer": 0, "byteLength": start, "target": ARRAY_BUFFER },
-                { "buffer": 0, "byteOffset": start, "byteLength": binary.len() - start, "target": ARRAY_BUFFER + 1 },
-            ],
-        });
-        let block = Block { node: 0, primitives: vec![0], vertices: 0..positions.len() };
-        Ok(GltfFile { json: json.to_string().into_bytes(), binary, blocks: vec![block], has_colours: false })
-    }
-
     /// Whether a primitive has colours of its own.
     pub fn has_colours(&self) -> bool {
         self.has_colours
