@@ -1,6 +1,6 @@
 //! glTF files: what of a scene becomes the mesh, what is refused, and what is written back.
 
-use intrinsym::mesh::io::{self, AttributeValues, Format, MeshFile, Pose, VertexAttribute};
+use intrinsym::io::{self, AttributeValues, Format, MeshFile, Pose, VertexAttribute};
 use intrinsym::{Error, Limits, Mesh};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
