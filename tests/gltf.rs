@@ -310,16 +310,13 @@ fn what_cannot_be_read_is_refused_in_words() {
     refused(&nodes(json!([{ "mesh": 3 }])), "refers to mesh 3");
     refused(&nodes(json!([{ "mesh": 0, "skin": 0 }])), "refers to skin 0");
     refused(&with(&|json| json["scenes"] = json!([{ "nodes": [9] }])), "refers to node 9");
-    for (field, value) in [
-        ("count", json!(5)),
-        ("count", json!(u64::MAX / 40)),
-        ("byteOffset", json!(4)),
-        ("byteOffset", json!(u64::MAX)),
+    for (field, value, expected) in [
+        ("count", 7, "accessor 1 reaches beyond the end of its buffer"),
+        ("count", u64::MAX / 40, "the number of faces"),
+        ("byteOffset", 4, "reaches beyond the end"),
+        ("byteOffset", u64::MAX, "reaches beyond the end"),
     ] {
-        refused(
-            &with(&|json| json["accessors"][1][field] = value.clone()),
-            if field == "count" { "accessor 1" } else { "beyond the end" },
-        );
+        refused(&with(&|json| json["accessors"][1][field] = json!(value)), expected);
     }
     refused(&with(&|json| json["bufferViews"][0]["byteLength"] = json!(u64::MAX)), "reaches beyond the end");
     refused(&with(&|json| json["bufferViews"][0]["buffer"] = json!(1)), "refers to buffer 1");
@@ -336,6 +333,8 @@ fn what_cannot_be_read_is_refused_in_words() {
     let mut builder = skinned();
     builder.json["skins"][0]["joints"] = json!([1]);
     refused(&builder.glb(), "refers to joint 1");
+    builder.json["accessors"][3] = json!({ "componentType": 5121, "type": "VEC4", "count": 1u64 << 60 });
+    refused(&builder.glb(), "accessor 3 has more elements than a mesh within the limits");
     refused(b"glTF\x01\0\0\0\x0c\0\0\0", "version 1");
     refused(b"glTF\x02\0\0\0\x0c\0\0\0", "has no JSON chunk");
 }
