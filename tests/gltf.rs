@@ -524,7 +524,7 @@ fn other_formats_become_positions_and_triangles() {
 
 #[test]
 fn formats_of_other_programs_name_the_way_out() {
-    for (name, program) in [("a.fbx", "FBX"), ("a.USDZ", "USD"), ("a.blend", "Blender's own")] {
+    for (name, program) in [("a.fbx", "FBX"), ("a.USDZ", "USD"), ("a.blend", "Blender's .blend")] {
         let message = io::parse(Path::new(name), b"PK\x03\x04", &Limits::default()).unwrap_err().to_string();
         assert!(message.contains(program) && message.contains("File > Export > glTF 2.0"), "{message}");
     }

@@ -288,7 +288,7 @@ fn of_another_program(path: &Path) -> Option<&'static str> {
     match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
         "fbx" => Some("FBX"),
         "usd" | "usda" | "usdc" | "usdz" => Some("USD"),
-        "blend" => Some("Blender's own"),
+        "blend" => Some("Blender's .blend"),
         "dae" => Some("Collada"),
         _ => None,
     }
@@ -300,7 +300,7 @@ fn choose_format(path: &Path, bytes: &[u8]) -> Result<(Format, Option<String>), 
     }
     if let Some(program) = of_another_program(path) {
         return Err(Fault::new(format!(
-            "{program} files are not read; open it in the program that made it, or in Blender, and export glTF 2.0 \
+            "{program} is not read; open the file in the program that made it, or in Blender, and export glTF 2.0 \
              (Blender: File > Export > glTF 2.0, .glb)"
         )));
     }
