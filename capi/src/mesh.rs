@@ -201,7 +201,7 @@ pub unsafe extern "C" fn isym_mesh_from_polygons_f32(
     })
 }
 
-/// Reads a mesh from a PLY, OBJ, OFF or STL file.
+/// Reads a mesh from a PLY, OBJ, OFF, STL, glTF or GLB file.
 ///
 /// @param path The file, UTF-8.
 /// @param[out] mesh Free it with `isym_mesh_free`.

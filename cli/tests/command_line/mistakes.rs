@@ -42,8 +42,8 @@ fn help_shows_the_shared_table() {
 }
 
 #[test]
-fn the_mesh_is_written_as_ply_only() {
-    refused(&["detect", "in.ply", "-o", "out.obj"], "name the file something.ply");
+fn the_mesh_is_written_as_ply_or_glb_only() {
+    refused(&["detect", "in.ply", "-o", "out.obj"], "name the file something.ply or something.glb");
     refused(&["eigen", "in.ply", "-o", "out.csv"], "name the file something.npz");
 }
 

@@ -82,8 +82,8 @@ class Mesh:
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Mesh:
-        """Reads a PLY, OBJ, OFF or STL file. Raises MeshFileError, which names the line or byte, MeshError,
-        LimitError."""
+        """Reads a PLY, OBJ, OFF, STL, glTF or GLB file. Raises MeshFileError, which names the line or byte,
+        MeshError, LimitError."""
         mesh = cls.__new__(cls)
         mesh._own(new_handle("mesh", LIBRARY.isym_mesh_read, os.fsencode(path)))
         return mesh
