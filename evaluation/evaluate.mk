@@ -37,6 +37,11 @@ evaluate-robustness: train-setup ## Measure maps, verdicts and confidence on eve
 	$(EVALUATE_PYTHON) evaluation.robustness_tables $(EVALUATE_RESULTS)-robustness.json $(if $(filter --quick,$(EVALUATE_FLAGS)),out,docs)/robustness.png
 	$(EVALUATE_PYTHON) evaluation.pages
 
+evaluate-stability: train-setup ## Measure whether the same shape gives the same answer however it is written: docs/robustness.md
+	cargo build --release --locked --bin intrinsym
+	$(EVALUATE_PYTHON) evaluation.stability --out $(EVALUATE_RESULTS)-stability.json
+	$(EVALUATE_PYTHON) evaluation.pages
+
 # The shapes that docs/method.md names; `make train-setup` brings the generator.
 GENERATE = $(EVALUATE_PYTHON) training.generate $(1) --max-vertices 12000 --out $(EVALUATE_DATA)/$(2)
 $(EVALUATE_DATA)/fit.ready: | $(TRAIN_OUT)/venv/.ready
