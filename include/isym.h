@@ -238,19 +238,19 @@ extern "C" {
 ISYM_API
 const char *isym_version(void);
 
-/// What went wrong in the last call of this thread that returned a status.
-///
-/// @return A sentence in UTF-8, for people; empty if that call returned `ISYM_OK`. Never NULL. Valid until this thread's
-/// next such call.
-ISYM_API
-const char *isym_error_message(void);
-
 /// The name of a status in this header.
 ///
 /// @param status Any number.
 /// @return Such as "ISYM_ERROR_MESH"; "unknown status" for a number that is none. Never NULL, never freed.
 ISYM_API
 const char *isym_status_name(isym_status status);
+
+/// What went wrong in the last call of this thread that returned a status.
+///
+/// @return A sentence in UTF-8, for people; empty if that call returned `ISYM_OK`. Never NULL. Valid until this thread's
+/// next such call.
+ISYM_API
+const char *isym_error_message(void);
 
 /// Number of options in the table.
 ///

@@ -6,7 +6,8 @@
 #[path = "../src/lib.rs"]
 mod capi;
 
-use capi::status::{boundary, isym_status};
+use capi::panic_boundary::boundary;
+use capi::status::isym_status;
 
 /// Panics, as a defect of ours would.
 #[unsafe(no_mangle)]

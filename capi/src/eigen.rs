@@ -2,7 +2,8 @@
 
 use super::handles::Table;
 use super::memory::{Output, product};
-use super::status::{boundary, isym_status};
+use super::panic_boundary::boundary;
+use super::status::isym_status;
 use intrinsym::Eigen;
 
 /// Eigenpairs of a mesh, from `isym_mesh_eigen`. They never change.

@@ -3,7 +3,7 @@
 //! A handle is a number in a table, never an address ([`handles`]): one that was freed, or is of another
 //! kind, is told apart from a live one without touching memory, and freeing in one thread what another is
 //! working with is harmless. Callers' arrays are checked and copied at the border ([`memory`]), results are
-//! copied out after everything else has succeeded, and no panic leaves ([`status::boundary`]).
+//! copied out after everything else has succeeded, and no panic leaves ([`panic_boundary::boundary`]).
 //!
 //! Every exported function that takes a pointer trusts the caller in one thing alone: that the memory
 //! it points to has the length that the documentation states.
@@ -16,6 +16,7 @@ pub mod handles;
 pub mod memory;
 pub mod mesh;
 pub mod options;
+pub mod panic_boundary;
 pub mod progress;
 pub mod result;
 pub mod status;

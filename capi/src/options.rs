@@ -2,7 +2,8 @@
 
 use super::handles::Table;
 use super::memory::{Output, Versioned, array, text};
-use super::status::{Fault, ISYM_ERROR_INDEX, ISYM_ERROR_OPTION, Result, boundary, isym_status};
+use super::panic_boundary::boundary;
+use super::status::{Fault, ISYM_ERROR_INDEX, ISYM_ERROR_OPTION, Result, isym_status};
 use intrinsym::{OPTIONS, Options};
 use std::ffi::{CString, c_char};
 use std::sync::{LazyLock, Mutex, PoisonError};

@@ -2,7 +2,8 @@
 
 use super::handles::Table;
 use super::memory::Output;
-use super::status::{Fault, ISYM_ERROR_CALLBACK, ISYM_ERROR_NULL, Result, boundary, isym_status};
+use super::panic_boundary::boundary;
+use super::status::{Fault, ISYM_ERROR_CALLBACK, ISYM_ERROR_NULL, Result, isym_status};
 use intrinsym::{CancelToken, Progress};
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_void};

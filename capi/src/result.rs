@@ -3,7 +3,8 @@
 use super::handles::Table;
 use super::memory::{Output, Versioned, array, number, product};
 use super::mesh::{MESHES, MeshObject, expect_vertices, isym_mesh};
-use super::status::{Fault, ISYM_ERROR_INDEX, ISYM_ERROR_VALUE, Result, boundary, isym_status};
+use super::panic_boundary::boundary;
+use super::status::{Fault, ISYM_ERROR_INDEX, ISYM_ERROR_VALUE, Result, isym_status};
 use intrinsym::mirror::pair_colour::pair_colours;
 use intrinsym::{
     Coverage, Detection, JudgingMesh, Options, Outcome, Previous, SurfacePoint, Symmetry, SymmetryKind,

@@ -2,9 +2,10 @@
 
 use super::memory::{Output, Versioned, array, expect, number, product, structure};
 use super::mesh::expect_vertices;
+use super::panic_boundary::boundary;
 use super::progress::{isym_progress, progress_of};
 use super::result::{RESULTS, ResultObject, isym_result};
-use super::status::{Fault, ISYM_ERROR_LENGTH, ISYM_ERROR_VALUE, Result, boundary, isym_status};
+use super::status::{Fault, ISYM_ERROR_LENGTH, ISYM_ERROR_VALUE, Result, isym_status};
 use intrinsym::mirror::curve_distance::curve_distances;
 use intrinsym::mirror::faces::mirror_face_selection;
 use intrinsym::mirror::frames::carry_displacement;

@@ -33,8 +33,8 @@ fn version() -> String {
 }
 
 /// The sources in the order in which the header reads best.
-fn sources() -> [PathBuf; 8] {
-    ["version", "status", "options", "progress", "mesh", "result", "tools", "eigen"]
+fn sources() -> [PathBuf; 9] {
+    ["version", "status", "panic_boundary", "options", "progress", "mesh", "result", "tools", "eigen"]
         .map(|name| root().join(format!("capi/src/{name}.rs")))
 }
 
