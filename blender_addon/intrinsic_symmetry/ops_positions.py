@@ -10,7 +10,7 @@ from .mirroring import DIRECTIONS, MERGE, ConfidenceProperties, MirrorProperties
 from .operator_base import MapOperator, MeshOperator
 
 #: POINT attribute, FLOAT_VECTOR: positions of the shape that is being edited, when they were remembered.
-REMEMBERED = "symmetry_remembered"
+REMEMBERED = "sym_remembered"
 
 
 class INTRINSIC_SYMMETRY_OT_symmetrize(MirrorProperties, MapOperator, bpy.types.Operator):

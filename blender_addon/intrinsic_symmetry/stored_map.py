@@ -3,13 +3,13 @@
 
 | attribute | type | meaning |
 |---|---|---|
-| symmetry_partner | INT | the vertex that is the mirror image; -1 none |
-| symmetry_confidence | FLOAT | 0..1 |
-| symmetry_side | INT | 1 left (mostly +X), -1 right, 0 on the line between them |
-| symmetry_face | INT | the face that holds the exact mirror image; -1 none |
-| symmetry_corner_0, _1, _2 | INT | three vertices of that face |
-| symmetry_bary | FLOAT_VECTOR | their weights |
-| symmetry_record | INT | the same for all vertices: which record belongs to the map (see `undo`) |
+| sym_vertex | INT | the vertex that is the mirror image; -1 none |
+| sym_confidence | FLOAT | 0..1 |
+| sym_side | INT | 1 left (mostly +X), -1 right, 0 on the line between them |
+| sym_face | INT | the face that holds the exact mirror image; -1 none |
+| sym_corner_0, _1, _2 | INT | three vertices of that face |
+| sym_bary | FLOAT_VECTOR | their weights |
+| sym_record | INT | the same for all vertices: which record belongs to the map (see `undo`) |
 
 Editing rots such numbers silently, so the record holds a hash of the connectivity and a checksum of the attributes,
 and a map that does not fit its mesh any more is refused.
@@ -24,9 +24,9 @@ import numpy as np
 from . import mesh_data, undo
 from .undo import RECORD
 
-PARTNER, CONFIDENCE, SIDE = "symmetry_partner", "symmetry_confidence", "symmetry_side"
-FACE, BARY = "symmetry_face", "symmetry_bary"
-CORNERS = ("symmetry_corner_0", "symmetry_corner_1", "symmetry_corner_2")
+PARTNER, CONFIDENCE, SIDE = "sym_vertex", "sym_confidence", "sym_side"
+FACE, BARY = "sym_face", "sym_bary"
+CORNERS = ("sym_corner_0", "sym_corner_1", "sym_corner_2")
 KINDS = {PARTNER: "INT", CONFIDENCE: "FLOAT", SIDE: "INT", FACE: "INT", BARY: "FLOAT_VECTOR"}
 KINDS.update(dict.fromkeys((*CORNERS, undo.NUMBER), "INT"))
 _NONE = 2**32 - 1
