@@ -13,6 +13,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     label_file      judgements as training data
     overlay         what is drawn over the viewport; overlay_data says what
     elements        mirror images of edges and faces
+    side_names      left and right in names
     mirroring       which way values go, and how far
     ops_*           operators, one file for each thing that a user does
     panels          the sidebar tab Symmetry

@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
-from . import mesh_data
+from . import mesh_data, side_names
 from .mirroring import MirrorProperties
 from .operator_base import MapOperator
 
@@ -45,7 +45,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(MirrorProperties, MapOperator, bpy
         inside = self.may_change(object, mode, symmetry)[:, None]
         for name in names:
             key = keys.key_blocks[name]
-            other = bpy.utils.flip_name(name) if self.exchange_names else name
+            other = side_names.flip(name) if self.exchange_names else name
             base = mesh_data.key_positions(key.relative_key)
             moved = (mesh_data.key_positions(key) - base).astype(float)
             merge = self.merge if other == name else Merge.SWAP
@@ -67,15 +67,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(MirrorProperties, MapOperator, bpy
         names = [key.name for key in keys.key_blocks if key != reference]
         if not self.exchange_names:
             return names
-        loser = "L" if self.direction == "RIGHT_TO_LEFT" else "R"
-        return [name for name in names if bpy.utils.flip_name(name) not in names or not _on(name, loser)]
-
-
-def _on(name, side):
-    """Whether a name belongs to the side, "L" or "R": Blender's own way of swapping names says which letter changes."""
-    flipped = bpy.utils.flip_name(name)
-    changed = next((letter for letter, other in zip(name, flipped) if letter != other), "")
-    return changed.upper() == side
+        loser = 1 if self.direction == "RIGHT_TO_LEFT" else -1
+        return [name for name in names if side_names.flip(name) not in names or side_names.side(name) != loser]
 
 
 def _new_key(object, name, like):

@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
+from . import side_names
 from .mirroring import MirrorProperties, blend
 from .operator_base import MapOperator
 
@@ -83,7 +84,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(MirrorProperties, MapOperator, 
         active = object.vertex_groups.active
         names = [group.name for group in object.vertex_groups] if self.all_groups else [active.name]
         if self.exchange_names:
-            names += [name for name in map(bpy.utils.flip_name, names) if name not in names]
+            names += [name for name in map(side_names.flip, names) if name not in names]
         for name in names:
             if name not in object.vertex_groups:
                 object.vertex_groups.new(name=name)
@@ -96,7 +97,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(MirrorProperties, MapOperator, 
         counterparts = np.arange(len(object.vertex_groups))
         if self.exchange_names:
             for name in names:
-                other = object.vertex_groups[bpy.utils.flip_name(name)]
+                other = object.vertex_groups[side_names.flip(name)]
                 counterparts[object.vertex_groups[name].index] = other.index
         return counterparts
 
