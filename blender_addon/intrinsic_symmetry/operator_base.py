@@ -3,7 +3,7 @@
 
 import intrinsym
 
-from . import mesh_data, stored_map
+from . import counterparts, mesh_data, stored_map
 
 
 class MeshOperator:
@@ -21,15 +21,25 @@ class MeshOperator:
 
     def execute(self, context):
         mode = context.active_object.mode
+        self.warnings = []
         try:
             with mesh_data.object_mode(context) as object:
                 text = self.run(context, object, mode)
         except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
             self.report({"ERROR"}, sentence(problem))
             return {"CANCELLED"}
-        if text:
-            self.report({"INFO"}, text)
+        if text or self.warnings:
+            self.report({"WARNING" if self.warnings else "INFO"}, ". ".join([text, *self.warnings]))
         return {"FINISHED"}
+
+    def warn(self, text):
+        """Something that the user has to know besides what `run` returns."""
+        self.warnings.append(text)
+
+    def leave(self, names, why):
+        """Says which groups or keys are left alone."""
+        if names:
+            self.warn(f"Left alone: {counterparts.listed(names)} ({why})")
 
 
 class MapOperator(MeshOperator):

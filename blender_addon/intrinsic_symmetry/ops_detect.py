@@ -4,7 +4,7 @@
 import bpy
 import intrinsym
 
-from . import detection, labels, mesh_data, preferences, stored_map
+from . import detection, labels, left_side, mesh_data, preferences, stored_map
 from .operator_base import MapOperator, MeshOperator, sentence
 
 #: The running detection, for the panel; only one at a time.
@@ -17,9 +17,10 @@ def keep(object, core_mesh, found, index=0):
     now = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
     if now.connectivity_hash != core_mesh.connectivity_hash:
         raise mesh_data.MeshProblem("The mesh was changed while its symmetry was being found: Detect again")
-    stored_map.store(mesh, core_mesh, found[index], is_doubtful(found))
+    left = left_side.left_of(object, found[index].side)
+    stored_map.store(mesh, core_mesh, found[index], is_doubtful(found), left)
     mesh.update()
-    return in_words(found, index)
+    return f"{in_words(found, index)}. Left is from {left[1]}"
 
 
 def is_doubtful(found):
@@ -182,7 +183,7 @@ class INTRINSIC_SYMMETRY_OT_exchange_sides(MapOperator, bpy.types.Operator):
     bl_label = "Exchange Sides"
 
     def run_with(self, _symmetry, _context, object, _mode):
-        stored_map.exchange_sides(object.data)
+        stored_map.name_sides(object.data, -1, "Exchange Sides")
         return "Left and right are exchanged"
 
 

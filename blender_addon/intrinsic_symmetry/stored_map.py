@@ -5,7 +5,7 @@
 |---|---|---|
 | sym_vertex | INT | the vertex that is the mirror image; -1 none |
 | sym_confidence | FLOAT | 0..1 |
-| sym_side | INT | 1 left (mostly +X), -1 right, 0 on the line between them |
+| sym_side | INT | 1 left (see `left_side`), -1 right, 0 on the line between them |
 | sym_face | INT | the face that holds the exact mirror image; -1 none |
 | sym_corner_0, _1, _2 | INT | three vertices of that face |
 | sym_bary | FLOAT_VECTOR | their weights |
@@ -30,6 +30,8 @@ CORNERS = ("sym_corner_0", "sym_corner_1", "sym_corner_2")
 KINDS = {PARTNER: "INT", CONFIDENCE: "FLOAT", SIDE: "INT", FACE: "INT", BARY: "FLOAT_VECTOR"}
 KINDS.update(dict.fromkeys((*CORNERS, undo.NUMBER), "INT"))
 _NONE = 2**32 - 1
+#: What says which side is left, where no name does.
+BY_X = "the X axis"
 #: The least confidence that is told from none.
 LEAST = 1e-6
 
@@ -66,13 +68,13 @@ def why_none(object):
     return None
 
 
-def store(mesh, core_mesh, symmetry, is_doubtful=False):
-    """Keeps a map on its mesh. The side that lies more toward +X becomes 1."""
+def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X)):
+    """Keeps a map on its mesh; `left` is which of its sides is left, 1 or -1, and what says so."""
     points = symmetry.surface_points
     values = {
         PARTNER: symmetry.partner,
         CONFIDENCE: symmetry.confidence,
-        SIDE: symmetry.side.astype(np.int32) * _left(symmetry.side, mesh_data.positions(mesh)),
+        SIDE: symmetry.side.astype(np.int32) * left[0],
         FACE: points.faces.astype(np.int64),
         BARY: points.barycentrics,
     }
@@ -81,15 +83,8 @@ def store(mesh, core_mesh, symmetry, is_doubtful=False):
     for name, array in values.items():
         given = np.where(array == _NONE, -1, array) if KINDS[name] == "INT" else array
         mesh_data.write_attribute(mesh, name, KINDS[name], given)
-    mesh[RECORD] = _record(mesh, core_mesh, symmetry) | {"doubtful": is_doubtful}
+    mesh[RECORD] = _record(mesh, core_mesh, symmetry) | {"doubtful": is_doubtful, "left_from": left[1]}
     _number(mesh)
-
-
-def _left(side, positions):
-    """1 or -1: which of the core's sides lies more toward +X."""
-    if not (np.any(side > 0) and np.any(side < 0)):
-        return 1
-    return 1 if positions[side > 0, 0].mean() >= positions[side < 0, 0].mean() else -1
 
 
 def _record(mesh, core_mesh, symmetry):
@@ -164,11 +159,11 @@ def fixed_lines(mesh):
     return found
 
 
-def exchange_sides(mesh):
-    """Left becomes right."""
+def name_sides(mesh, sign, left_from):
+    """Keeps the sides, 1, or exchanges them, -1, and what says so."""
     undo.remember(mesh)
-    mesh_data.update_attribute(mesh.attributes[SIDE], -mesh_data.read_attribute(mesh.attributes[SIDE]))
-    mesh[RECORD]["checksum"] = _checksum(mesh)
+    mesh_data.update_attribute(mesh.attributes[SIDE], sign * mesh_data.read_attribute(mesh.attributes[SIDE]))
+    mesh[RECORD].update({"checksum": _checksum(mesh), "left_from": left_from})
     _number(mesh)
 
 

@@ -311,7 +311,7 @@ def weights_round_trip(body, case):
                 group.add((vertex,), float(true[name][vertex]), "REPLACE")
     bpy.ops.intrinsic_symmetry.detect()
     bpy.ops.intrinsic_symmetry.mirror_vertex_groups(direction="LEFT_TO_RIGHT")
-    found = module("ops_vertex_groups").read_weights(object)
+    found = module("weights").read_weights(object)
     right = [name for name in names if name.endswith(".R")]
     found = np.stack([found[:, object.vertex_groups[name].index] for name in right], axis=1)
     wanted = np.stack([true[name] for name in right], axis=1)

@@ -46,7 +46,7 @@ def test_a_large_mesh():
 
 
 def _weights(object, name):
-    return module("ops_vertex_groups").read_weights(object)[:, object.vertex_groups[name].index]
+    return module("weights").read_weights(object)[:, object.vertex_groups[name].index]
 
 
 def _side(object):

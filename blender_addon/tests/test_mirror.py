@@ -18,7 +18,7 @@ def _add_group(object, name, weights):
 
 def _weights(object, name):
     column = object.vertex_groups[name].index
-    return module("ops_vertex_groups").read_weights(object)[:, column]
+    return module("weights").read_weights(object)[:, column]
 
 
 @pytest.fixture
