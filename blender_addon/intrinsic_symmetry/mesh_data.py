@@ -26,6 +26,17 @@ def why_not(context):
     return None
 
 
+class NothingSelected(MeshProblem):
+    """Of several objects in edit mode, those without a selection are passed over."""
+
+
+def worked_on(context):
+    """The active object, and those that are in edit mode with it."""
+    active = context.active_object
+    together = context.objects_in_mode_unique_data if active.mode == "EDIT" else []
+    return [active] + [other for other in together if other != active and other.data != active.data]
+
+
 @contextmanager
 def object_mode(context):
     """The active object, in object mode; the mode it was in comes back at the end."""

@@ -78,8 +78,10 @@ class MirrorProperties(ConfidenceProperties):
         free = super().may_change(object, mode, symmetry)
         if not self.selected_only or mode != "EDIT":
             return free
+        if not any(mesh_data.selected_vertices(each.data).any() for each in self.objects):
+            return free
         selected = mesh_data.selected_vertices(object.data)
-        return free * (selected | symmetry.mirror_selection(selected)) if selected.any() else free
+        return free * (selected | symmetry.mirror_selection(selected))
 
 
 def shares(symmetry, merge, *, minimum_confidence=0.0, weight_by_confidence=False):

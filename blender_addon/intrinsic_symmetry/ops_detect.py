@@ -4,8 +4,9 @@
 import bpy
 import intrinsym
 
-from . import detection, labels, left_side, mesh_data, preferences, stored_map
+from . import detection, labels, left_side, mesh_data, overlay, preferences, stored_map
 from .operator_base import MapOperator, MeshOperator, sentence
+from .ops_positions import forget
 
 #: The running detection, for the panel; only one at a time.
 running = []
@@ -20,6 +21,8 @@ def keep(object, core_mesh, found, index=0):
     left = left_side.left_of(object, found[index].side)
     stored_map.store(mesh, core_mesh, found[index], is_doubtful(found), left)
     mesh.update()
+    if is_doubtful(found):
+        overlay.show_doubt()
     return f"{in_words(found, index)}. Left is from {left[1]}"
 
 
@@ -194,16 +197,12 @@ class INTRINSIC_SYMMETRY_OT_clear(MeshOperator, bpy.types.Operator):
     bl_label = "Remove Symmetry"
 
     @classmethod
-    def poll(cls, context):
-        problem = mesh_data.why_not(context)
-        if problem is None and stored_map.RECORD not in context.active_object.data:
-            problem = "No symmetry is stored on this mesh"
-        if problem:
-            cls.poll_message_set(problem)
-        return problem is None
+    def lacks(cls, _context, object):
+        return None if stored_map.RECORD in object.data else "No symmetry is stored on this mesh"
 
     def run(self, _context, object, _mode):
         stored_map.clear(object.data)
+        forget(object.data)
         return "The symmetry was removed"
 
 

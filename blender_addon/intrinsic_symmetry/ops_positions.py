@@ -77,14 +77,11 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
     )
 
     @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        object = context.active_object
-        if object.mode != "EDIT" and remembered_name(object) not in object.data.attributes:
-            cls.poll_message_set("Remember Shape first, then edit")
-            return False
-        return True
+    def lacks(cls, context, object):
+        problem = super().lacks(context, object)
+        if problem is None and object.mode != "EDIT" and remembered_name(object) not in object.data.attributes:
+            problem = "Remember Shape first, then edit"
+        return problem
 
     def run_with(self, symmetry, _context, object, mode):
         before = self._remembered(object)

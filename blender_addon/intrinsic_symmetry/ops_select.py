@@ -67,7 +67,7 @@ class INTRINSIC_SYMMETRY_OT_select(MapOperator, bpy.types.Operator):
         mesh = object.data
         selected = mesh_data.selected_vertices(mesh)
         if not selected.any():
-            raise mesh_data.MeshProblem("Nothing is selected")
+            raise mesh_data.NothingSelected("Nothing is selected")
         how = {"minimum_confidence": self.minimum_confidence}
         vertices = symmetry.mirror_selection(selected, **how)
         vertex_mode, edge_mode, _ = context.tool_settings.mesh_select_mode
@@ -129,7 +129,7 @@ class INTRINSIC_SYMMETRY_OT_select_to_line(MapOperator, bpy.types.Operator):
         mesh = object.data
         selected = mesh_data.selected_vertices(mesh)
         if not selected.any():
-            raise mesh_data.MeshProblem("Nothing is selected")
+            raise mesh_data.NothingSelected("Nothing is selected")
         grown = _flood(selected, mesh_data.edges(mesh), symmetry.side)
         return f"{write_selection(context, mesh, grown)} vertices selected"
 

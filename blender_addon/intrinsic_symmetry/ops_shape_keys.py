@@ -29,14 +29,10 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(MirrorProperties, MapOperator, bpy
     )
 
     @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        keys = context.active_object.data.shape_keys
-        if keys is None or len(keys.key_blocks) < 2:
-            cls.poll_message_set("The object has no shape key beside its basis")
-            return False
-        return True
+    def lacks(cls, context, object):
+        keys = object.data.shape_keys
+        has_some = keys is not None and len(keys.key_blocks) > 1
+        return super().lacks(context, object) or (None if has_some else "The object has no shape key beside its basis")
 
     def run_with(self, symmetry, _context, object, mode):
         symmetry = left_side.agreed(self, object, symmetry)

@@ -32,13 +32,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(MirrorProperties, MapOperator, 
     )
 
     @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        if not context.active_object.vertex_groups:
-            cls.poll_message_set("The object has no vertex groups")
-            return False
-        return True
+    def lacks(cls, context, object):
+        return super().lacks(context, object) or (None if object.vertex_groups else "The object has no vertex groups")
 
     def run_with(self, symmetry, _context, object, mode):
         symmetry = left_side.agreed(self, object, symmetry)

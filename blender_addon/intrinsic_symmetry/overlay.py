@@ -27,6 +27,13 @@ def settings(context):
     return context.window_manager.intrinsic_symmetry_show
 
 
+def show_doubt():
+    """Shows where a map can be trusted, unless other colours are shown."""
+    show = settings(bpy.context)
+    if show.colours == "NONE":
+        show.colours = "CONFIDENCE"
+
+
 def redraw(_self=None, context=None):
     """Property update: adds or removes the draw handler as needed, and draws again."""
     context = context or bpy.context

@@ -87,6 +87,9 @@ def test_a_doubtful_symmetry_is_kept_and_called_so():
     said = module("ops_detect").in_words(found)
     assert said.startswith("Doubtful: Reflection") and "100 % of the surface has a partner" in said
     assert object.data[module("undo").RECORD]["doubtful"]
+    show = module("overlay").settings(bpy.context)
+    assert show.colours == "CONFIDENCE"
+    show.colours = "NONE"
 
 
 def test_poll_says_what_is_missing():
