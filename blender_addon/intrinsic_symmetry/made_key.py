@@ -18,14 +18,28 @@ def make(object, symmetry, name, like):
     key = object.shape_key_add(name=name, from_mix=False)
     keys = object.data.shape_keys
     key.relative_key = keys.key_blocks.get(side_names.flip(like.relative_key.name), like.relative_key)
-    key.slider_max = like.slider_max
-    key.slider_min = like.slider_min
-    key.slider_max = like.slider_max  # again: the range never turns over
-    key.value, key.mute, key.interpolation = like.value, like.mute, like.interpolation
+    _copy_numbers(key, like)
     key.vertex_group = _group(object, symmetry, like.vertex_group)
     mesh_data.set_key_positions(key, mesh_data.key_positions(key.relative_key))
     _copy_drivers(keys, key, like)
     return key
+
+
+def like_another(object, like, moved):
+    """A key with the settings of one of another object, but its drivers, that moves each vertex by `moved`."""
+    key = object.shape_key_add(name=like.name, from_mix=False)
+    blocks = object.data.shape_keys.key_blocks
+    key.relative_key = blocks.get(like.relative_key.name, object.data.shape_keys.reference_key)
+    _copy_numbers(key, like)
+    key.vertex_group = like.vertex_group
+    mesh_data.set_key_positions(key, mesh_data.key_positions(key.relative_key) + moved)
+
+
+def _copy_numbers(key, like):
+    key.slider_max = like.slider_max
+    key.slider_min = like.slider_min
+    key.slider_max = like.slider_max  # again: the range never turns over
+    key.value, key.mute, key.interpolation = like.value, like.mute, like.interpolation
 
 
 def _group(object, symmetry, name):

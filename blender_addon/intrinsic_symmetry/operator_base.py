@@ -3,7 +3,7 @@
 
 import intrinsym
 
-from . import counterparts, mesh_data, stored_map
+from . import assembly, counterparts, mesh_data, stored_map
 
 
 class MeshOperator:
@@ -32,7 +32,7 @@ class MeshOperator:
         with mesh_data.object_mode(context):
             for object in self.objects:
                 try:
-                    done.append(self._named(object, self._checked_run(context, object, mode)))
+                    done.append(self._named(object, self._run_on(context, object, mode)))
                 except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
                     problems.append((object, problem))
         if not done:
@@ -46,15 +46,20 @@ class MeshOperator:
             self.report({"WARNING" if self.warnings else "INFO"}, text)
         return {"FINISHED"}
 
-    def _checked_run(self, context, object, mode):
+    def _run_on(self, context, object, mode):
+        """`run` on an object, or once on all that share its map."""
         missing = self.lacks(context, object) if object != self.objects[0] else None  # `poll` saw the active one
         if missing:
             raise mesh_data.MeshProblem(missing)
-        return self.run(context, object, mode)
+        members = assembly.members_of(object)
+        if any(earlier in members for earlier in self.objects[: self.objects.index(object)]):
+            return ""
+        with assembly.whole(members, self.objects if mode == "EDIT" else None) as body:
+            return self.run(context, body, mode)
 
     def _named(self, object, text):
         """The text with the object's name, where several are worked on."""
-        return f"{object.name}: {text}" if text and len(self.objects) > 1 else text
+        return f"{object.name}: {text}" if text and len(self.objects) > 1 else text or ""
 
     def warn(self, text):
         """Something that the user has to know besides what `run` returns."""

@@ -87,12 +87,27 @@ def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X)):
     _number(mesh)
 
 
+def store_share(mesh, whole, members):
+    """Keeps, beside the attributes that are there, the record of one of several objects that share a map: that of all
+    of them, `whole`, and their names."""
+    undo.remember(mesh)
+    own = {"checksum": _checksum(mesh), "vertices": len(mesh.vertices), "triangles": _triangles(mesh)}
+    shared = {key: value for key, value in whole.items() if not key.startswith("line_")}
+    numbered = {str(number): name for number, name in enumerate(members)}
+    mesh[RECORD] = shared | own | {"members": numbered, "whole": whole}
+    _number(mesh)
+
+
+def _triangles(mesh):
+    return len(mesh.loops) - 2 * len(mesh.polygons)
+
+
 def _record(mesh, core_mesh, symmetry):
     record = {
         "connectivity": f"{core_mesh.connectivity_hash:016x}",
         "checksum": _checksum(mesh),
         "vertices": core_mesh.vertex_count,
-        "triangles": len(mesh.loops) - 2 * len(mesh.polygons),
+        "triangles": _triangles(mesh),
         "kind": int(symmetry.kind),
         "mean_confidence": float(symmetry.mean_confidence),
         "exact_share": float(symmetry.exact_share),
@@ -129,6 +144,8 @@ def load(mesh, only=None):
     record = mesh.get(RECORD)
     if record is None or any(_attribute(mesh, name) is None for name in KINDS):
         raise StaleMap("This mesh has no stored symmetry: Detect first")
+    if "members" in record:
+        raise StaleMap("The symmetry spans several objects, and this tool works on one: Detect on this one alone")
     core_mesh = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
     if record["connectivity"] != f"{core_mesh.connectivity_hash:016x}":
         raise StaleMap("The mesh has other vertices or faces than when its symmetry was found: Detect again")

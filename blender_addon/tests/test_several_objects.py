@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Objects that are in edit mode together, and what is said of what a tool does not touch."""
 
+import bmesh
 import bpy
 import numpy as np
-from conftest import attribute, enter, module, new_object, read_example, said, select
+import pytest
+from conftest import attribute, enter, module, new_object, positions, read_example, said, select, truth_of
+from mathutils import Matrix
 
 ops = bpy.ops.intrinsic_symmetry
 
@@ -62,3 +65,125 @@ def test_what_is_not_touched_is_said(quadruped, capfd):
     assert 0.01 < share < 1
     assert f"{share:.1%} of the vertices have no mirror image, or none certain enough, and are not touched" in text
     assert "not touched" not in said(capfd, ops.symmetrize)
+
+
+def _shell_numbers(mesh):
+    """(vertices,) a number of each vertex's shell."""
+    numbers, ends = np.arange(len(mesh.vertices)), module("mesh_data").edges(mesh)
+    while True:
+        least = numbers[ends].min(axis=1)
+        before = numbers.copy()
+        np.minimum.at(numbers, ends[:, 0], least)
+        np.minimum.at(numbers, ends[:, 1], least)
+        if np.array_equal(before, numbers):
+            return numbers
+
+
+def _part(mesh, name, kept):
+    """An object of some of the vertices."""
+    object = bpy.data.objects.new(name, mesh.copy())
+    bpy.context.scene.collection.objects.link(object)
+    data = bmesh.new()
+    data.from_mesh(object.data)
+    data.verts.ensure_lookup_table()
+    bmesh.ops.delete(data, geom=[data.verts[index] for index in np.flatnonzero(~kept)], context="VERTS")
+    data.to_mesh(object.data)
+    data.free()
+    return object
+
+
+@pytest.fixture
+def parts():
+    """A head's paired shells, eyes and lashes, as objects of their own, the left ones turned and moved; with the body,
+    which is active, they share one map. Also the true mirror image of each left vertex among the right ones."""
+    mesh, truth = read_example("human_shells"), truth_of("human_shells")
+    shells = _shell_numbers(mesh)
+    paired = shells != shells[truth]
+    is_left = shells < shells[truth]
+    is_right = paired & ~is_left
+    body, left, right = (_part(mesh, *part) for part in (("body", ~paired), ("left", is_left), ("right", is_right)))
+    turn = Matrix.Translation((3, 0, 0)) @ Matrix.Rotation(0.5, 4, "Z")
+    left.data.transform(turn.inverted())
+    left.matrix_world = turn
+    for object in (body, left, right):
+        object.select_set(True)
+    bpy.context.view_layer.objects.active = body
+    bpy.context.view_layer.update()
+    assert ops.detect(together=True) == {"FINISHED"}
+    return body, left, right, np.cumsum(is_right)[truth[is_left]] - 1
+
+
+def test_several_objects_share_one_map(parts):
+    body, left, right, partner = parts
+    assert len(bpy.data.objects) == 3 and bpy.context.active_object == body
+    first = len(body.data.vertices) + len(left.data.vertices)
+    assert np.array_equal(attribute(left.data, "sym_vertex") - first, partner)
+    assert list(left.data["intrinsic_symmetry"]["members"].values()) == ["body", "left", "right"]
+
+
+def test_selections_go_across_objects(parts):
+    body, left, right, partner = parts
+    for object, vertices in ((body, []), (left, np.arange(20)), (right, np.arange(len(partner)))):
+        select(object, vertices)
+    right.select_set(False)  # what is selected in an object that is not edited does not count
+    enter("EDIT")
+    assert ops.select() == {"FINISHED"}
+    assert body.mode == left.mode == "EDIT" and right.mode == "OBJECT"
+    enter("OBJECT")
+    found = [np.flatnonzero(module("mesh_data").selected_vertices(object.data)) for object in (body, left, right)]
+    assert not len(found[0]) and not len(found[1]) and set(found[2]) == set(partner[:20])
+
+
+def test_weights_go_across_objects(parts):
+    body, left, right, partner = parts
+    left.vertex_groups.new(name="Eye.L").add(list(range(100)), 0.5, "ADD")
+    bpy.context.view_layer.objects.active = left
+    assert ops.mirror_vertex_groups() == {"FINISHED"}
+    assert [group.name for group in right.vertex_groups] == ["Eye.R"] and not body.vertex_groups
+    assert set(np.flatnonzero(module("weights").read_weights(right)[:, 0])) == set(partner[:100])
+    assert [group.name for group in left.vertex_groups] == ["Eye.L"]
+
+
+def test_keys_go_across_objects(parts):
+    body, left, right, partner = parts
+    left.shape_key_add(name="Basis")
+    key = left.shape_key_add(name="Swell.L")
+    key.slider_max = 2
+    left.active_shape_key_index = 1
+    size = 0.1 * np.ptp(positions(left.data)[:100], axis=0).max()
+    normals = np.array([vertex.normal for vertex in left.data.vertices])
+    swollen = positions(left.data) + size * np.where(np.arange(len(normals))[:, None] < 100, normals, 0)
+    module("mesh_data").set_key_positions(key, swollen)
+    before = positions(right.data)
+    bpy.context.view_layer.objects.active = left
+    assert ops.mirror_shape_keys() == {"FINISHED"}
+    made = right.data.shape_keys.key_blocks["Swell.R"]
+    moved = np.linalg.norm(module("mesh_data").key_positions(made) - before, axis=1)
+    assert np.allclose(moved[partner[:100]], size, rtol=0.1) and moved[partner[100:]].max() < 0.01 * size
+    assert made.slider_max == 2 and np.array_equal(positions(right.data), before)
+    assert "Swell.R" not in left.data.shape_keys.key_blocks and body.data.shape_keys is None
+
+
+def test_positions_go_across_objects_and_the_map_can_be_removed(parts):
+    body, left, right, partner = parts
+    before = [positions(object.data) for object in (body, left, right)]
+    ops.remember()
+    moved = before[1] + 0.01 * (np.arange(len(before[1])) < 100)[:, None]
+    module("mesh_data").set_shown_positions(left, moved)
+    assert ops.mirror_edit() == {"FINISHED"}
+    change = np.linalg.norm(positions(right.data) - before[2], axis=1)
+    assert np.allclose(change[partner[:50]], 0.01 * 3**0.5, rtol=0.1) and np.array_equal(positions(body.data), before[0])
+    bpy.context.view_layer.objects.active = right
+    assert ops.exchange_sides() == {"FINISHED"}
+    assert left.data["intrinsic_symmetry"]["left_from"] == "Exchange Sides"
+    assert ops.clear() == {"FINISHED"}
+    assert not [name for part in parts[:3] for name in part.data.attributes.keys() if name.startswith("sym_")]
+
+
+def test_a_missing_object_is_named(parts):
+    body, left, right, _ = parts
+    right.name = "elsewhere"
+    with pytest.raises(RuntimeError, match='"right" is missing: Detect again'):
+        ops.exchange_sides()
+    assert ops.detect() == {"FINISHED"}  # of the one alone
+    assert ops.exchange_sides() == {"FINISHED"}
