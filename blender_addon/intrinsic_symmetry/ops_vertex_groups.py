@@ -38,9 +38,10 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(MirrorProperties, MapOperator, 
     def run_with(self, symmetry, _context, object, mode):
         symmetry = left_side.agreed(self, object, symmetry)
         self.shares(symmetry)  # refuses a half turn
-        names = self._counted_in(object, symmetry, self._chosen(object))
-        other = self._counterparts(object, names)
         before = read_weights(object)
+        names = self._understood(object, symmetry, before)
+        other = self._counterparts(object, names)
+        before = np.pad(before, ((0, 0), (0, len(other) - before.shape[1])))
         trust = self.trust(symmetry) * self.may_change(object, mode, symmetry)
         after, free = self._mirrored(object, symmetry, before, other, trust, names)
         rows = np.flatnonzero((np.abs(after - before) > SMALLEST).any(axis=1))
@@ -61,11 +62,12 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(MirrorProperties, MapOperator, 
     def _other(self, name):
         return side_names.flip(name) if self.exchange_names else name
 
-    def _counted_in(self, object, symmetry, names):
-        """The names without those that are left alone, which are told to the user."""
+    def _understood(self, object, symmetry, weights):
+        """The chosen names without those that are left alone, which are told to the user."""
+        names = self._chosen(object)
         if not self.exchange_names:
             return names
-        every, weights = [group.name for group in object.vertex_groups], read_weights(object)
+        every = [group.name for group in object.vertex_groups]
         misread = counterparts.misunderstood(every, weights, symmetry, self.merge)
         central = counterparts.central(every, weights, symmetry.side)
         self.leave([name for name in names if name in misread], "no side in the name, but weights on one side alone")
