@@ -93,6 +93,8 @@ def _numbered_copy(members, number, edited):
     for domain, elements in _DOMAINS.items():
         numbers = _offset(members, number, elements) + np.arange(len(getattr(mesh, elements)))
         mesh_data.write_attribute(mesh, f"{_NUMBER}_{domain.lower()}", "INT", numbers, domain)
+    if (members[0].matrix_world.inverted() @ copy.matrix_world).determinant() < 0:
+        mesh.flip_normals()  # a mirrored object would be inside out in the joined one
     if edited is not None and members[number] not in edited:
         for name in [name for name in mesh.attributes.keys() if name.startswith(".select_")]:
             mesh.attributes.remove(mesh.attributes[name])

@@ -33,7 +33,13 @@ def test_objects_in_edit_mode_are_all_worked_on(human, truth):
         assert set(np.flatnonzero(module("mesh_data").selected_vertices(object.data))) == set(truth[vertices])
 
 
-def test_a_selection_in_one_object_spares_the_others(human):
+def select_again(object, vertices):
+    enter("OBJECT")
+    select(object, vertices)
+    enter("EDIT")
+
+
+def test_a_selection_in_one_object_spares_the_others(human, capfd):
     other = _copy_of(human, "other")
     for object in (human, other):
         object.vertex_groups.new(name="Arm.L").add(np.flatnonzero(attribute(object.data, "sym_side") == 1).tolist(), 1, "ADD")
@@ -41,6 +47,8 @@ def test_a_selection_in_one_object_spares_the_others(human):
     left = np.flatnonzero(attribute(human.data, "sym_side") == 1)[:30]
     select(human, left)
     enter("EDIT")
+    assert "Nothing is selected" not in said(capfd, ops.select_to_line)
+    select_again(human, left)
     ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT")
     enter("OBJECT")
     counts = [np.count_nonzero(module("weights").read_weights(object)[:, 1]) for object in (human, other)]
@@ -94,7 +102,7 @@ def _part(mesh, name, kept):
 
 @pytest.fixture
 def parts():
-    """A head's paired shells, eyes and lashes, as objects of their own, the left ones turned and moved; with the body,
+    """A head's paired shells, eyes and lashes, as objects of their own, the left ones a mirrored and moved object; with the body,
     which is active, they share one map. Also the true mirror image of each left vertex among the right ones."""
     mesh, truth = read_example("human_shells"), truth_of("human_shells")
     shells = _shell_numbers(mesh)
@@ -102,8 +110,9 @@ def parts():
     is_left = shells < shells[truth]
     is_right = paired & ~is_left
     body, left, right = (_part(mesh, *part) for part in (("body", ~paired), ("left", is_left), ("right", is_right)))
-    turn = Matrix.Translation((3, 0, 0)) @ Matrix.Rotation(0.5, 4, "Z")
+    turn = Matrix.Translation((3, 0, 0)) @ Matrix.Rotation(0.5, 4, "Z") @ Matrix.Scale(-1, 4, (1, 0, 0))
     left.data.transform(turn.inverted())
+    left.data.flip_normals()
     left.matrix_world = turn
     for object in (body, left, right):
         object.select_set(True)
@@ -144,24 +153,42 @@ def test_weights_go_across_objects(parts):
     assert [group.name for group in left.vertex_groups] == ["Eye.L"]
 
 
-def test_keys_go_across_objects(parts):
-    body, left, right, partner = parts
-    left.shape_key_add(name="Basis")
-    key = left.shape_key_add(name="Swell.L")
-    key.slider_max = 2
-    left.active_shape_key_index = 1
-    size = 0.1 * np.ptp(positions(left.data)[:100], axis=0).max()
-    normals = np.array([vertex.normal for vertex in left.data.vertices])
-    swollen = positions(left.data) + size * np.where(np.arange(len(normals))[:, None] < 100, normals, 0)
+def _normals(object):
+    return np.array([vertex.normal for vertex in object.data.vertices])
+
+
+def _swell(object, name, vertices, size):
+    """A key that moves vertices along their normals."""
+    if object.data.shape_keys is None:
+        object.shape_key_add(name="Basis")
+    key = object.shape_key_add(name=name)
+    inside = np.isin(np.arange(len(object.data.vertices)), vertices)[:, None]
+    swollen = positions(object.data) + size * np.where(inside, _normals(object), 0)
     module("mesh_data").set_key_positions(key, swollen)
-    before = positions(right.data)
-    bpy.context.view_layer.objects.active = left
+    object.active_shape_key_index = object.data.shape_keys.key_blocks.find(name)
+    bpy.context.view_layer.objects.active = object
+    return key
+
+
+def _outward(object, name):
+    """(vertices,) how far a key moves each vertex along its normal."""
+    moved = module("mesh_data").key_positions(object.data.shape_keys.key_blocks[name]) - positions(object.data)
+    return np.einsum("vx,vx->v", moved, _normals(object))
+
+
+def test_keys_go_across_objects_both_ways(parts):
+    body, left, right, partner = parts
+    before, size = positions(right.data), 0.1 * np.ptp(positions(left.data)[:100], axis=0).max()
+    _swell(left, "Swell.L", np.arange(100), size).slider_max = 2
     assert ops.mirror_shape_keys() == {"FINISHED"}
+    outward = _outward(right, "Swell.R")
+    assert np.allclose(outward[partner[:100]], size, rtol=0.1) and np.abs(outward[partner[100:]]).max() < 0.01 * size
     made = right.data.shape_keys.key_blocks["Swell.R"]
-    moved = np.linalg.norm(module("mesh_data").key_positions(made) - before, axis=1)
-    assert np.allclose(moved[partner[:100]], size, rtol=0.1) and moved[partner[100:]].max() < 0.01 * size
     assert made.slider_max == 2 and np.array_equal(positions(right.data), before)
     assert "Swell.R" not in left.data.shape_keys.key_blocks and body.data.shape_keys is None
+    _swell(right, "Frown.R", partner[:100], size)
+    assert ops.mirror_shape_keys() == {"FINISHED"}
+    assert np.allclose(_outward(left, "Frown.L")[:100], size, rtol=0.1)
 
 
 def test_positions_go_across_objects_and_the_map_can_be_removed(parts):
