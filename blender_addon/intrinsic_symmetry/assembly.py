@@ -20,19 +20,23 @@ _NUMBER = "sym_number"
 _DOMAINS = {"POINT": "vertices", "EDGE": "edges", "FACE": "polygons", "CORNER": "loops"}
 #: Displacement below which a key does not move a vertex, as a share of the size.
 _STILL = 1e-6
-_TOPOLOGY = {"position", ".edge_verts", ".corner_vert", ".corner_edge"}
+#: Not given back: positions are by themselves, and the joined mesh has other materials.
+_NOT_GIVEN = {"position", ".edge_verts", ".corner_vert", ".corner_edge", "material_index"}
 
 
 def members_of(object):
     """The objects that share the object's map: itself alone, if it has a map of its own or none. Raises MeshProblem
     where one is missing."""
-    names = (object.data.get(RECORD) or {}).get("members")
-    if names is None:
+    record = object.data.get(RECORD)
+    if record is None or "members" not in record:
         return [object]
-    missing = [name for name in names.values() if name not in bpy.context.view_layer.objects]
+    names, there = list(record["members"].values()), bpy.context.view_layer.objects
+    missing = [name for name in names if name not in there]
     if missing:
         raise mesh_data.MeshProblem(f'The symmetry spans several objects, and "{missing[0]}" is missing: Detect again')
-    return [bpy.context.view_layer.objects[name] for name in names.values()]
+    if object.name not in names:
+        raise mesh_data.MeshProblem("The symmetry is that of the objects this one was copied from: Detect again")
+    return [there[name] for name in names]
 
 
 def selected(context):
@@ -69,19 +73,19 @@ def joined(members, edited=None):
         yield members[0]
         return
     copies = [_numbered_copy(members, number, edited) for number in range(len(members))]
-    meshes = [copy.data for copy in copies]
-    with bpy.context.temp_override(
-        active_object=copies[0], object=copies[0], selected_objects=copies, selected_editable_objects=copies
-    ):
-        bpy.ops.object.join()
-    body, record = copies[0], members[0].data.get(RECORD)
-    if record is not None:
-        body.data[RECORD] = (record["whole"] if "whole" in record else record).to_dict()
-    _choose_as(body, bpy.context.active_object)
+    meshes, body = [copy.data for copy in copies], copies[0]
     try:
+        chosen = {"selected_objects": copies, "selected_editable_objects": copies}
+        with bpy.context.temp_override(active_object=body, object=body, **chosen):
+            bpy.ops.object.join()
+        record = members[0].data.get(RECORD)
+        if record is not None:
+            body.data[RECORD] = (record["whole"] if "whole" in record else record).to_dict()
+        _choose_as(body, bpy.context.active_object)
         yield body
     finally:
-        bpy.data.objects.remove(body)
+        for object in [object for object in bpy.data.objects if object.data in meshes]:
+            bpy.data.objects.remove(object)
         for mesh in meshes:
             bpy.data.meshes.remove(mesh)
 
@@ -136,9 +140,14 @@ class _Place:
 
 
 class _State:
-    """What a tool may change, besides attributes, by name."""
+    """What a tool may change, by name."""
 
     def __init__(self, object):
+        self.attributes = {
+            attribute.name: (attribute.data_type, attribute.domain, mesh_data.read_attribute(attribute))
+            for attribute in object.data.attributes
+            if attribute.data_type in mesh_data.LAYOUTS and attribute.name not in _NOT_GIVEN
+        }
         self.positions = mesh_data.positions(object.data)
         columns = read_weights(object).T
         self.weights = {group.name: columns[group.index] for group in object.vertex_groups}
@@ -148,7 +157,7 @@ class _State:
 
 def _give_back(member, place, before, after):
     mesh = member.data
-    _give_attributes(mesh, place)
+    _give_attributes(mesh, place, before.attributes, after.attributes)
     _give_weights(member, place.rows(), before.weights, after.weights)
     moved = place.turned(after.positions - before.positions)
     if moved.any():
@@ -159,17 +168,15 @@ def _give_back(member, place, before, after):
     mesh.update()
 
 
-def _give_attributes(mesh, place):
-    given = place.body.data.attributes
-    for name in [name for name in mesh.attributes.keys() if name.startswith("sym_") and name not in given]:
-        mesh.attributes.remove(mesh.attributes[name])
-    for name in given.keys():
-        attribute = given[name]
-        if name in _TOPOLOGY or name.startswith(_NUMBER) or attribute.data_type not in mesh_data.LAYOUTS:
-            continue
-        values = mesh_data.read_attribute(attribute)[place.rows(attribute.domain)]
-        if name in mesh.attributes or name.startswith("sym_") or values.any():
-            mesh_data.write_attribute(mesh, name, attribute.data_type, values, attribute.domain)
+def _give_attributes(mesh, place, before, after):
+    for name in before.keys() - after.keys():
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
+    for name, (kind, domain, values) in after.items():
+        if name not in before or not np.array_equal(before[name][2], values):
+            own = values[place.rows(domain)]
+            if name in mesh.attributes or name.startswith("sym_") or own.any():
+                mesh_data.write_attribute(mesh, name, kind, own, domain)
 
 
 def _give_weights(member, rows, before, after):

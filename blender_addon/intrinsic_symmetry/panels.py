@@ -33,7 +33,7 @@ class INTRINSIC_SYMMETRY_PT_detect(SymmetryPanel, bpy.types.Panel):
         object = context.active_object
         if object is None or object.type != "MESH":
             return
-        if object.mode == "OBJECT" and len(context.selected_objects) > 1:
+        if object.mode == "OBJECT" and sum(other.type == "MESH" for other in context.selected_objects) > 1:
             layout.operator("intrinsic_symmetry.detect", text="Detect as One Character", icon="GROUP").together = True
         self._status(layout, object)
 

@@ -42,7 +42,8 @@ def select_again(object, vertices):
 def test_a_selection_in_one_object_spares_the_others(human, capfd):
     other = _copy_of(human, "other")
     for object in (human, other):
-        object.vertex_groups.new(name="Arm.L").add(np.flatnonzero(attribute(object.data, "sym_side") == 1).tolist(), 1, "ADD")
+        left = np.flatnonzero(attribute(object.data, "sym_side") == 1)
+        object.vertex_groups.new(name="Arm.L").add(left.tolist(), 1, "ADD")
         select(object, [])
     left = np.flatnonzero(attribute(human.data, "sym_side") == 1)[:30]
     select(human, left)
@@ -102,8 +103,9 @@ def _part(mesh, name, kept):
 
 @pytest.fixture
 def parts():
-    """A head's paired shells, eyes and lashes, as objects of their own, the left ones a mirrored and moved object; with the body,
-    which is active, they share one map. Also the true mirror image of each left vertex among the right ones."""
+    """A head's paired shells, eyes and lashes, as objects of their own, the left ones a mirrored and moved object; with
+    the body, which is active, they share one map. Also the true mirror image of each left vertex among the right ones.
+    """
     mesh, truth = read_example("human_shells"), truth_of("human_shells")
     shells = _shell_numbers(mesh)
     paired = shells != shells[truth]
@@ -143,14 +145,21 @@ def test_selections_go_across_objects(parts):
     assert not len(found[0]) and not len(found[1]) and set(found[2]) == set(partner[:20])
 
 
-def test_weights_go_across_objects(parts):
+def test_weights_go_across_objects_and_materials_stay(parts):
     body, left, right, partner = parts
+    for object, count in ((body, 1), (left, 3), (right, 2)):
+        for number in range(count):
+            object.data.materials.append(bpy.data.materials.new(f"{object.name}{number}"))
+        object.data.polygons.foreach_set("material_index", np.full(len(object.data.polygons), count - 1))
     left.vertex_groups.new(name="Eye.L").add(list(range(100)), 0.5, "ADD")
     bpy.context.view_layer.objects.active = left
     assert ops.mirror_vertex_groups() == {"FINISHED"}
     assert [group.name for group in right.vertex_groups] == ["Eye.R"] and not body.vertex_groups
     assert set(np.flatnonzero(module("weights").read_weights(right)[:, 0])) == set(partner[:100])
     assert [group.name for group in left.vertex_groups] == ["Eye.L"]
+    for object, count in ((body, 1), (left, 3), (right, 2)):
+        assert {face.material_index for face in object.data.polygons} == {count - 1}
+        assert len(object.data.materials) == count
 
 
 def _normals(object):
@@ -212,5 +221,16 @@ def test_a_missing_object_is_named(parts):
     right.name = "elsewhere"
     with pytest.raises(RuntimeError, match='"right" is missing: Detect again'):
         ops.exchange_sides()
+    assert len(bpy.data.objects) == 3
     assert ops.detect() == {"FINISHED"}  # of the one alone
     assert ops.exchange_sides() == {"FINISHED"}
+
+
+def test_a_copy_does_not_change_its_originals(parts):
+    body, left, right, _ = parts
+    copy = _copy_of(left, "copy")
+    bpy.context.view_layer.objects.active = copy
+    before = attribute(left.data, "sym_side")
+    with pytest.raises(RuntimeError, match="copied from: Detect again"):
+        ops.exchange_sides()
+    assert np.array_equal(attribute(left.data, "sym_side"), before)
