@@ -23,7 +23,7 @@ def keep(object, core_mesh, found, index=0):
     mesh.update()
     if is_doubtful(found):
         overlay.show_doubt()
-    return f"{in_words(found, index)}. Left is from {left[1]}"
+    return f"{in_words(found, index)}. Left from {left[1]}"
 
 
 def is_doubtful(found):

@@ -31,7 +31,7 @@ KINDS = {PARTNER: "INT", CONFIDENCE: "FLOAT", SIDE: "INT", FACE: "INT", BARY: "F
 KINDS.update(dict.fromkeys((*CORNERS, undo.NUMBER), "INT"))
 _NONE = 2**32 - 1
 #: What says which side is left, where no name does.
-BY_X = "the X axis"
+BY_X = "+X"
 #: The least confidence that is told from none.
 LEAST = 1e-6
 

@@ -36,8 +36,16 @@ def arms(human, truth):
     return left, 0.5 * left[truth]
 
 
-@pytest.mark.parametrize("names", [("mixamorig:LeftArm", "mixamorig:RightArm"), ("Bip01 L UpperArm", "Bip01 R UpperArm"),
-                                   ("J_Bip_L_UpperArm", "J_Bip_R_UpperArm"), ("左腕", "右腕"), ("lShldr", "rShldr")])
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("mixamorig:LeftArm", "mixamorig:RightArm"),
+        ("Bip01 L UpperArm", "Bip01 R UpperArm"),
+        ("J_Bip_L_UpperArm", "J_Bip_R_UpperArm"),
+        ("左腕", "右腕"),
+        ("lShldr", "rShldr"),
+    ],
+)
 def test_names_of_other_programs(human, truth, arms, names):
     for name, weights in zip(names, arms):
         _add(human, name, weights)
@@ -178,7 +186,7 @@ def _armature(object, weights):
 def test_left_is_plus_x_without_names(facing_away):
     object, _ = facing_away
     ops.detect()
-    assert not _left_at_minus_x(object) and object.data["intrinsic_symmetry"]["left_from"] == "the X axis"
+    assert not _left_at_minus_x(object) and object.data["intrinsic_symmetry"]["left_from"] == "+X"
     ops.exchange_sides()
     assert _left_at_minus_x(object) and object.data["intrinsic_symmetry"]["left_from"] == "Exchange Sides"
 

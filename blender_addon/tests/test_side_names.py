@@ -8,7 +8,7 @@ from conftest import module
 PAIRS = {
     "Blender": [("Arm.L", "Arm.R"), ("l_arm", "r_arm"), ("arm-Left.001", "arm-Right.001"), ("leftarm", "rightarm"),
                 ("ARMLEFT", "ARMRIGHT"), ("arm.l.003", "arm.r.003"), ("L arm", "R arm")],
-    "Mixamo": [("mixamorig:LeftArm", "mixamorig:RightArm"), ("mixamorig1:LeftHandIndex1", "mixamorig1:RightHandIndex1")],
+    "Mixamo": [("mixamorig:LeftArm", "mixamorig:RightArm"), ("mixamorig1:LeftHand", "mixamorig1:RightHand")],
     "VRM": [("J_Bip_L_UpperArm", "J_Bip_R_UpperArm"), ("Fcl_EYE_Close_L", "Fcl_EYE_Close_R")],
     "Unreal": [("upperarm_twist_01_l", "upperarm_twist_01_r"), ("ik_hand_l", "ik_hand_r")],
     "Source": [("ValveBiped.Bip01_L_UpperArm", "ValveBiped.Bip01_R_UpperArm")],
