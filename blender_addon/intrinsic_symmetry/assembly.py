@@ -124,15 +124,15 @@ class _Place:
     """Where one of the objects is in the joined one."""
 
     def __init__(self, body, members, number):
-        self.body, self._members, self._number = body, members, number
+        self.body, self.members, self._number = body, members, number
         self._turn = np.array((members[number].matrix_world.inverted() @ body.matrix_world).to_3x3())
 
     def rows(self, domain="POINT"):
         """Its elements, in its own order, in the joined mesh."""
         elements = _DOMAINS[domain]
         order = np.argsort(mesh_data.read_attribute(self.body.data.attributes[f"{_NUMBER}_{domain.lower()}"]))
-        first = _offset(self._members, self._number, elements)
-        return order[first : first + len(getattr(self._members[self._number].data, elements))]
+        first = _offset(self.members, self._number, elements)
+        return order[first : first + len(getattr(self.members[self._number].data, elements))]
 
     def turned(self, vectors):
         """(own vertices, 3) vectors of the joined mesh in the object's own space."""
@@ -205,7 +205,7 @@ def _give_key(member, place, name, before, after):
     if np.abs(moved).max(initial=0) > _STILL * np.abs(after.positions).max():
         if keys is None:
             member.shape_key_add(name=place.body.data.shape_keys.reference_key.name, from_mix=False)
-        made_key.like_another(member, model, moved)
+        made_key.like_another(member, model, moved, place.members)
 
 
 def _keep_records(members, body):

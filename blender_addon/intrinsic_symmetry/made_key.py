@@ -21,18 +21,24 @@ def make(object, symmetry, name, like):
     _copy_numbers(key, like)
     key.vertex_group = _group(object, symmetry, like.vertex_group)
     mesh_data.set_key_positions(key, mesh_data.key_positions(key.relative_key))
-    _copy_drivers(keys, key, like)
+    _copy_drivers(keys, like, key)
     return key
 
 
-def like_another(object, like, moved):
-    """A key with the settings of one of another object, but its drivers, that moves each vertex by `moved`."""
+def like_another(object, like, moved, objects):
+    """A key with the settings of a key of another object, that moves each vertex by `moved`. Its drivers are those of
+    its mirror image in the first of the objects that has it."""
     key = object.shape_key_add(name=like.name, from_mix=False)
     blocks = object.data.shape_keys.key_blocks
     key.relative_key = blocks.get(like.relative_key.name, object.data.shape_keys.reference_key)
     _copy_numbers(key, like)
     key.vertex_group = like.vertex_group
     mesh_data.set_key_positions(key, mesh_data.key_positions(key.relative_key) + moved)
+    other = side_names.flip(like.name)
+    owners = (each.data.shape_keys for each in objects if each.data.shape_keys)
+    keys = next((keys for keys in owners if other in keys.key_blocks), None)
+    if keys is not None and other != like.name:
+        _copy_drivers(keys, keys.key_blocks[other], key)
 
 
 def _copy_numbers(key, like):
@@ -58,11 +64,11 @@ def _group(object, symmetry, name):
     return other
 
 
-def _copy_drivers(keys, key, like):
-    data = keys.animation_data
+def _copy_drivers(keys, like, key):
+    data, owner = keys.animation_data, key.id_data
     old, new = (f'key_blocks["{bpy.utils.escape_identifier(block.name)}"].' for block in (like, key))
     for curve in [curve for curve in data.drivers if curve.data_path.startswith(old)] if data else []:
-        made = data.drivers.from_existing(src_driver=curve)
+        made = (owner.animation_data or owner.animation_data_create()).drivers.from_existing(src_driver=curve)
         made.data_path = curve.data_path.replace(old, new, 1)
         for target in (target for variable in made.driver.variables for target in variable.targets):
             _flip(target)

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, new_object, positions, read_example, said, select
+from conftest import attribute, enter, module, new_object, positions, read_example, said, select, selected
 
 ops = bpy.ops.intrinsic_symmetry
 
@@ -229,6 +229,16 @@ def test_hidden_vertices_stay(human):
     assert np.abs(after - edited)[side == -1].max() > 0.005
     weights = _weights(human, "Spine")
     assert (weights[hidden] == 0).all() and weights[side == -1].max() == 1
+
+
+def test_hidden_vertices_are_not_selected(human, truth, capfd):
+    left = np.flatnonzero(attribute(human.data, "sym_side") == 1)[:500]
+    select(human, left)
+    hidden = np.isin(np.arange(len(truth)), truth[left[:250]])
+    module("mesh_data").write_attribute(human.data, ".hide_vert", "BOOLEAN", hidden)
+    enter("EDIT")
+    assert "250 vertices selected" in said(capfd, ops.select)
+    assert set(selected(human)) == set(truth[left[250:]])
 
 
 @pytest.mark.parametrize("mask", ["faces", "vertices", "sculpt"])

@@ -188,12 +188,16 @@ def _outward(object, name):
 def test_keys_go_across_objects_both_ways(parts):
     body, left, right, partner = parts
     before, size = positions(right.data), 0.1 * np.ptp(positions(left.data)[:100], axis=0).max()
-    _swell(left, "Swell.L", np.arange(100), size).slider_max = 2
+    swell = _swell(left, "Swell.L", np.arange(100), size)
+    swell.slider_max = 2
+    swell.driver_add("value").driver.expression = "0.5"
     assert ops.mirror_shape_keys() == {"FINISHED"}
     outward = _outward(right, "Swell.R")
     assert np.allclose(outward[partner[:100]], size, rtol=0.1) and np.abs(outward[partner[100:]]).max() < 0.01 * size
     made = right.data.shape_keys.key_blocks["Swell.R"]
     assert made.slider_max == 2 and np.array_equal(positions(right.data), before)
+    drivers = right.data.shape_keys.animation_data.drivers
+    assert [(curve.data_path, curve.driver.expression) for curve in drivers] == [('key_blocks["Swell.R"].value', "0.5")]
     assert "Swell.R" not in left.data.shape_keys.key_blocks and body.data.shape_keys is None
     _swell(right, "Frown.R", partner[:100], size)
     assert ops.mirror_shape_keys() == {"FINISHED"}
