@@ -260,3 +260,34 @@ def test_masks_are_respected(human, mask):
     assert ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT") == {"FINISHED"}
     enter("OBJECT")
     assert np.array_equal(_weights(human, "Spine") > 0, (side == 1) | free & (side == -1))
+
+
+def test_a_sculpt_mask_lets_every_tool_do_its_share(human):
+    """Half masked: positions, attributes and keys go half the way."""
+    mesh_data, mesh, side = module("mesh_data"), human.data, attribute(human.data, "sym_side")
+    mesh_data.write_attribute(mesh, ".sculpt_mask", "FLOAT", np.full(len(side), 0.5))
+    before, results = positions(mesh), {}
+    for mode in ("OBJECT", "SCULPT"):
+        mesh_data.set_shown_positions(human, before)
+        enter(mode)
+        ops.symmetrize(direction="LEFT_TO_RIGHT")
+        enter("OBJECT")
+        results[mode] = positions(mesh) - before
+    assert np.allclose(results["SCULPT"], results["OBJECT"] / 2, atol=1e-5)
+    mesh_data.write_attribute(mesh, "mine", "FLOAT", (side == 1).astype(float))
+    enter("SCULPT")
+    ops.mirror_attribute(name="mine", direction="LEFT_TO_RIGHT")
+    enter("OBJECT")
+    assert np.allclose(attribute(mesh, "mine"), np.where(side == -1, 0.5, side == 1), atol=1e-5)
+    human.shape_key_add(name="Basis")
+    key = human.shape_key_add(name="Swell.L")
+    mesh_data.set_key_positions(key, mesh_data.key_positions(key) + 0.01 * _patch(human, 1)[:, None])
+    human.active_shape_key_index = 1
+    for name in ("OBJECT", "SCULPT"):
+        enter(name)
+        ops.mirror_shape_keys()
+        enter("OBJECT")
+        made = human.data.shape_keys.key_blocks["Swell.R"]
+        results[name] = mesh_data.key_positions(made) - positions(mesh)
+        mesh_data.set_key_positions(made, positions(mesh))
+    assert np.abs(results["OBJECT"]).max() > 0.005 and np.allclose(results["SCULPT"], results["OBJECT"] / 2, atol=1e-5)
