@@ -45,7 +45,7 @@ def misunderstood(names, amounts, symmetry, merge):
 def central(names, amounts, side):
     """Names with a side and without a counterpart that lie on both sides: L1 of a spine."""
     where, filled = balance(amounts, side), amounts.any(axis=0)
-    alone = [side_names.side(name) != 0 and side_names.flip(name) not in names for name in names]
+    alone = [side_names.side(name) != 0 and side_names.counterpart(name, names) not in names for name in names]
     return [name for name, *is_so in zip(names, alone, filled, np.abs(where) < _ON_BOTH) if all(is_so)]
 
 

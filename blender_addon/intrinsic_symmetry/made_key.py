@@ -50,7 +50,8 @@ def _copy_numbers(key, like):
 
 def _group(object, symmetry, name):
     """Name of the mirror image of a group, which is made if there is none."""
-    other, groups = side_names.flip(name), object.vertex_groups
+    groups = object.vertex_groups
+    other = side_names.counterpart(name, groups.keys())
     if name not in groups or other in groups:
         return other if name in groups else name
     active = groups.active_index

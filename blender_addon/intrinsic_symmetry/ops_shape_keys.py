@@ -60,11 +60,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(MirrorProperties, MapOperator, bpy
         sizes = mesh_data.key_sizes(object.data)[:, [keys.key_blocks.find(name) for name in names]]
         misread = counterparts.misunderstood(names, sizes, symmetry, self.merge)
         self.leave([name for name in chosen if name in misread], "no side in the name, but it moves one side alone")
-        return list(dict.fromkeys(self._pair(name) for name in chosen if name not in misread))
-
-    def _pair(self, name):
-        side = side_names.side(name)
-        return (name,) if side == 0 else (name, side_names.flip(name))[::side]
+        return list(dict.fromkeys(_pair(name, names) for name in chosen if name not in misread))
 
     def _in_place(self, symmetry, keys, name, free):
         key = keys.key_blocks[name]
@@ -99,6 +95,12 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(MirrorProperties, MapOperator, bpy
             return False
         mesh_data.move_key(keys, key, values)
         return True
+
+
+def _pair(name, names):
+    """A name and its counterpart, that of the left first; the name alone, if it has no side."""
+    side = side_names.side(name)
+    return (name,) if side == 0 else (name, side_names.counterpart(name, names))[::side]
 
 
 def _displacement(key):

@@ -56,11 +56,11 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(MirrorProperties, MapOperator, 
         names = [group.name for group in object.vertex_groups]
         if not self.all_groups:
             active = object.vertex_groups.active.name
-            names = [name for name in names if name == active or self._other(name) == active]
+            names = [name for name in names if name == active or self._other(object, name) == active]
         return names
 
-    def _other(self, name):
-        return side_names.flip(name) if self.exchange_names else name
+    def _other(self, object, name):
+        return side_names.counterpart(name, object.vertex_groups.keys()) if self.exchange_names else name
 
     def _understood(self, object, symmetry, weights):
         """The chosen names without those that are left alone, which are told to the user."""
@@ -77,13 +77,14 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(MirrorProperties, MapOperator, 
     def _counterparts(self, object, names):
         """(groups,) index of the group that is the mirror image of each; makes those that are missing."""
         groups, active = object.vertex_groups, object.vertex_groups.active_index
-        missing = [name for name in map(self._other, names) if name not in groups]
-        for name in missing:
-            groups.new(name=name)
+        pairs = [(name, self._other(object, name)) for name in names]
+        for _, counterpart in pairs:
+            if counterpart not in groups:
+                groups.new(name=counterpart)
         groups.active_index = active
         other = np.arange(len(groups))
-        for name in names + missing:
-            other[groups[name].index] = groups[self._other(name)].index
+        for name, counterpart in pairs:
+            other[[groups[name].index, groups[counterpart].index]] = groups[counterpart].index, groups[name].index
         return other
 
     def _mirrored(self, object, symmetry, before, other, trust, names):

@@ -27,6 +27,8 @@ _CONVENTIONS = (
     # A capital before or after a word. CAT: CATRigLArm. Others: LArm, EyeBlinkL, HandR_01.
     r"(?<![A-Z])[LR](?=[A-Z][a-z])",
     r"(?<=[a-z])[LR](?![A-Za-z])",
+    # A capital after a number, where an exporter took the dot away or spelt it. three.js: Palm1L. FBX: LegFBXASC046L.
+    r"(?<=\d)[LR](?![^\W_])",
     # Japanese, as in MMD, and Chinese: 左腕, ウィンク右.
     r"[左右]",
 )
@@ -41,6 +43,20 @@ def side(name):
 def flip(name):
     """The name of the other side; the same name where it has no side."""
     return _read(name)[1]
+
+
+def counterpart(name, names):
+    """The name of the other side as it stands among `names`: exporters number every name (Leg_L_019 and Leg_R_022), so
+    one that differs in the last number will do, if it is the only one."""
+    other = flip(name)
+    if other == name or other in names:
+        return other
+    there, own = ([each for each in names if _plain(each) == _plain(given)] for given in (other, name))
+    return there[0] if len(there) == len(own) == 1 else other
+
+
+def _plain(name):
+    return re.sub(r"_\d+$", "", name)
 
 
 def _read(name):

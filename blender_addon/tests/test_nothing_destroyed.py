@@ -43,6 +43,7 @@ def arms(human, truth):
         ("Bip01 L UpperArm", "Bip01 R UpperArm"),
         ("J_Bip_L_UpperArm", "J_Bip_R_UpperArm"),
         ("左腕", "右腕"),
+        ("b_LeftArm_09", "b_RightArm_012"),
         ("lShldr", "rShldr"),
     ],
 )

@@ -18,7 +18,8 @@ PAIRS = {
                ("DEF-lid.B.L", "DEF-lid.B.R")],
     "Auto-Rig Pro": [("arm_stretch.l", "arm_stretch.r"), ("c_index1_base.l", "c_index1_base.r")],
     "MMD": [("左腕", "右腕"), ("左足ＩＫ", "右足ＩＫ"), ("腕.L", "腕.R"), ("左ひじ.L", "右ひじ.R"), ("まばたき左", "まばたき右")],
-    "others": [("eyeBlinkLeft", "eyeBlinkRight"), ("EyeBlinkL", "EyeBlinkR"), ("LArm", "RArm"), ("left", "right")],
+    "others": [("eyeBlinkLeft", "eyeBlinkRight"), ("EyeBlinkL", "EyeBlinkR"), ("LArm", "RArm"), ("left", "right"),
+               ("Palm1L", "Palm1R"), ("f_indexFBXASC04601FBXASC046L", "f_indexFBXASC04601FBXASC046R")],
 }
 WITHOUT = ["Spine", "Eyes_L_R", "LeftRight", "左右", "chin_cleft", "Bright", "upright", "Control", "RGB", "LOD0",
            "IKLeg", "root.x", "roll", "RealLife", "lip", "Tail", "ball", "L1", "Fur"]
@@ -52,3 +53,10 @@ def test_words_of_one_s_own():
         assert side_names.side("brazo_izq") == 1 and side_names.flip("Arm.L") == "Arm.R"
     finally:
         preferences.left_word = preferences.right_word = ""
+
+
+def test_numbers_of_exporters_do_not_part_a_pair():
+    counterpart = module("side_names").counterpart
+    names = ["Leg_L_019", "Leg_R_022", "Arm_L_01", "Arm_L_02", "Arm_R_01", "Spine_03"]
+    found = [counterpart(name, names) for name in names]
+    assert found == ["Leg_R_022", "Leg_L_019", "Arm_R_01", "Arm_R_02", "Arm_L_01", "Spine_03"]
