@@ -1,7 +1,7 @@
 # `make demo` and `make test` each set up a fresh Debian or Ubuntu machine by themselves.
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test fmt examples clean setup setup-test header check-header test-c
+.PHONY: help demo test fmt examples clean setup setup-test header check-header public-api check-public-api test-c
 
 help: ## Say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -19,6 +19,9 @@ test: setup-test ## Check format and lints, run all tests
 	cargo fmt --all --check
 	@$(MAKE) --no-print-directory check-header
 	cargo clippy --release --locked --all-targets --features criterion -- -D warnings
+	# Without the feature `internals` what tests alone use is dead code.
+	cargo clippy --release --locked -p intrinsym --lib -- -D warnings
+	@$(MAKE) --no-print-directory check-public-api
 	cargo test --release --locked --doc --quiet
 	cargo nextest run --release --locked
 	@$(MAKE) --no-print-directory test-c
@@ -40,6 +43,20 @@ header: ## Make include/isym.h again from capi/src
 
 check-header: ## Check that include/isym.h is what capi/src says
 	cargo run --quiet --locked --target-dir target/header --manifest-path tools/header/Cargo.toml
+
+# Pages of the library alone: rustdoc's warnings are errors.
+DOC = RUSTDOCFLAGS="-D warnings" cargo doc --release --locked --quiet --no-deps -p intrinsym
+PUBLIC_API = python3 tools/public_api/check.py $(or $(CARGO_TARGET_DIR),target)/doc/intrinsym
+
+public-api: ## Keep the public names of the Rust library as they are now: tools/public_api/names.txt
+	rm -rf $(or $(CARGO_TARGET_DIR),target)/doc
+	$(DOC)
+	$(PUBLIC_API) --write
+
+check-public-api: ## Check the Rust library's pages, and its public names against the kept listing
+	rm -rf $(or $(CARGO_TARGET_DIR),target)/doc
+	$(DOC)
+	$(PUBLIC_API)
 
 fmt: ## Format the sources
 	cargo fmt --all

@@ -13,13 +13,11 @@
 #[path = "../tests/support/mod.rs"]
 mod support;
 
-use intrinsym::base::effort::Plan;
-use intrinsym::base::limits::{Limits, estimated_memory};
-use intrinsym::base::options::Options;
-use intrinsym::base::progress::Progress;
-use intrinsym::detect::detect_again::{Previous, detect_again};
-use intrinsym::detect::driver::{Detection, detect};
-use intrinsym::mesh::{Mesh, PolygonMesh, io};
+use intrinsym::internals::base::effort::Plan;
+use intrinsym::internals::base::limits::estimated_memory;
+use intrinsym::{
+    Detection, Limits, Mesh, Options, PolygonMesh, Previous, Progress, detect, detect_again, io,
+};
 use serde_json::{Value, json};
 use std::path::Path;
 

@@ -3,12 +3,9 @@
 //! LIST has a line "NAME PATH" for each mesh. VARIANTS maps a variant's name to the fields of the default plans, `small`, `wide`
 //! and `large`, that it changes, and the `mechanisms` that it switches off; `null` in place of a plan leaves it out. Every map is accepted. Writes OUT/VARIANT/NAME.map and a line for each detection in OUT/log.jsonl.
 
-use intrinsym::base::effort::{Mechanisms, Plan};
-use intrinsym::base::limits::Limits;
-use intrinsym::base::options::Options;
-use intrinsym::base::progress::Progress;
-use intrinsym::detect::driver::{Detection, detect_by};
-use intrinsym::mesh::{Mesh, io};
+use intrinsym::internals::base::effort::{Mechanisms, Plan};
+use intrinsym::internals::detect::driver::detect_by;
+use intrinsym::{Detection, Limits, Mesh, Options, Progress, io};
 use serde_json::{Map, Value, json};
 use std::error::Error;
 use std::fs::{self, File};

@@ -3,13 +3,10 @@
 //! `cargo run --release --example continuous_family MESH...` writes a line for each mesh: its path, the least gradient
 //! of the signatures, the verdict, and the milliseconds of the test after the eigenfunctions.
 
-use intrinsym::base::limits::Limits;
-use intrinsym::base::options::Options;
-use intrinsym::base::progress::Progress;
-use intrinsym::mesh::{Mesh, io};
-use intrinsym::spectral::continuous_family::orbits;
-use intrinsym::spectral::eigenbasis::Eigenbasis;
-use intrinsym::spectral::laplacian::IntrinsicSurface;
+use intrinsym::internals::spectral::continuous_family::orbits;
+use intrinsym::internals::spectral::eigenbasis::Eigenbasis;
+use intrinsym::internals::spectral::laplacian::IntrinsicSurface;
+use intrinsym::{Limits, Mesh, Options, Progress, io};
 use std::path::Path;
 use std::time::Instant;
 

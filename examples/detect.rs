@@ -2,11 +2,7 @@
 //!
 //! `cargo run --release --example detect examples/human.ply`
 
-use intrinsym::base::limits::Limits;
-use intrinsym::base::options::Options;
-use intrinsym::base::progress::Progress;
-use intrinsym::detect::driver::detect;
-use intrinsym::mesh::{Mesh, io};
+use intrinsym::{Limits, Mesh, Options, Progress, detect, io};
 use std::path::Path;
 
 fn main() -> intrinsym::Result<()> {
@@ -15,7 +11,7 @@ fn main() -> intrinsym::Result<()> {
     let file = io::read(Path::new(&path), &limits)?;
     let mesh = Mesh::new(&file.polygons, &limits)?;
     let detection = detect(&mesh, &Options::default(), &Progress::default())?;
-    println!("{}", detection.report.evidence);
+    println!("{}", detection.report.evidence());
     let Some(symmetry) = detection.symmetries.first() else { return Ok(()) };
     for vertex in (0..symmetry.partner.len()).step_by(symmetry.partner.len().div_ceil(8)) {
         let (partner, confidence) = (symmetry.partner[vertex], symmetry.confidence[vertex]);

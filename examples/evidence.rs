@@ -4,20 +4,18 @@
 //! the small plan seeks the map `vertex partner` and the columns of `Evidence::features`. The best map is used, fitted to the rigid
 //! parts as answers are, accepted or not, and whatever the connectivity says.
 
-use intrinsym::base::effort::Plan;
-use intrinsym::base::limits::Limits;
-use intrinsym::base::options::Options;
-use intrinsym::base::progress::Progress;
-use intrinsym::base::symmetry_kind::SymmetryKind;
-use intrinsym::detect::proxy::Proxy;
-use intrinsym::detect::shell_symmetry::{PreparedShell, candidates, finish, signs};
-use intrinsym::mesh::{Mesh, io};
-use intrinsym::refine::full_refinement::MatchTarget;
-use intrinsym::refine::rigid_parts;
-use intrinsym::search::candidates::Hints;
-use intrinsym::spectral::laplacian::IntrinsicSurface;
-use intrinsym::verify::confidence::Evidence;
-use intrinsym::verify::hypothesis::Hypothesis;
+use intrinsym::internals::base::effort::Plan;
+use intrinsym::internals::detect::proxy::Proxy;
+use intrinsym::internals::detect::shell_symmetry::{PreparedShell, candidates, finish, signs};
+use intrinsym::internals::refine::full_refinement::MatchTarget;
+use intrinsym::internals::refine::rigid_parts;
+use intrinsym::internals::search::candidates::Hints;
+use intrinsym::internals::spectral::eigenbasis::Eigenbasis;
+use intrinsym::internals::spectral::laplacian::IntrinsicSurface;
+use intrinsym::internals::spectral::sampling::Samples;
+use intrinsym::internals::verify::confidence::Evidence;
+use intrinsym::internals::verify::hypothesis::Hypothesis;
+use intrinsym::{Limits, Mesh, Options, Progress, SymmetryKind, io};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -42,7 +40,10 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let shells = mesh.shells();
     let proxy = Proxy::new(&shells[0], plan.proxy_vertices, 1);
     let solved = proxy.as_ref().map_or(&shells[0], |proxy| &proxy.shell);
-    let shell = PreparedShell::new(IntrinsicSurface::with_mean_curvature(solved), &plan, 1, &progress)?;
+    let surface = IntrinsicSurface::with_mean_curvature(solved);
+    let basis = Eigenbasis::new(&surface, plan.eigenfunctions, 1, &progress)?;
+    let samples = Samples::farthest(&basis, plan.samples);
+    let shell = PreparedShell { surface, basis, samples };
     let signs = signs(&shell.surface, &shell.basis, &options, &[])?;
     let found = candidates(&shell, &Hints { signs: &signs, twins: None }, &plan.search, &options, &progress)?;
     let Some(candidate) = found.first() else { return Ok(String::new()) };

@@ -11,7 +11,7 @@ SECONDS_EACH=${1:-60}
 SECONDS_PER_INPUT=30
 shift || true
 TARGETS=("$@")
-[ ${#TARGETS[@]} != 0 ] || TARGETS=(read_ply read_obj read_off read_stl arrays detector c_calls)
+[ ${#TARGETS[@]} != 0 ] || TARGETS=(read_ply read_obj read_off read_stl read_gltf arrays detector c_calls)
 export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-../target}/fuzz
 export RUSTC_WRAPPER=$PWD/with_counters.sh
 
@@ -20,6 +20,7 @@ for target in "${TARGETS[@]}"; do
     found=../build/fuzz/$target
     mkdir -p "$found/corpus" "$found/seeds" "corpus/$target"
     case $target in
+    read_gltf) cp ../tests/data/bad/*.gl* "$found/seeds/" ;;
     read_*) cp ../tests/data/bad/*."${target#read_}" "$found/seeds/" ;;
     esac
     echo "fuzz: $target for $SECONDS_EACH s"

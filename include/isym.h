@@ -443,7 +443,7 @@ isym_status isym_mesh_from_polygons_f32(const float *positions,
                                         size_t corner_count,
                                         isym_mesh **mesh);
 
-/// Reads a mesh from a PLY, OBJ, OFF or STL file.
+/// Reads a mesh from a PLY, OBJ, OFF, STL, glTF or GLB file.
 ///
 /// @param path The file, UTF-8.
 /// @param[out] mesh Free it with `isym_mesh_free`.

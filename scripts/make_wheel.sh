@@ -1,10 +1,11 @@
 #!/usr/bin/env bash
-# Builds the C library and puts it into a wheel that runs on every Linux since 2018 (glibc 2.28, such as RHEL 8, which
+# Builds the C library and the command line and puts them into a wheel that runs on every Linux since 2018 (glibc 2.28, such as RHEL 8, which
 # is also what Blender asks for): out/wheels/intrinsym-VERSION-py3-none-manylinux_2_28_MACHINE.whl
 # usage: make_wheel.sh PYTHON   (a Python with what python/requirements-test.txt names)
 #
 # The code is what cargo compiles for this machine. Only the last step differs: zig's linker brings the symbols of an
 # old glibc, OpenMesh is linked in, and auditwheel refuses the wheel if it needs anything newer than its tag says.
+# What goes into a wheel, for whatever system, is python/setup.py's to say.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -13,6 +14,9 @@ GLIBC=2.28
 MACHINE=$(uname -m)
 BUILD=build/wheel
 STAGE=python/src/intrinsym/lib
+PROGRAMS=python/bin
+ZIG=("$PYTHON" -m ziglang cc -target "$MACHINE-linux-gnu.$GLIBC")
+export CARGO_TARGET_DIR=${CARGO_TARGET_DIR:-target}
 export PATH="$(dirname "$PYTHON"):$PATH"
 
 # The part of OpenMesh that the library uses, as an archive: Debian has only a shared library, users have none.
@@ -32,22 +36,49 @@ compilers() {
 }
 
 link_library() {
-    local archive=${CARGO_TARGET_DIR:-target}/release/libintrinsym.a
-    c++ -std=c++17 -O2 -fPIC -c python/old_libstdcxx.cpp -o "$BUILD/old_libstdcxx.o"
+    local archive=$CARGO_TARGET_DIR/release/libintrinsym.a
     echo '{ global: isym_*; local: *; };' >"$BUILD/exports.map"
-    "$PYTHON" -m ziglang cc -target "$MACHINE-linux-gnu.$GLIBC" -shared -o "$STAGE/libintrinsym.so" \
+    "${ZIG[@]}" -shared -o "$STAGE/libintrinsym.so" \
         -Wl,-soname,libintrinsym.so -Wl,--version-script="$BUILD/exports.map" -Wl,-z,defs -Wl,--gc-sections \
         -Wl,--strip-all -Wl,--whole-archive "$archive" -Wl,--no-whole-archive "$BUILD/old_libstdcxx.o" \
         "$BUILD/openmesh.a" "$(compilers libstdc++.so)" "$(compilers libgcc_s.so.1)" -lm -lpthread -ldl -lc
 }
 
+# What cargo calls in the place of the linker: OpenMesh is linked in, C++ is the system's. This machine's C++ asks for a newer
+# glibc than ours does; the user's has its own.
+write_linker() {
+    cat >"$BUILD/linker" <<END
+#!/usr/bin/env bash
+arguments=()
+for argument in "\$@"; do
+    case \$argument in
+    -lOpenMeshCore) arguments+=("$PWD/$BUILD/openmesh.a" "$PWD/$BUILD/old_libstdcxx.o") ;;
+    -lstdc++) arguments+=("$(compilers libstdc++.so)") ;;
+    -lgcc_s) arguments+=("$(compilers libgcc_s.so.1)") ;;
+    *) arguments+=("\$argument") ;;
+    esac
+done
+exec ${ZIG[*]} -Wl,--allow-shlib-undefined "\${arguments[@]}"
+END
+    chmod +x "$BUILD/linker"
+}
+
+link_program() {
+    write_linker
+    cargo rustc --release --locked -p intrinsym-cli --bin intrinsym -- -C "linker=$PWD/$BUILD/linker"
+    mkdir -p "$PROGRAMS"
+    strip -o "$PROGRAMS/intrinsym" "$CARGO_TARGET_DIR/release/intrinsym"
+}
+
 stage() {
-    rm -rf "$STAGE"
+    rm -rf "$STAGE" "$PROGRAMS"
     mkdir -p "$STAGE" "$BUILD"
     cp LICENSE LICENSE-APACHE LICENSE-MIT models/MODEL_CARD.md "$STAGE/"
     install -m 644 "$1/LICENSE" "$STAGE/LICENSE-OpenMesh"
     build_openmesh "$1"
+    c++ -std=c++17 -O2 -fPIC -c python/old_libstdcxx.cpp -o "$BUILD/old_libstdcxx.o"
     link_library
+    link_program
 }
 
 # auditwheel gives the wheel its tag, or says which symbols are too new for it.
@@ -60,7 +91,7 @@ pack() {
 
 # A checkout is to load the library of the last build, not one that was left here.
 unstage() {
-    rm -rf "$STAGE" python/build python/src/intrinsym.egg-info
+    rm -rf "$STAGE" "$PROGRAMS" python/build python/src/intrinsym.egg-info
 }
 
 [ "$(uname -s)" = Linux ] || { echo "make_wheel: wheels are made on Linux only" >&2; exit 1; }

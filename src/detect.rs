@@ -2,12 +2,16 @@
 
 pub mod assembler;
 pub mod assembly;
+pub mod attempt;
+pub mod clock;
 pub mod companions;
 pub mod correspondence;
 pub mod coverage;
 pub mod detect_again;
 pub mod detection;
+pub mod domain;
 pub mod driver;
+pub mod eigen;
 pub mod filled_holes;
 pub mod finishing;
 pub mod fixed_curve;
@@ -15,8 +19,10 @@ pub mod joined_shells;
 pub mod judging_mesh;
 pub mod mirror_plane;
 pub mod proxy;
+pub mod question;
 pub mod report;
 pub mod rotations;
 pub mod shell_symmetry;
+pub mod spectrum;
 pub mod stated_signs;
 pub mod twins;

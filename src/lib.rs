@@ -13,9 +13,8 @@
 //! # Ok::<(), intrinsym::Error>(())
 //! ```
 //!
-//! The names at the root, and [`mirror`], are the interface. The folders of the source stand in the order of the data; each imports
-//! only from those above it. They are hidden here: this project's other packages, tests and measurements use them, and they
-//! change without notice.
+//! The names here, with [`io`], [`mirror`] and [`report`], are the interface. Behind it the folders of the source stand in the order of
+//! the data; each imports only from those above it.
 //!
 //! | folder | what it does |
 //! |---|---|
@@ -31,33 +30,66 @@
 //! | `mirror` | a symmetry -> mirrored selections, attributes, displacements, positions, colours |
 #![forbid(unsafe_code)]
 
-#[doc(hidden)]
-pub mod base;
-#[doc(hidden)]
-pub mod connectivity;
-#[doc(hidden)]
-pub mod detect;
-#[doc(hidden)]
-pub mod geometry;
-#[doc(hidden)]
-pub mod mesh;
+mod base;
+mod connectivity;
+mod detect;
+mod geometry;
+mod mesh;
 pub mod mirror;
-#[doc(hidden)]
-pub mod refine;
-#[doc(hidden)]
-pub mod search;
-#[doc(hidden)]
-pub mod spectral;
-#[doc(hidden)]
-pub mod verify;
+mod refine;
+mod search;
+mod spectral;
+mod verify;
 
-pub use base::error::{Error, Result};
+pub use base::error::{Error, MeshFault, Result};
 pub use base::limits::Limits;
-pub use base::options::{Effort, Options};
+pub use base::options::{Effort, OPTIONS, OptionSpec, Options};
 pub use base::progress::{CancelToken, Progress};
 pub use base::symmetry_kind::SymmetryKind;
 pub use detect::correspondence::{EdgePoint, Polyline, SurfacePoint, Symmetry};
 pub use detect::coverage::Coverage;
 pub use detect::detect_again::{Previous, detect_again};
-pub use detect::driver::{Detection, Eigen, Outcome, Report, detect, eigen};
-pub use mesh::{Mesh, PolygonMesh, io};
+pub use detect::detection::{Detection, Report};
+pub use detect::driver::detect;
+pub use detect::eigen::{Eigen, eigen};
+pub use detect::judging_mesh::JudgingMesh;
+pub use detect::report;
+pub use mesh::{Mesh, NONE, PolygonMesh, RepairReport, connectivity_hash, io};
+pub use search::candidate_score::Score;
+pub use search::sign_network::SignPrediction;
+pub use verify::acceptance::Judgement;
+pub use verify::outcome::Outcome;
+pub use verify::reason::Reason;
+
+/// The inside, for this project's tests, measurements and command line. It changes without notice.
+#[cfg(feature = "internals")]
+#[doc(hidden)]
+pub mod internals {
+    pub mod base {
+        pub use crate::base::*;
+    }
+    pub mod mesh {
+        pub use crate::mesh::*;
+    }
+    pub mod geometry {
+        pub use crate::geometry::*;
+    }
+    pub mod spectral {
+        pub use crate::spectral::*;
+    }
+    pub mod search {
+        pub use crate::search::*;
+    }
+    pub mod refine {
+        pub use crate::refine::*;
+    }
+    pub mod connectivity {
+        pub use crate::connectivity::*;
+    }
+    pub mod verify {
+        pub use crate::verify::*;
+    }
+    pub mod detect {
+        pub use crate::detect::*;
+    }
+}

@@ -2,11 +2,8 @@
 
 mod support;
 
-use intrinsym::base::options::Options;
-use intrinsym::base::progress::Progress;
-use intrinsym::detect::driver::{Detection, Outcome, detect};
-use intrinsym::detect::mirror_plane::MirrorPlane;
-use intrinsym::mesh::PolygonMesh;
+use intrinsym::internals::detect::mirror_plane::MirrorPlane;
+use intrinsym::{Detection, Options, Outcome, PolygonMesh, Progress, detect};
 use support::*;
 
 /// A part of a figure: an ellipsoid, a bump in front, its middle and half axes; the joint about which the pose turns it, and how far.
@@ -77,7 +74,7 @@ fn figure(pose: f64, with_rod: bool) -> Figure {
 fn found(polygons: &PolygonMesh) -> Detection {
     let (mesh, options) = (validated(polygons), Options::default());
     let found = detect(&mesh, &options, &Progress::default()).unwrap();
-    println!("{}", found.report.evidence);
+    println!("{}", found.report.evidence());
     assert_keeps_its_contract(&mesh, &options, &found);
     found
 }
@@ -103,7 +100,7 @@ fn each_part_of_a_posed_figure_goes_to_its_twin() {
     let found = found(&figure.polygons);
     assert_eq!(found.outcome, Outcome::Found);
     assert_eq!(images(&figure, &found), figure.twins);
-    assert!(found.report.evidence.contains("plausibility"), "it was searched");
+    assert!(found.report.evidence().contains("plausibility"), "it was searched");
 }
 
 #[test]
@@ -119,7 +116,7 @@ fn a_figure_at_rest_is_answered_by_its_plane() {
     let figure = figure(0.0, false);
     let found = found(&figure.polygons);
     assert_eq!(images(&figure, &found), figure.twins);
-    assert!(found.report.evidence.contains("plane in space"));
+    assert!(found.report.evidence().contains("plane in space"));
     assert!(found.symmetries[0].mean_confidence > 0.95);
 }
 

@@ -3,11 +3,10 @@
 //! A figure is the surface of a set of voxels, each face cut into a grid of quads: irregular vertices at
 //! its edges and corners, regular grids between. Reflecting x gives the truth.
 
-use intrinsym::base::progress::Progress;
-use intrinsym::base::symmetry_kind::SymmetryKind::{self, HalfTurn, Reflection};
-use intrinsym::connectivity::automorphism::{Automorphism, Connectivity, find};
-use intrinsym::mesh::NONE;
-use intrinsym::mesh::half_edges::HalfEdges;
+use intrinsym::SymmetryKind::{HalfTurn, Reflection};
+use intrinsym::internals::connectivity::automorphism::{Automorphism, Connectivity};
+use intrinsym::internals::mesh::half_edges::HalfEdges;
+use intrinsym::{NONE, Progress, SymmetryKind};
 use proptest::prelude::*;
 use std::collections::{HashMap, HashSet};
 
@@ -94,8 +93,8 @@ impl Figure {
     /// The pairing, which must be the same whether a search without an estimate came before or not.
     fn find(&self, estimate: &[u32], kind: SymmetryKind) -> Option<Automorphism> {
         let (confidence, quiet) = (vec![0.5; self.places.len()], Progress::default());
-        let found = find(&self.half_edges(), estimate, &confidence, kind, &quiet).unwrap();
-        let mut searched = Connectivity::new(self.half_edges());
+        let mut searched = Connectivity::new(self.half_edges(), 0);
+        let found = searched.find(estimate, &confidence, kind, &quiet).unwrap();
         searched.find_unrivalled(&quiet).unwrap();
         assert_eq!(searched.find(estimate, &confidence, kind, &quiet).unwrap(), found);
         if let Some(automorphism) = &found {
@@ -430,7 +429,8 @@ fn a_large_figure_takes_seconds() {
     let truth = figure.truth();
     let half_edges = figure.half_edges();
     let started = std::time::Instant::now();
-    let found = find(&half_edges, &truth, &vec![1.0; truth.len()], Reflection, &Progress::default())
+    let found = Connectivity::new(half_edges, 0)
+        .find(&truth, &vec![1.0; truth.len()], Reflection, &Progress::default())
         .unwrap()
         .unwrap();
     println!("{} points: {:.2} s", truth.len(), started.elapsed().as_secs_f64());
@@ -439,8 +439,9 @@ fn a_large_figure_takes_seconds() {
     let half_edges = lopsided.half_edges();
     let started = std::time::Instant::now();
     let estimate = lopsided.truth();
-    let found =
-        find(&half_edges, &estimate, &vec![1.0; estimate.len()], Reflection, &Progress::default()).unwrap();
+    let found = Connectivity::new(half_edges, 0)
+        .find(&estimate, &vec![1.0; estimate.len()], Reflection, &Progress::default())
+        .unwrap();
     println!("asymmetric: {:.2} s", started.elapsed().as_secs_f64());
     assert!(found.is_none_or(|found| !found.complete));
 }

@@ -1,11 +1,9 @@
 //! The bijection by connectivity on the shipped examples, whose mirror tables are the truth.
 
-use intrinsym::base::limits::Limits;
-use intrinsym::base::progress::Progress;
-use intrinsym::base::symmetry_kind::SymmetryKind::Reflection;
-use intrinsym::connectivity::automorphism::{Automorphism, Connectivity, LengthChange, find};
-use intrinsym::mesh::half_edges::HalfEdges;
-use intrinsym::mesh::{Mesh, NONE, io};
+use intrinsym::SymmetryKind::Reflection;
+use intrinsym::internals::connectivity::automorphism::{Automorphism, Connectivity, LengthChange};
+use intrinsym::internals::mesh::half_edges::HalfEdges;
+use intrinsym::{Limits, Mesh, NONE, Progress, io};
 use std::path::Path;
 
 const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/examples");
@@ -35,8 +33,9 @@ impl Example {
     }
 
     fn find(&self, estimate: &[u32]) -> Option<Automorphism> {
-        find(&self.half_edges(), estimate, &vec![1.0; self.truth.len()], Reflection, &Progress::default())
-            .unwrap()
+        let (connectivity, confidence) =
+            (Connectivity::new(self.half_edges(), 0), vec![1.0; self.truth.len()]);
+        connectivity.find(estimate, &confidence, Reflection, &Progress::default()).unwrap()
     }
 
     fn wrong(&self, found: &Automorphism) -> usize {
@@ -108,9 +107,11 @@ fn shapes_without_mirrored_connectivity_have_no_match() {
     let blob = Example::read_mesh("blob");
     let count = blob.positions.len() as u32;
     let half_edges = HalfEdges::new(count as usize, &blob.polygon_offsets, &blob.polygon_points).unwrap();
+    let connectivity = Connectivity::new(half_edges, 0);
     for estimate in [vec![NONE; count as usize], (0..count).collect(), (0..count).rev().collect()] {
         assert_eq!(
-            find(&half_edges, &estimate, &vec![1.0; count as usize], Reflection, &Progress::default())
+            connectivity
+                .find(&estimate, &vec![1.0; count as usize], Reflection, &Progress::default())
                 .unwrap(),
             None
         );

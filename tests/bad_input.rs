@@ -3,8 +3,7 @@
 //! A file either has an `error`, its whole message with the file's name for the path, or is read: then every
 //! repair that is not zero is listed, and every note; `orientable` is given where a shell is not.
 
-use intrinsym::base::limits::Limits;
-use intrinsym::mesh::{Mesh, io};
+use intrinsym::{Limits, Mesh, io};
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 

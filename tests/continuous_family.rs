@@ -2,13 +2,10 @@
 
 mod support;
 
-use intrinsym::base::options::Options;
-use intrinsym::base::progress::Progress;
-use intrinsym::detect::driver::{Outcome, detect};
-use intrinsym::mesh::PolygonMesh;
-use intrinsym::spectral::continuous_family::{Orbits, orbits};
-use intrinsym::spectral::eigenbasis::Eigenbasis;
-use intrinsym::spectral::laplacian::IntrinsicSurface;
+use intrinsym::internals::spectral::continuous_family::{Orbits, orbits};
+use intrinsym::internals::spectral::eigenbasis::Eigenbasis;
+use intrinsym::internals::spectral::laplacian::IntrinsicSurface;
+use intrinsym::{Options, Outcome, PolygonMesh, Progress, detect};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use support::{Vector, creature, dot, example, icosphere, polygon_mesh, rectangle, rotated, validated};
@@ -182,13 +179,17 @@ fn the_report_says_so_and_the_map_stays() {
     let mesh = validated(&rolled(48, 24, true, torus));
     let options = Options { symmetries: 3, ..Options::default() };
     let found = detect(&mesh, &options, &Progress::default()).unwrap();
-    assert_eq!(found.outcome, Outcome::Found, "{}", found.report.evidence);
+    assert_eq!(found.outcome, Outcome::Found, "{}", found.report.evidence());
     assert!(found.report.continuous_family);
     assert!(found.report.least_signature_gradient.unwrap() < 0.012);
-    assert!(found.report.evidence.contains("a continuous family of symmetries"), "{}", found.report.evidence);
+    assert!(
+        found.report.evidence().contains("a continuous family of symmetries"),
+        "{}",
+        found.report.evidence()
+    );
 
     let plain = detect(&validated(&creature(3, 0.4)), &Options::default(), &Progress::default()).unwrap();
-    assert!(!plain.report.continuous_family && !plain.report.evidence.contains("continuous"));
+    assert!(!plain.report.continuous_family && !plain.report.evidence().contains("continuous"));
 }
 
 #[test]

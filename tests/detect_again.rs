@@ -2,13 +2,9 @@
 
 mod support;
 
-use intrinsym::base::error::Error;
-use intrinsym::base::options::Options;
-use intrinsym::base::progress::Progress;
-use intrinsym::detect::detect_again::{Previous, detect_again};
-use intrinsym::detect::driver::{Detection, Outcome, detect};
-use intrinsym::mesh::PolygonMesh;
-use intrinsym::verify::acceptance::Judgement;
+use intrinsym::{
+    Detection, Error, Judgement, Options, Outcome, PolygonMesh, Previous, Progress, detect, detect_again,
+};
 use std::sync::Arc;
 use support::*;
 
@@ -19,7 +15,7 @@ fn found(polygons: &PolygonMesh, options: &Options) -> Detection {
 fn again<'a>(polygons: &PolygonMesh, previous: impl Into<Previous<'a>>, options: &Options) -> Detection {
     let mesh = validated(polygons);
     let found = detect_again(&mesh, previous, options, &Progress::default()).unwrap();
-    println!("kept {}: {}", found.report.kept, found.report.evidence);
+    println!("kept {}: {}", found.report.kept, found.report.evidence());
     assert_keeps_its_contract(&mesh, options, &found);
     found
 }
@@ -68,7 +64,11 @@ fn the_map_of_another_shape_is_no_answer() {
     let previous = found(&other, &Options::default()).symmetries;
     assert_eq!(previous.len(), 1);
     let anew = again(&polygons, &*previous, &Options::default());
-    assert!(!anew.report.kept && anew.report.evidence.contains("was not kept"), "{}", anew.report.evidence);
+    assert!(
+        !anew.report.kept && anew.report.evidence().contains("was not kept"),
+        "{}",
+        anew.report.evidence()
+    );
     assert_eq!(anew.report.seconds[0].0, "earlier maps");
     let expected = found(&polygons, &Options::default());
     assert_eq!(anew.symmetries[0].partner, expected.symmetries[0].partner);

@@ -2,21 +2,20 @@
 
 mod support;
 
-use intrinsym::base::effort::Plan;
-use intrinsym::base::error::Error;
-use intrinsym::base::limits::estimated_memory;
-use intrinsym::base::options::{OPTIONS, Options};
-use intrinsym::base::progress::{CancelToken, Progress};
-use intrinsym::base::symmetry_kind::SymmetryKind;
-use intrinsym::detect::driver::{Detection, Outcome, detect};
-use intrinsym::mesh::{Mesh, NONE, PolygonMesh};
+use intrinsym::internals::base::effort::Plan;
+use intrinsym::internals::base::limits::estimated_memory;
+use intrinsym::{
+    CancelToken, Detection, Error, Mesh, NONE, OPTIONS, Options, Outcome, PolygonMesh, Progress, Reason,
+    SymmetryKind, detect,
+};
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
+use std::time::{Duration, Instant};
 use support::*;
 
 fn detected(mesh: &Mesh, options: &Options) -> Detection {
     let detection = detect(mesh, options, &Progress::default()).unwrap();
-    println!("{:?}: {}", detection.outcome, detection.report.evidence);
+    println!("{:?}: {}", detection.outcome, detection.report.evidence());
     for symmetry in &detection.symmetries {
         println!(
             "  {:?} score {:.3}, confidence {:.3}, exact {:.3}, curves {:?}",
@@ -235,14 +234,14 @@ fn connectivity_that_is_mirrored_but_for_defects_answers_there_too() {
     }
     assert!(polygons.face_offsets.len() > whole.face_offsets.len() + 5);
     let found = detected(&validated(&polygons), &Options::default());
-    println!("{}", found.report.evidence);
+    println!("{}", found.report.evidence());
     let [symmetry] = &found.symmetries[..] else { panic!("{} symmetries", found.symmetries.len()) };
     let truth = example_truth("human");
     let wrong = symmetry.partner.iter().zip(&truth).filter(|&(&partner, &truth)| partner != truth as i32);
     assert_eq!(wrong.count(), 0);
     assert_eq!(symmetry.exact_share, 0.0);
     assert!(symmetry.mean_confidence > 0.95, "{}", symmetry.mean_confidence);
-    let evidence = &found.report.evidence;
+    let evidence = &found.report.evidence();
     assert!(
         evidence.contains("but for a few defects its connectivity admits one reflection, and that"),
         "{evidence}"
@@ -252,16 +251,16 @@ fn connectivity_that_is_mirrored_but_for_defects_answers_there_too() {
 #[test]
 fn connectivity_that_admits_one_reflection_answers_where_the_shape_is_bent_beyond_isometry() {
     let found = detected(&validated(&bent_human()), &Options::default());
-    println!("{}", found.report.evidence);
+    println!("{}", found.report.evidence());
     let [symmetry] = &found.symmetries[..] else { panic!("{} symmetries", found.symmetries.len()) };
     let truth = example_truth("human");
     assert!(symmetry.partner.iter().zip(&truth).all(|(&partner, &truth)| partner == truth as i32));
     assert_eq!((symmetry.exact_share, symmetry.mean_confidence), (1.0, 1.0));
     assert!(found.report.judged.is_none_or(|judged| !judged.accepted(50)), "the spectral map would do");
     assert!(
-        found.report.evidence.contains("connectivity admits one reflection, and that is the answer"),
+        found.report.evidence().contains("connectivity admits one reflection, and that is the answer"),
         "{}",
-        found.report.evidence
+        found.report.evidence()
     );
 }
 
@@ -298,7 +297,11 @@ fn connectivity_that_admits_several_reflections_is_no_evidence_against_the_shape
         *position = [radius * x, radius * y, radius * z];
     }
     let found = detected(&validated(&polygons), &Options::default());
-    assert!(found.symmetries.iter().all(|symmetry| symmetry.exact_share == 0.0), "{}", found.report.evidence);
+    assert!(
+        found.symmetries.iter().all(|symmetry| symmetry.exact_share == 0.0),
+        "{}",
+        found.report.evidence()
+    );
 }
 
 #[test]
@@ -326,7 +329,7 @@ fn a_map_that_mirrors_vertices_needs_half_the_plausibility() {
     let outcome = |mesh: &PolygonMesh| {
         let found = detected(&validated(mesh), &certain);
         assert!(found.report.judged.is_some_and(|judged| judged.accepted(50) && !judged.accepted(100)));
-        (found.outcome, found.report.evidence.contains("mirror images near it, and that is the answer"))
+        (found.outcome, found.report.evidence().contains("mirror images near it, and that is the answer"))
     };
     assert_eq!(outcome(&with_random_diagonals(&example("human"))), (Outcome::Found, true));
     assert_eq!(outcome(&example("quadruped")), (Outcome::Doubtful, false));
@@ -338,7 +341,7 @@ fn the_blob_is_not_found_to_have_a_symmetry() {
     assert_ne!(found.outcome, Outcome::Found);
     assert!(found.symmetries.iter().all(|symmetry| symmetry.plausibility < 0.5), "at most as doubtful");
     assert!(found.report.judged.is_some_and(|judged| !judged.accepted(50)), "{:?}", found.report.judged);
-    assert!(found.report.evidence.contains("(accepted from 50 %)"), "{}", found.report.evidence);
+    assert!(found.report.evidence().contains("(accepted from 50 %)"), "{}", found.report.evidence());
     let unchecked =
         detected(&validated(&example("blob")), &Options { plausibility: 0, ..Options::default() });
     assert_eq!(unchecked.symmetries.len(), 1, "the best map is given to who asks for it");
@@ -456,11 +459,40 @@ fn cancelling_at_any_report_stops_the_call_there() {
     assert!(matches!(result, Err(Error::Cancelled)));
 }
 
+/// What comes of a detection of the blob that waits at the `last` start of a search for candidates until its time is over.
+fn out_of_time_at(last: usize, time_limit: usize) -> intrinsym::Result<Detection> {
+    let (start, count) = (Instant::now(), Cell::new(0));
+    let callback = |stage: &str, _: f64| {
+        count.set(count.get() + usize::from(stage == "candidates"));
+        let left = Duration::from_secs(time_limit as u64).saturating_sub(start.elapsed());
+        if count.get() == last {
+            std::thread::sleep(left + Duration::from_millis(10));
+        }
+    };
+    let progress = Progress::new(Some(&callback), CancelToken::default());
+    detect(&validated(&example("blob")), &Options { time_limit, ..Options::default() }, &progress)
+}
+
+#[test]
+fn time_that_ends_before_any_answer_is_an_error_that_names_the_stage() {
+    let error = out_of_time_at(1, 1).unwrap_err();
+    assert!(matches!(error, Error::TimeLimit { stage: "candidates" | "refining" }), "{error}");
+}
+
+#[test]
+fn time_that_ends_in_a_larger_plan_leaves_the_answer_of_the_smaller_one() {
+    let found = out_of_time_at(2, 5).unwrap();
+    assert_ne!(found.outcome, Outcome::Found);
+    assert!(found.report.reasons.contains(&Reason::TimeLimit), "{}", found.report.evidence());
+    assert!(found.report.judged.is_some());
+}
+
 #[test]
 fn options_outside_their_range_are_refused() {
     let mesh = validated(&icosphere(1));
-    // The effort is a type of its own, which has no other values.
-    for (index, spec) in OPTIONS.iter().enumerate().filter(|(_, spec)| spec.name != "effort") {
+    // The effort and a yes or no are types of their own, which have no other values.
+    let is_count = |name: &str| name != "effort" && name != "network";
+    for (index, spec) in OPTIONS.iter().enumerate().filter(|(_, spec)| is_count(spec.name)) {
         let with = |value: usize| {
             let mut values = OPTIONS.map(|spec| spec.default);
             values[index] = value;
@@ -470,7 +502,8 @@ fn options_outside_their_range_are_refused() {
                 plausibility,
                 threads,
                 memory,
-                network,
+                time_limit,
+                _,
                 eigenfunctions,
                 samples,
                 beam_width,
@@ -482,11 +515,11 @@ fn options_outside_their_range_are_refused() {
                 samples,
                 symmetries,
                 beam_width,
-                network,
                 plausibility,
                 proxy_vertices,
                 memory,
                 threads,
+                time_limit,
                 rotations,
                 ..Options::default()
             }

@@ -3,12 +3,10 @@
 mod support;
 
 use faer::Mat;
-use intrinsym::base::progress::Progress;
-use intrinsym::detect::driver;
-use intrinsym::mesh::PolygonMesh;
-use intrinsym::spectral::dense::product;
-use intrinsym::spectral::eigenbasis::{Accuracy, Eigenbasis};
-use intrinsym::spectral::laplacian::IntrinsicSurface;
+use intrinsym::internals::spectral::dense::product;
+use intrinsym::internals::spectral::eigenbasis::{Accuracy, Eigenbasis};
+use intrinsym::internals::spectral::laplacian::IntrinsicSurface;
+use intrinsym::{PolygonMesh, Progress};
 use std::f64::consts::PI;
 use support::{creature, example, icosphere, rectangle, validated};
 
@@ -151,7 +149,7 @@ fn eigen_answers_in_the_callers_numbering_and_leaves_other_shells_out() {
     mesh.positions.extend([[9.0, 0.0, 0.0], [9.1, 0.0, 0.0], [9.0, 0.1, 0.0], [7.0, 7.0, 7.0]]);
     mesh.face_vertices.extend([first as u32, first as u32 + 1, first as u32 + 2]);
     mesh.face_offsets.push(mesh.face_vertices.len() as u32);
-    let eigen = driver::eigen(&validated(&mesh), 8, &Progress::default()).unwrap();
+    let eigen = intrinsym::eigen(&validated(&mesh), 8, &Progress::default()).unwrap();
     assert_eq!(eigen.eigenfunctions.len(), 8 * mesh.positions.len());
     assert!(eigen.eigenfunctions[..8 * first].iter().all(|value| value.is_finite()));
     assert!(eigen.eigenfunctions[8 * first..].iter().all(|value| value.is_nan()));

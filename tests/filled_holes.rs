@@ -2,14 +2,13 @@
 
 mod support;
 
-use intrinsym::base::effort::{Mechanisms, Plan};
-use intrinsym::base::options::Options;
-use intrinsym::base::progress::Progress;
-use intrinsym::detect::driver::{Detection, Outcome, detect_by};
-use intrinsym::detect::filled_holes::FilledShell;
-use intrinsym::geometry::embedded_triangles::TrianglePoint;
-use intrinsym::geometry::vertex_map::VertexMap;
-use intrinsym::mesh::{NONE, PolygonMesh, Shell};
+use intrinsym::internals::base::effort::{Mechanisms, Plan};
+use intrinsym::internals::detect::driver::detect_by;
+use intrinsym::internals::detect::filled_holes::FilledShell;
+use intrinsym::internals::geometry::embedded_triangles::TrianglePoint;
+use intrinsym::internals::geometry::vertex_map::VertexMap;
+use intrinsym::internals::mesh::Shell;
+use intrinsym::{Detection, NONE, Options, Outcome, PolygonMesh, Progress};
 use std::collections::{BTreeSet, HashMap};
 use support::*;
 
@@ -63,7 +62,8 @@ fn small_holes_are_closed_and_all_else_stays() {
         assert_eq!(filled.shell.points[..shell.points.len()], shell.points);
         assert!(filled.shell.points[shell.points.len()..].iter().all(|&point| point == NONE));
         assert_eq!(filled.shell.triangles[..shell.triangles.len()], shell.triangles);
-        let area = intrinsym::mesh::vector::point_areas(&filled.shell.positions, &filled.shell.triangles);
+        let area =
+            intrinsym::internals::mesh::vector::point_areas(&filled.shell.positions, &filled.shell.triangles);
         assert!((area.iter().sum::<f64>() - 1.0).abs() < 1e-9);
     }
 }
@@ -105,7 +105,7 @@ fn found(polygons: &PolygonMesh) -> Detection {
     // At rest nothing would be searched.
     let mechanisms = Mechanisms { mirror_plane: false, ..Mechanisms::default() };
     let found = detect_by(&mesh, &options, &Plan::of(&options), mechanisms, &Progress::default()).unwrap();
-    println!("{} holes: {}", found.report.filled_holes, found.report.evidence);
+    println!("{} holes: {}", found.report.filled_holes, found.report.evidence());
     assert_keeps_its_contract(&mesh, &options, &found);
     found
 }

@@ -6,9 +6,7 @@ mod hostile;
 mod support;
 
 use hostile::SHAPES;
-use intrinsym::base::options::Options;
-use intrinsym::base::progress::Progress;
-use intrinsym::detect::driver::{Outcome, detect};
+use intrinsym::{Options, Outcome, Progress, detect};
 use support::{assert_keeps_its_contract, validated};
 
 #[test]
@@ -35,7 +33,7 @@ fn loose_parts_have_no_symmetry() {
         let mesh = validated(&make(parts * 3000));
         assert_eq!(mesh.shell_count, 3000);
         let found = detect(&mesh, &Options::default(), &Progress::default()).expect("an answer");
-        assert_eq!(found.outcome, Outcome::None, "{name}: {}", found.report.evidence);
+        assert_eq!(found.outcome, Outcome::None, "{name}: {}", found.report.evidence());
         let any = Options { plausibility: 0, ..Options::default() };
         let found = detect(&mesh, &any, &Progress::default()).expect("an answer");
         assert_eq!(

@@ -1,8 +1,7 @@
 //! Mesh files: what is read from each encoding, and what is written back.
 
-use intrinsym::base::error::Error;
-use intrinsym::base::limits::Limits;
-use intrinsym::mesh::io::{self, AttributeValues, Format, MeshFile, VertexAttribute};
+use intrinsym::io::{AttributeValues, Format, MeshFile, VertexAttribute};
+use intrinsym::{Error, Limits, io};
 use std::path::{Path, PathBuf};
 
 const HEADER_REST: &str = "comment made by hand

@@ -1,12 +1,11 @@
 //! Properties of reading and validating: no bytes make a reader panic, and neither numbering, scale nor
 //! position change what is found.
 
-use intrinsym::base::limits::Limits;
-use intrinsym::mesh::{Mesh, NONE, PolygonMesh, io};
+use intrinsym::{Limits, Mesh, NONE, PolygonMesh, io};
 use proptest::prelude::*;
 use std::path::Path;
 
-const SEEDS: [(&str, &[u8]); 6] = [
+const SEEDS: [(&str, &[u8]); 7] = [
     (
         "a.ply",
         b"ply\nformat ascii 1.0\ncomment c\nelement vertex 4\nproperty float x\nproperty double y\nproperty int z\n\
@@ -25,6 +24,7 @@ const SEEDS: [(&str, &[u8]); 6] = [
     ("d.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0 # c\nv 1 1 1\nvn 0 0 1\nf 1 2 3\nf -1//1 -2//1 \\\n -3//1\nl 1 2\n"),
     ("e.off", b"COFF\n4 2 0\n0 0 0 1 1 1\n1 0 0\n0 1 0\n1 1 1\n3 0 1 2\n4 0 1 3 2 255 0 0\n"),
     ("f.stl", b"solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n"),
+    ("g.gltf", include_bytes!("data/bad/seam_and_skin.gltf")),
 ];
 
 /// Reads bytes as a file and validates what comes out; only panics and hangs can fail.

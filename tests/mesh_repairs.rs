@@ -1,8 +1,6 @@
 //! Each repair of `Mesh::new` on the smallest mesh that needs it.
 
-use intrinsym::base::error::Error;
-use intrinsym::base::limits::Limits;
-use intrinsym::mesh::{Mesh, NONE, PolygonMesh, RepairReport};
+use intrinsym::{Error, Limits, Mesh, NONE, PolygonMesh, RepairReport};
 
 fn polygons(positions: &[[f64; 3]], faces: &[&[u32]]) -> PolygonMesh {
     let mut mesh =

@@ -3,16 +3,15 @@
 
 mod support;
 
-use intrinsym::base::progress::{CancelToken, Progress};
-use intrinsym::base::symmetry_kind::SymmetryKind;
-use intrinsym::detect::correspondence::{EdgePoint, Polyline, SurfacePoint, Symmetry};
-use intrinsym::detect::coverage::Coverage;
-use intrinsym::mesh::{Mesh, PolygonMesh};
 use intrinsym::mirror::curve_distance::curve_distances;
 use intrinsym::mirror::faces::mirror_face_selection;
 use intrinsym::mirror::frames::{Frames, carry_displacement};
 use intrinsym::mirror::positions::symmetrize;
 use intrinsym::mirror::{Merge, Mirroring, mirror_selection, mirror_values};
+use intrinsym::{
+    CancelToken, Coverage, EdgePoint, Mesh, PolygonMesh, Polyline, Progress, SurfacePoint, Symmetry,
+    SymmetryKind,
+};
 use support::{Vector, creature, creature_truth, distance, dot, rotated, validated};
 
 /// The exact map of a mesh whose partners are known; sides by the sign of x.

@@ -2,13 +2,11 @@
 
 mod support;
 
-use intrinsym::base::error::Error;
-use intrinsym::base::progress::{CancelToken, Progress};
-use intrinsym::base::symmetry_kind::SymmetryKind::{self, HalfTurn, Reflection};
-use intrinsym::connectivity::automorphism::Automorphism;
-use intrinsym::connectivity::mirrored_vertices::{Estimate, MirroredVertices, find};
-use intrinsym::geometry::embedded_triangles::{Fans, TrianglePoint};
-use intrinsym::mesh::{Mesh, NONE, PolygonMesh};
+use intrinsym::SymmetryKind::{HalfTurn, Reflection};
+use intrinsym::internals::connectivity::automorphism::Automorphism;
+use intrinsym::internals::connectivity::mirrored_vertices::{Estimate, MirroredVertices, find};
+use intrinsym::internals::geometry::embedded_triangles::{Fans, TrianglePoint};
+use intrinsym::{CancelToken, Error, Mesh, NONE, PolygonMesh, Progress, SymmetryKind};
 use support::*;
 
 /// A map of the points of a mesh.

@@ -6,16 +6,15 @@
 
 mod support;
 
-use intrinsym::base::effort::Plan;
-use intrinsym::base::options::Options;
-use intrinsym::base::progress::Progress;
-use intrinsym::detect::driver::{Outcome, detect};
-use intrinsym::detect::shell_symmetry::{self, PreparedShell};
-use intrinsym::mesh::PolygonMesh;
-use intrinsym::refine::full_refinement::MatchTarget;
-use intrinsym::search::candidates::{Candidate, Hints};
-use intrinsym::spectral::laplacian::IntrinsicSurface;
-use intrinsym::spectral::sampling::Samples;
+use intrinsym::internals::base::effort::Plan;
+use intrinsym::internals::detect::shell_symmetry;
+use intrinsym::internals::detect::shell_symmetry::PreparedShell;
+use intrinsym::internals::refine::full_refinement::MatchTarget;
+use intrinsym::internals::search::candidates::{Candidate, Hints};
+use intrinsym::internals::spectral::eigenbasis::Eigenbasis;
+use intrinsym::internals::spectral::laplacian::IntrinsicSurface;
+use intrinsym::internals::spectral::sampling::Samples;
+use intrinsym::{Options, Outcome, PolygonMesh, Progress, detect};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use std::sync::LazyLock;
@@ -31,7 +30,7 @@ fn best_map(mesh: &PolygonMesh) -> Vec<u32> {
     let (mesh, options) = (validated(mesh), Options::default());
     let found = detect(&mesh, &options, &Progress::default()).unwrap();
     assert_keeps_its_contract(&mesh, &options, &found);
-    assert_eq!(found.outcome, Outcome::Found, "{}", found.report.evidence);
+    assert_eq!(found.outcome, Outcome::Found, "{}", found.report.evidence());
     found.symmetries[0].partner.iter().map(|partner| *partner as u32).collect()
 }
 
@@ -250,7 +249,10 @@ fn with_signs(shell: &mut PreparedShell, signs: &[bool]) -> (Candidate, Vec<u32>
 
 fn prepared(mesh: &PolygonMesh) -> PreparedShell {
     let surface = IntrinsicSurface::with_mean_curvature(&validated(mesh).shells()[0]);
-    PreparedShell::new(surface, &Plan::small(), 1, &Progress::default()).unwrap()
+    let plan = Plan::small();
+    let basis = Eigenbasis::new(&surface, plan.eigenfunctions, 1, &Progress::default()).unwrap();
+    let samples = Samples::farthest(&basis, plan.samples);
+    PreparedShell { surface, basis, samples }
 }
 
 proptest! {

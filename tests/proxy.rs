@@ -2,24 +2,22 @@
 
 mod support;
 
-use intrinsym::base::options::Options;
-use intrinsym::base::progress::Progress;
-use intrinsym::detect::driver::{Detection, Outcome, detect};
-use intrinsym::detect::proxy::Proxy;
-use intrinsym::detect::stated_signs;
-use intrinsym::geometry::embedded_triangles::TrianglePoint;
-use intrinsym::geometry::vertex_map::VertexMap;
-use intrinsym::mesh::Shell;
-use intrinsym::spectral::eigenbasis::{Accuracy, Eigenbasis};
-use intrinsym::spectral::laplacian::IntrinsicSurface;
+use intrinsym::internals::detect::proxy::Proxy;
+use intrinsym::internals::detect::stated_signs;
+use intrinsym::internals::geometry::embedded_triangles::TrianglePoint;
+use intrinsym::internals::geometry::vertex_map::VertexMap;
+use intrinsym::internals::mesh::Shell;
+use intrinsym::internals::spectral::eigenbasis::{Accuracy, Eigenbasis};
+use intrinsym::internals::spectral::laplacian::IntrinsicSurface;
+use intrinsym::{Detection, Options, Outcome, Progress, detect};
 use std::collections::HashMap;
 use support::*;
 
-fn through_proxy(polygons: &intrinsym::mesh::PolygonMesh, proxy_vertices: usize) -> Detection {
+fn through_proxy(polygons: &intrinsym::PolygonMesh, proxy_vertices: usize) -> Detection {
     let mesh = validated(polygons);
     let options = Options { proxy_vertices, ..Options::default() };
     let found = detect(&mesh, &options, &Progress::default()).unwrap();
-    println!("solved on {}: {}", found.report.solved_vertices, found.report.evidence);
+    println!("solved on {}: {}", found.report.solved_vertices, found.report.evidence());
     assert_keeps_its_contract(&mesh, &options, &found);
     found
 }

@@ -2,15 +2,14 @@
 
 mod support;
 
-use intrinsym::base::effort::PartsEffort;
-use intrinsym::base::error::Error;
-use intrinsym::base::progress::CancelToken;
-use intrinsym::base::symmetry_kind::SymmetryKind::{self, HalfTurn, Reflection};
-use intrinsym::geometry::surface_walk::SurfaceWalk;
-use intrinsym::geometry::vertex_map::VertexMap;
-use intrinsym::mesh::{PolygonMesh, Shell};
-use intrinsym::refine::rigid_parts::{Fitted, fit};
-use intrinsym::spectral::laplacian::IntrinsicSurface;
+use intrinsym::SymmetryKind::{HalfTurn, Reflection};
+use intrinsym::internals::base::effort::PartsEffort;
+use intrinsym::internals::geometry::surface_walk::SurfaceWalk;
+use intrinsym::internals::geometry::vertex_map::VertexMap;
+use intrinsym::internals::mesh::Shell;
+use intrinsym::internals::refine::rigid_parts::{Fitted, fit};
+use intrinsym::internals::spectral::laplacian::IntrinsicSurface;
+use intrinsym::{CancelToken, Error, PolygonMesh, SymmetryKind};
 use support::*;
 
 /// The largest shell of a mesh whose points are its vertices.

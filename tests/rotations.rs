@@ -2,22 +2,18 @@
 
 mod support;
 
-use intrinsym::base::effort::{Mechanisms, Plan};
-use intrinsym::base::options::{Effort, Options};
-use intrinsym::base::progress::Progress;
-use intrinsym::base::symmetry_kind::SymmetryKind;
-use intrinsym::detect::correspondence::Symmetry;
-use intrinsym::detect::detect_again::detect_again;
-use intrinsym::detect::driver::{Detection, detect, detect_by};
-use intrinsym::detect::report;
-use intrinsym::mesh::PolygonMesh;
+use intrinsym::internals::base::effort::{Mechanisms, Plan};
+use intrinsym::internals::detect::driver::detect_by;
+use intrinsym::{
+    Detection, Effort, Options, PolygonMesh, Progress, Symmetry, SymmetryKind, detect, detect_again, report,
+};
 use std::f64::consts::TAU;
 use support::*;
 
 fn found(polygons: &PolygonMesh, options: &Options) -> Detection {
     let mesh = validated(polygons);
     let found = detect(&mesh, options, &Progress::default()).unwrap();
-    println!("{}", found.report.evidence);
+    println!("{}", found.report.evidence());
     assert_keeps_its_contract(&mesh, options, &found);
     found
 }
@@ -89,9 +85,9 @@ fn a_pinwheel_has_one_rotation_of_as_many_arms() {
         let error = error_about_z(&polygons, rotation, arms);
         assert!(error < 0.06, "{error} beside arms of 2.4 from the middle");
         assert!(
-            found.report.evidence.contains("a rotation of higher order was found (experimental)"),
+            found.report.evidence().contains("a rotation of higher order was found (experimental)"),
             "{}",
-            found.report.evidence
+            found.report.evidence()
         );
     }
 }
@@ -128,7 +124,7 @@ fn who_does_not_ask_gets_none_and_the_same_besides() {
     let (mesh, plans) = (validated(&polygons), Plan::of(&thorough));
     let without = detect_by(&mesh, &thorough, &plans, mechanisms, &Progress::default()).unwrap();
     let with = found(&polygons, &asking(2));
-    assert!(rotations(&without).is_empty() && !without.report.evidence.contains("rotation"));
+    assert!(rotations(&without).is_empty() && !without.report.evidence().contains("rotation"));
     assert_eq!(format!("{:?}", without.symmetries[0]), format!("{:?}", with.symmetries[0]));
     assert!(rotations(&found(&pinwheel(3), &Options::default())).is_empty());
 }
@@ -137,10 +133,10 @@ fn who_does_not_ask_gets_none_and_the_same_besides() {
 fn a_bilateral_creature_and_a_sphere_list_none() {
     let creature = found(&creature(4, 0.4), &asking(8));
     assert_eq!(creature.symmetries.len(), 1);
-    assert!(creature.report.evidence.ends_with("no rotation of order 3 to 12 was found (experimental)"));
+    assert!(creature.report.evidence().ends_with("no rotation of order 3 to 12 was found (experimental)"));
     let sphere = found(&icosphere(4), &asking(8));
     assert!(rotations(&sphere).is_empty());
-    assert!(sphere.report.evidence.contains("are not sought in a continuous family"));
+    assert!(sphere.report.evidence().contains("are not sought in a continuous family"));
 }
 
 #[test]
@@ -172,7 +168,7 @@ fn a_rotation_is_kept_while_the_shape_is_deformed_and_asked_for() {
     let mesh = validated(&moved);
     let second = detect_again(&mesh, &first, &asking(1), &Progress::default()).unwrap();
     assert_keeps_its_contract(&mesh, &asking(1), &second);
-    assert!(second.report.kept, "{}", second.report.evidence);
+    assert!(second.report.kept, "{}", second.report.evidence());
     let ([before], [after]) = (&rotations(&first)[..], &rotations(&second)[..]) else { panic!("one each") };
     assert_eq!((after.kind, &after.partner), (before.kind, &before.partner));
     let without = detect_again(&mesh, &first, &Options::default(), &Progress::default()).unwrap();

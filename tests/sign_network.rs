@@ -3,8 +3,8 @@
 
 use std::path::PathBuf;
 
-use intrinsym::base::error::Error;
-use intrinsym::search::sign_network::{SIGNS, SignNetwork, SignPrediction};
+use intrinsym::Error;
+use intrinsym::internals::search::sign_network::{SIGNS, SignNetwork, SignPrediction};
 use proptest::prelude::*;
 use sha2::{Digest, Sha256};
 

@@ -3,9 +3,7 @@
 
 mod support;
 
-use intrinsym::base::options::Options;
-use intrinsym::base::progress::Progress;
-use intrinsym::detect::driver::{Outcome, detect};
+use intrinsym::{Options, Outcome, Progress, detect};
 use std::fs;
 use std::thread;
 use std::time::Duration;

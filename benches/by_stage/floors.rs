@@ -6,11 +6,11 @@
 //! gradients, the candidates' searches, the distances that an image takes. They were counted once, in November 2026, by
 //! counters put into the code for that; `WIDTH` to `COARSE` below follow `src` and are to be changed with it.
 
-use intrinsym::detect::shell_symmetry::PreparedShell;
-use intrinsym::geometry::vertex_map::VertexMap;
-use intrinsym::mesh::{Mesh, PolygonMesh};
-use intrinsym::spectral::laplacian::SymmetricSparse;
-use intrinsym::spectral::sparse_cholesky::Analysis;
+use intrinsym::internals::detect::shell_symmetry::PreparedShell;
+use intrinsym::internals::geometry::vertex_map::VertexMap;
+use intrinsym::internals::spectral::laplacian::SymmetricSparse;
+use intrinsym::internals::spectral::sparse_cholesky::Analysis;
+use intrinsym::{Mesh, PolygonMesh};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 

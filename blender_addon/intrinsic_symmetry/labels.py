@@ -55,11 +55,11 @@ def make_entries(mesh, count):
 
 def take_predictions(mesh, report):
     """Keeps the network's answers of a detection's report; of a sign that the user knew it says nothing."""
-    signs = report["signs"]
+    signs = report.signs
     make_entries(mesh, len(signs))
     for entry, sign in zip(of(mesh), signs):
         if _SIGNS[entry.judgement] == 0:
-            entry.even, entry.odd, entry.neither = sign["even"], sign["odd"], sign["neither"]
+            entry.even, entry.odd, entry.neither = sign.even, sign.odd, sign.neither
 
 
 def network_says(entry):

@@ -33,7 +33,7 @@ def is_doubtful(found):
 def in_words(found, index=0):
     """What was found, how much of the mesh it speaks of, and what speaks against it."""
     family = ". One of a continuous family, as a sphere or a vase has" if found.continuous_family else ""
-    coverage = found.report["symmetries"][index]["coverage"]
+    coverage = found.report.symmetries[index].coverage
     said = f"{about(found[index])}{family}. {coverage}"
     return f"Doubtful: {said}. {sentence(found.evidence)}" if is_doubtful(found) else said
 
@@ -132,7 +132,7 @@ class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):
         """Waits for the worker and keeps what it found; object mode."""
         found, members = job.answer(), self._members
         if len(members) == 1:
-            labels.take_predictions(members[0].data, found.report["report"])
+            labels.take_predictions(members[0].data, found.report)
         if not found:
             self.report({"WARNING"}, f"No symmetry found: {found.evidence}")
             return {"CANCELLED"}

@@ -35,7 +35,7 @@ class INTRINSIC_SYMMETRY_OT_study(MeshOperator, bpy.types.Operator):
             arguments = preferences.detect_arguments(context)
             arguments["symmetries"] = max(2, arguments.get("symmetries", 1))
             answer = core_mesh.detect(**arguments)
-            labels.take_predictions(mesh, answer.report["report"])
+            labels.take_predictions(mesh, answer.report)
         labels.make_entries(mesh, found.pairs.functions.shape[1])
         mesh.intrinsic_symmetry_eigenfunction = max(1, mesh.intrinsic_symmetry_eigenfunction)
         overlay.settings(context).colours = "EIGENFUNCTION"

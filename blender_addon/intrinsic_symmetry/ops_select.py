@@ -10,8 +10,8 @@ from .operator_base import MapOperator
 
 
 def write_selection(context, mesh, vertices, edges=None, faces=None):
-    """Selects vertices, (vertices,) bool, but hidden ones, and all edges and faces between them, of those that are given; as the
-    select mode has it, so that Blender adds nothing. Returns how many vertices are selected.
+    """Selects vertices, (vertices,) bool, but hidden ones, and all edges and faces between them, of those that are
+    given; as the select mode has it, so that Blender adds nothing. Returns how many vertices are selected.
 
     The attributes are written by name: `mesh.edges.foreach_set("select", ...)` can crash Blender 5.0."""
     vertices = vertices & (mesh_data.changeable(mesh, "EDIT") > 0)

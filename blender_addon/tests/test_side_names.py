@@ -17,7 +17,8 @@ PAIRS = {
     "Rigify": [("DEF-upper_arm.L.001", "DEF-upper_arm.R.001"), ("DEF-ear.L_master", "DEF-ear.R_master"),
                ("DEF-lid.B.L", "DEF-lid.B.R")],
     "Auto-Rig Pro": [("arm_stretch.l", "arm_stretch.r"), ("c_index1_base.l", "c_index1_base.r")],
-    "MMD": [("左腕", "右腕"), ("左足ＩＫ", "右足ＩＫ"), ("腕.L", "腕.R"), ("左ひじ.L", "右ひじ.R"), ("まばたき左", "まばたき右")],
+    "MMD": [("左腕", "右腕"), ("左足ＩＫ", "右足ＩＫ"), ("腕.L", "腕.R"), ("左ひじ.L", "右ひじ.R"),
+            ("まばたき左", "まばたき右")],
     "others": [("eyeBlinkLeft", "eyeBlinkRight"), ("EyeBlinkL", "EyeBlinkR"), ("LArm", "RArm"), ("left", "right"),
                ("Palm1L", "Palm1R"), ("f_indexFBXASC04601FBXASC046L", "f_indexFBXASC04601FBXASC046R")],
 }

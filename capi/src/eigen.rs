@@ -3,7 +3,7 @@
 use super::handles::Table;
 use super::memory::{Output, product};
 use super::status::{boundary, isym_status};
-use intrinsym::detect::driver::Eigen;
+use intrinsym::Eigen;
 
 /// Eigenpairs of a mesh, from `isym_mesh_eigen`. They never change.
 pub struct isym_eigen(());

@@ -7,11 +7,8 @@ use super::options::{isym_options, options_of};
 use super::progress::{isym_progress, progress_of};
 use super::result::{RESULTS, ResultObject, isym_result};
 use super::status::{Fault, ISYM_ERROR_VALUE, Result, boundary, isym_status};
-use intrinsym::base::limits::Limits;
-use intrinsym::detect::detect_again::detect_again;
-use intrinsym::detect::driver::{detect, eigen};
-use intrinsym::mesh::io::{self, Format};
-use intrinsym::mesh::{Mesh, PolygonMesh};
+use intrinsym::io::Format;
+use intrinsym::{Limits, Mesh, PolygonMesh, detect, detect_again, eigen, io};
 use std::ffi::c_char;
 use std::path::{Path, PathBuf};
 
@@ -204,7 +201,7 @@ pub unsafe extern "C" fn isym_mesh_from_polygons_f32(
     })
 }
 
-/// Reads a mesh from a PLY, OBJ, OFF or STL file.
+/// Reads a mesh from a PLY, OBJ, OFF, STL, glTF or GLB file.
 ///
 /// @param path The file, UTF-8.
 /// @param[out] mesh Free it with `isym_mesh_free`.
@@ -313,7 +310,7 @@ pub unsafe extern "C" fn isym_mesh_connectivity_hash(mesh: *const isym_mesh, has
         let mesh = MESHES.get(mesh)?;
         // SAFETY: the caller's one promise.
         let output = unsafe { Output::new(hash, 1, "hash") }?;
-        output.write(&[intrinsym::mesh::connectivity_hash(&mesh.polygons)]);
+        output.write(&[intrinsym::connectivity_hash(&mesh.polygons)]);
         Ok(())
     })
 }

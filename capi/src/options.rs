@@ -3,7 +3,7 @@
 use super::handles::Table;
 use super::memory::{Output, Versioned, array, text};
 use super::status::{Fault, ISYM_ERROR_INDEX, ISYM_ERROR_OPTION, Result, boundary, isym_status};
-use intrinsym::base::options::{OPTIONS, Options};
+use intrinsym::{OPTIONS, Options};
 use std::ffi::{CString, c_char};
 use std::sync::{LazyLock, Mutex, PoisonError};
 

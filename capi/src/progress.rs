@@ -3,7 +3,7 @@
 use super::handles::Table;
 use super::memory::Output;
 use super::status::{Fault, ISYM_ERROR_CALLBACK, ISYM_ERROR_NULL, Result, boundary, isym_status};
-use intrinsym::base::progress::{CancelToken, Progress};
+use intrinsym::{CancelToken, Progress};
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char, c_void};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -62,7 +62,7 @@ pub fn progress_of(handle: *const isym_progress) -> Result<Arc<ProgressObject>> 
 
 impl ProgressObject {
     /// Runs a stage with this progress. A callback's exception is the result, whatever the stage answers.
-    pub fn run<T>(&self, stage: impl FnOnce(&Progress) -> intrinsym::base::error::Result<T>) -> Result<T> {
+    pub fn run<T>(&self, stage: impl FnOnce(&Progress) -> intrinsym::Result<T>) -> Result<T> {
         let callback = *self.callback.lock().unwrap_or_else(PoisonError::into_inner);
         let thrown = RefCell::new(None);
         let report = |stage: &str, fraction: f64| {

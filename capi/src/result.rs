@@ -4,15 +4,11 @@ use super::handles::Table;
 use super::memory::{Output, Versioned, array, number, product};
 use super::mesh::{MESHES, MeshObject, expect_vertices, isym_mesh};
 use super::status::{Fault, ISYM_ERROR_INDEX, ISYM_ERROR_VALUE, Result, boundary, isym_status};
-use intrinsym::base::options::Options;
-use intrinsym::base::symmetry_kind::SymmetryKind;
-use intrinsym::detect::correspondence::{SurfacePoint, Symmetry};
-use intrinsym::detect::coverage::Coverage;
-use intrinsym::detect::detect_again::Previous;
-use intrinsym::detect::driver::{Detection, Outcome, Report};
-use intrinsym::detect::judging_mesh::JudgingMesh;
-use intrinsym::detect::report;
 use intrinsym::mirror::pair_colour::pair_colours;
+use intrinsym::{
+    Coverage, Detection, JudgingMesh, Options, Outcome, Previous, SurfacePoint, Symmetry, SymmetryKind,
+    report,
+};
 use serde_json::json;
 use std::ffi::{CString, c_char};
 use std::mem::MaybeUninit;
@@ -528,7 +524,7 @@ pub unsafe extern "C" fn isym_result_restore(
         };
         // SAFETY: C hands a number over.
         let symmetry = stored.symmetry(kind_of(unsafe { number(kind) })?, &mesh)?;
-        let detection = restored(&mesh, symmetry);
+        let detection = Detection::restored(&mesh.mesh, symmetry);
         output.write(&[RESULTS.insert(ResultObject::new(mesh, detection, &Options::default())?)]);
         Ok(())
     })
@@ -607,11 +603,6 @@ fn kind_of(number: i32) -> Result<SymmetryKind> {
         Some(ISYM_KIND_ROTATION) => wrong("a rotation cannot be restored: no tool takes one"),
         None => wrong(&format!("{number} is no kind of symmetry")),
     }
-}
-
-fn restored(mesh: &MeshObject, symmetry: Symmetry) -> Detection {
-    let report = Report { evidence: "restored from stored arrays".into(), ..Report::of(&mesh.mesh) };
-    Detection { outcome: Outcome::Found, symmetries: vec![symmetry], report, judging: None }
 }
 
 /// Frees a result.

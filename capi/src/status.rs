@@ -1,7 +1,7 @@
 //! Status codes, the text of the last error, and the border that no panic crosses.
 
 use super::memory::number;
-use intrinsym::base::error::Error;
+use intrinsym::Error;
 use std::any::Any;
 use std::cell::RefCell;
 use std::ffi::{CStr, CString, c_char};
@@ -92,7 +92,7 @@ impl From<Error> for Fault {
             Error::File { .. } => ISYM_ERROR_FILE,
             Error::Option { .. } => ISYM_ERROR_OPTION,
             Error::Model(_) => ISYM_ERROR_MODEL,
-            Error::Limit { .. } => ISYM_ERROR_LIMIT,
+            Error::Limit { .. } | Error::TimeLimit { .. } => ISYM_ERROR_LIMIT,
             Error::Cancelled => ISYM_ERROR_CANCELLED,
             // `Error::Internal`, and a kind that has no status yet.
             _ => ISYM_ERROR_INTERNAL,

@@ -5,7 +5,6 @@ use super::mesh::expect_vertices;
 use super::progress::{isym_progress, progress_of};
 use super::result::{RESULTS, ResultObject, isym_result};
 use super::status::{Fault, ISYM_ERROR_LENGTH, ISYM_ERROR_VALUE, Result, boundary, isym_status};
-use intrinsym::mesh::vector::Vector;
 use intrinsym::mirror::curve_distance::curve_distances;
 use intrinsym::mirror::faces::mirror_face_selection;
 use intrinsym::mirror::frames::carry_displacement;
@@ -89,7 +88,7 @@ unsafe fn mirroring_of(mirroring: *const isym_mirroring) -> Result<Mirroring> {
 
 /// # Safety
 /// `3 * vertex_count` numbers can be read at `values`, unless it is NULL.
-unsafe fn vectors(values: *const f64, vertex_count: usize, name: &str) -> Result<Vec<Vector>> {
+unsafe fn vectors(values: *const f64, vertex_count: usize, name: &str) -> Result<Vec<[f64; 3]>> {
     // SAFETY: this function's own condition.
     let flat = unsafe { array(values, product(vertex_count, 3)?, name) }?;
     if let Some(index) = flat.iter().position(|value| !value.is_finite()) {

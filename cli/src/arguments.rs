@@ -4,9 +4,9 @@ use crate::picture::Up;
 use clap::builder::{PathBufValueParser, PossibleValuesParser, TypedValueParser};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Args, Command as ClapCommand, FromArgMatches, Parser, Subcommand};
-use intrinsym::base::limits::Limits;
-use intrinsym::base::options::{OPTIONS, OptionSpec, Options};
-use std::path::PathBuf;
+use intrinsym::io::{self, MeshFile, Pose};
+use intrinsym::{Limits, OPTIONS, OptionSpec, Options, Result};
+use std::path::{Path, PathBuf};
 
 const EXIT_STATUS: &str = "Exit status: 0 found (or done), 3 doubtful (the files are written), 1 no symmetry found, 2 error, 130 interrupted, \
      141 nobody reads standard output. Of several meshes the worst counts: 2 if any is an error, else 1 if any has no symmetry, \
@@ -36,13 +36,14 @@ pub enum Command {
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_STATUS)]
 pub struct Detect {
-    /// Meshes to read: PLY, OBJ, OFF or STL
+    /// Meshes to read: PLY, OBJ, OFF, STL, glTF or GLB
     #[arg(required = true, value_name = "IN")]
     pub inputs: Vec<PathBuf>,
 
-    /// Write the mesh with its attributes, and sym_vertex, sym_confidence, sym_side and pair colours added
-    #[arg(short, long, value_name = "OUT.ply",
-        value_parser = named("ply", "the mesh is written as PLY, the one format that holds every attribute"))]
+    /// Write the mesh with its attributes, and sym_vertex, sym_confidence, sym_side and pair colours added; as OUT.glb, a glTF keeps
+    /// its materials, skins and animations
+    #[arg(short, long, value_name = "OUT.ply|OUT.glb",
+        value_parser = named(&["ply", "glb"], "the mesh is written as PLY or GLB, which hold every attribute"))]
     pub output: Option<PathBuf>,
 
     /// Write one 0-based partner per line; -1 for none
@@ -57,7 +58,7 @@ pub struct Detect {
     #[arg(long, value_name = "OUT.png")]
     pub picture: Option<PathBuf>,
 
-    /// For several inputs: write NAME.map, NAME.ply and NAME.json into this folder for each
+    /// For several inputs: write NAME.map, NAME.ply, NAME.json and the like into this folder for each
     #[arg(long, value_name = "DIR", conflicts_with_all = ["output", "map", "json", "picture"])]
     pub output_dir: Option<PathBuf>,
 
@@ -77,7 +78,7 @@ pub struct Detect {
     #[arg(long, value_name = "AXIS", default_value = "auto", value_parser = up_axis, allow_hyphen_values = true)]
     pub up: Up,
 
-    /// Whether the PLY gets pair colours as red, green, blue
+    /// Whether the mesh gets pair colours: red, green, blue in a PLY, COLOR_0 in a GLB
     #[arg(long, value_enum, value_name = "WHEN", default_value = "auto")]
     pub colors: Colors,
 
@@ -106,6 +107,8 @@ pub enum Kind {
     Map,
     /// The mesh with attributes
     Ply,
+    /// The mesh with attributes; a glTF keeps the rest of its file
+    Glb,
     /// The report
     Json,
     /// The picture
@@ -126,7 +129,7 @@ pub enum Colors {
 /// `intrinsym info`.
 #[derive(Debug, Args)]
 pub struct Info {
-    /// Mesh to read: PLY, OBJ, OFF or STL
+    /// Mesh to read: PLY, OBJ, OFF, STL, glTF or GLB
     #[arg(value_name = "IN")]
     pub input: PathBuf,
 
@@ -142,7 +145,7 @@ pub struct Info {
 /// `intrinsym eigen`.
 #[derive(Debug, Args)]
 pub struct Eigen {
-    /// Mesh to read: PLY, OBJ, OFF or STL
+    /// Mesh to read: PLY, OBJ, OFF, STL, glTF or GLB
     #[arg(value_name = "IN")]
     pub input: PathBuf,
 
@@ -151,7 +154,7 @@ pub struct Eigen {
     pub count: u16,
 
     /// Write an archive for NumPy: eigenvalues (k), eigenfunctions (vertices x k) and mass (vertices)
-    #[arg(short, long, value_name = "OUT.npz", value_parser = named("npz", "the arrays are written as one NumPy archive"))]
+    #[arg(short, long, value_name = "OUT.npz", value_parser = named(&["npz"], "the arrays are written as one NumPy archive"))]
     pub output: Option<PathBuf>,
 
     /// Replace a file that is not a result of an earlier run, too; the input is never replaced
@@ -174,8 +177,10 @@ impl Detect {
 
     /// The files that flags name, in the order in which they are written.
     pub fn named_outputs(&self) -> impl Iterator<Item = (Kind, &PathBuf)> {
+        let is_glb = |path: &PathBuf| path.extension().is_some_and(|found| found.eq_ignore_ascii_case("glb"));
+        let mesh = if self.output.as_ref().is_some_and(is_glb) { Kind::Glb } else { Kind::Ply };
         let named = [
-            (Kind::Ply, &self.output),
+            (mesh, &self.output),
             (Kind::Map, &self.map),
             (Kind::Png, &self.picture),
             (Kind::Json, &self.json),
@@ -207,9 +212,23 @@ pub struct Common {
     /// Most faces of a mesh that is read
     #[arg(long, value_name = "N", default_value_t = Limits::default().faces)]
     pub max_faces: u64,
+
+    /// Read a glTF as it stands in this animation, not at rest
+    #[arg(long, value_name = "NAME")]
+    pub animation: Option<String>,
+
+    /// With --animation: seconds from its start
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, requires = "animation")]
+    pub time: f64,
 }
 
 impl Common {
+    /// Reads a mesh file.
+    pub fn read(&self, path: &Path) -> Result<MeshFile> {
+        let pose = self.animation.clone().map(|animation| Pose { animation, time: self.time });
+        io::read_posed(path, &self.limits(), pose.as_ref())
+    }
+
     /// Limits for the reader.
     pub fn limits(&self) -> Limits {
         Limits { vertices: self.max_vertices, faces: self.max_faces, ..Limits::default() }
@@ -277,11 +296,14 @@ fn number(text: &str, spec: &OptionSpec) -> Result<u64, String> {
     fits.then_some(value).ok_or_else(|| format!("{value} is not in {}..={}", spec.minimum, spec.maximum))
 }
 
-/// A path, of any bytes that the system allows, with this extension.
-fn named(extension: &'static str, reason: &'static str) -> impl TypedValueParser<Value = PathBuf> {
+/// A path, of any bytes that the system allows, with one of these extensions.
+fn named(
+    extensions: &'static [&'static str],
+    reason: &'static str,
+) -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(move |path| match path.extension() {
-        Some(found) if found.eq_ignore_ascii_case(extension) => Ok(path),
-        _ => Err(format!("{reason}: name the file something.{extension}")),
+        Some(found) if extensions.iter().any(|extension| found.eq_ignore_ascii_case(extension)) => Ok(path),
+        _ => Err(format!("{reason}: name the file something.{}", extensions.join(" or something."))),
     })
 }
 

@@ -5,11 +5,8 @@ use crate::arguments::Eigen as Arguments;
 use crate::numpy_archive::{Array, archive};
 use crate::targets::{self, Claims};
 use crate::terminal;
-use intrinsym::base::atomic_file::write_atomically;
-use intrinsym::base::error::Result;
-use intrinsym::base::progress::{CancelToken, Progress};
-use intrinsym::detect::driver::{Eigen, eigen};
-use intrinsym::mesh::{Mesh, io};
+use intrinsym::internals::base::atomic_file::write_atomically;
+use intrinsym::{CancelToken, Eigen, Mesh, Progress, Result, eigen};
 
 /// Runs the command.
 pub fn run(arguments: &Arguments, token: &CancelToken) -> Ending {
@@ -40,7 +37,7 @@ fn compute(arguments: &Arguments, token: &CancelToken) -> Result<String> {
     };
     let progress = Progress::new(Some(&show), token.clone());
     let limits = arguments.common.limits();
-    let file = io::read(&arguments.input, &limits)?;
+    let file = arguments.common.read(&arguments.input)?;
     let mesh = Mesh::new(&file.polygons, &limits)?;
     let result = eigen(&mesh, usize::from(arguments.count), &progress)?;
     bar.finish_and_clear();

@@ -4,10 +4,9 @@ use crate::Ending;
 use crate::arguments::Info;
 use crate::summary::{counted, repairs};
 use crate::terminal;
-use intrinsym::base::error::Result;
-use intrinsym::mesh::Mesh;
-use intrinsym::mesh::io::{self, MeshFile};
-use intrinsym::mesh::vector::triangle_area;
+use intrinsym::internals::mesh::vector::triangle_area;
+use intrinsym::io::MeshFile;
+use intrinsym::{Mesh, Result};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::collections::HashMap;
@@ -25,7 +24,7 @@ pub fn run(arguments: &Info) -> Ending {
 
 fn describe(arguments: &Info) -> Result<String> {
     let limits = arguments.common.limits();
-    let file = io::read(&arguments.input, &limits)?;
+    let file = arguments.common.read(&arguments.input)?;
     let mesh = Mesh::new(&file.polygons, &limits)?;
     let name = arguments.input.display();
     Ok(match arguments.json {

@@ -3,10 +3,7 @@
 use crate::Ending;
 use crate::arguments::Detect;
 use crate::outputs::{Input, Outputs};
-use intrinsym::base::error::Result;
-use intrinsym::base::progress::Progress;
-use intrinsym::detect::driver::{Detection, Outcome, detect};
-use intrinsym::mesh::{Mesh, io};
+use intrinsym::{Detection, Mesh, Outcome, Progress, Result, detect};
 use std::path::{Path, PathBuf};
 
 /// What is left of a finished job.
@@ -30,7 +27,7 @@ pub struct Finished {
 pub fn run(path: &Path, outputs: &Outputs, arguments: &Detect, progress: &Progress) -> Result<Finished> {
     let limits = arguments.common.limits();
     progress.report("reading", 0.0)?;
-    let file = io::read(path, &limits)?;
+    let file = arguments.common.read(path)?;
     let mesh = Mesh::new(&file.polygons, &limits)?;
     let detection = detect(&mesh, &arguments.options(), progress)?;
     progress.report("writing", 1.0)?;

@@ -4,20 +4,15 @@ use crate::arguments::{Colors, Detect, Kind};
 use crate::picture;
 use crate::report;
 use crate::targets::{self, Claims, Evidence};
-use intrinsym::base::atomic_file::write_atomically;
-use intrinsym::base::error::Result;
-use intrinsym::base::symmetry_kind::SymmetryKind;
-use intrinsym::detect::correspondence::Symmetry;
-use intrinsym::detect::coverage::Coverage;
-use intrinsym::detect::driver::Detection;
-use intrinsym::mesh::Mesh;
-use intrinsym::mesh::io::{self, AttributeValues, MeshFile, VertexAttribute};
+use intrinsym::internals::base::atomic_file::write_atomically;
+use intrinsym::io::{AttributeValues, MeshFile, VertexAttribute};
 use intrinsym::mirror::pair_colour::pair_colours;
+use intrinsym::{Coverage, Detection, Mesh, Result, Symmetry, SymmetryKind, io};
 use std::path::{Path, PathBuf};
 
 /// Kinds of results in the order in which they are written: the report, which lists the others, is last.
-const KINDS: [(Kind, &str); 4] =
-    [(Kind::Ply, "ply"), (Kind::Map, "map"), (Kind::Png, "png"), (Kind::Json, "json")];
+const KINDS: [(Kind, &str); 5] =
+    [(Kind::Ply, "ply"), (Kind::Glb, "glb"), (Kind::Map, "map"), (Kind::Png, "png"), (Kind::Json, "json")];
 
 /// The files to write for one input, and those that earlier runs have left in their place.
 #[derive(Debug, Clone, Default)]
@@ -123,6 +118,9 @@ impl Outputs {
                     Kind::Ply => {
                         io::write_ply(&path, input.file, &attributes(input, symmetries, arguments.colors))?
                     }
+                    Kind::Glb => {
+                        io::write_glb(&path, input.file, &attributes(input, symmetries, arguments.colors))?
+                    }
                     Kind::Map => io::write_map(&path, &symmetry.partner)?,
                     Kind::Png => {
                         let png = picture::png(input.mesh, symmetry, arguments.up)?;
@@ -150,7 +148,7 @@ impl Kind {
     fn name(self) -> &'static str {
         match self {
             Kind::Map => "map",
-            Kind::Ply => "mesh",
+            Kind::Ply | Kind::Glb => "mesh",
             Kind::Json => "report",
             Kind::Png => "picture",
         }

@@ -10,9 +10,7 @@ mod view;
 pub use view::Up;
 
 use facets::Surface;
-use intrinsym::base::error::{Error, Result};
-use intrinsym::detect::correspondence::Symmetry;
-use intrinsym::mesh::Mesh;
+use intrinsym::{Error, Mesh, Result, Symmetry};
 use tiny_skia::Pixmap;
 use view::View;
 

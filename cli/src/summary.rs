@@ -1,9 +1,7 @@
 //! What stdout shows: a few lines that a person can read.
 
-use intrinsym::base::symmetry_kind::SymmetryKind;
-use intrinsym::detect::driver::{Detection, Outcome};
-use intrinsym::detect::report::curve_length;
-use intrinsym::mesh::{Mesh, RepairReport};
+use intrinsym::report::curve_length;
+use intrinsym::{Detection, Mesh, Outcome, RepairReport, SymmetryKind};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -45,7 +43,7 @@ pub fn detection(input: &Path, mesh: &Mesh, detection: &Detection) -> String {
         let hint = if report.judged.is_some() { " (--plausibility 0 gives the best map)" } else { "" };
         let _ = writeln!(text, "  no symmetry found{hint}");
     }
-    let _ = writeln!(text, "  {}", report.evidence);
+    let _ = writeln!(text, "  {}", report.evidence());
     for line in repairs(&report.repairs) {
         let _ = writeln!(text, "  {line}");
     }

@@ -3,7 +3,7 @@
 
 use crate::arguments::Kind;
 use crate::picture;
-use intrinsym::mesh::io;
+use intrinsym::io;
 use serde_json::Value;
 use std::collections::HashMap;
 use std::ffi::{OsStr, OsString};
@@ -93,13 +93,14 @@ impl Evidence {
         Evidence { listed }
     }
 
-    /// Whether an existing file is a result of an earlier run: a PLY or PNG that says so, a report, or a file that the report lists,
+    /// Whether an existing file is a result of an earlier run: a PLY, GLB or PNG that says so, a report, or a file that the report lists,
     /// as maps must be, which hold nothing but numbers. Nothing is lost with an empty file or a pipe.
     pub fn is_ours(&self, kind: Kind, path: &Path) -> bool {
         let is_listed = || path.file_name().is_some_and(|name| self.listed.iter().any(|own| own == name));
         let by_content = || match kind {
             Kind::Map => false,
             Kind::Ply => starts_with(path, io::PLY_MARK),
+            Kind::Glb => starts_with(path, io::GLB_MARK),
             Kind::Png => starts_with(path, picture::PNG_MARK),
             Kind::Json => is_report(path),
         };

@@ -2,8 +2,7 @@
 
 use crate::Ending;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use intrinsym::base::error::Error;
-use intrinsym::base::progress::CancelToken;
+use intrinsym::{CancelToken, Error};
 use std::io::Write;
 use std::path::Path;
 

@@ -3,8 +3,7 @@
 #[path = "../../tests/support/hostile.rs"]
 pub mod hostile;
 
-use intrinsym::base::limits::Limits;
-use intrinsym::mesh::{Mesh, PolygonMesh, io};
+use intrinsym::{Limits, Mesh, PolygonMesh, io};
 use std::path::Path;
 
 /// Small, so that an input is slow only by a mistake of ours.

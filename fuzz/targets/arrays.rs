@@ -1,10 +1,7 @@
 //! Any arrays as a mesh; small ones are detected on.
 #![no_main]
 
-use intrinsym::mesh::PolygonMesh;
-use intrinsym::base::options::Options;
-use intrinsym::detect::driver::detect;
-use intrinsym::base::progress::{CancelToken, Progress};
+use intrinsym::{CancelToken, Options, PolygonMesh, Progress, detect};
 use intrinsym_fuzz::validated;
 use libfuzzer_sys::arbitrary::{self, Arbitrary};
 
@@ -33,7 +30,7 @@ libfuzzer_sys::fuzz_target!(|arrays: Arrays| {
     let Some(mesh) = validated(&polygons) else { return };
     if mesh.positions.len() <= FEW && mesh.triangles.len() <= 2 * FEW {
         let options =
-            Options { eigenfunctions: 12, samples: 100, beam_width: 1, network: 0, ..Options::default() };
+            Options { eigenfunctions: 12, samples: 100, beam_width: 1, network: false, ..Options::default() };
         let found = detect(&mesh, &options, &Progress::new(None, CancelToken::default())).expect("an answer");
         for symmetry in &found.symmetries {
             assert_eq!(symmetry.partner.len(), polygons.positions.len());

@@ -3,10 +3,7 @@
 //! What takes longer than `-timeout` fails the run (`run.sh`).
 #![no_main]
 
-use intrinsym::mesh::PolygonMesh;
-use intrinsym::base::options::Options;
-use intrinsym::detect::driver::detect;
-use intrinsym::base::progress::{CancelToken, Progress};
+use intrinsym::{CancelToken, Options, PolygonMesh, Progress, detect};
 use intrinsym_fuzz::hostile::{Numbers, SHAPES};
 use intrinsym_fuzz::validated;
 use libfuzzer_sys::arbitrary::{self, Arbitrary};

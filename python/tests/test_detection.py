@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict, fields
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ def test_partners_and_report_are_those_of_the_command_line(command_line, detecti
     )
     assert np.array_equal(np.loadtxt(out / "map", dtype=np.int64), symmetry.partner)
     theirs = json.loads((out / "json").read_text())
-    assert theirs["symmetries"] == detection.report["symmetries"]
+    assert theirs["symmetries"] == detection.report.json["symmetries"]
     assert theirs["symmetries"][0]["plausibility"] == pytest.approx(symmetry.plausibility, abs=1e-9)
 
 
@@ -42,20 +43,36 @@ def test_a_lump_is_not_found_to_have_a_symmetry():
 def test_no_symmetry_is_an_empty_answer_with_its_evidence(loose_triangles):
     found = loose_triangles.detect()
     assert not found and len(found) == 0
-    assert found.outcome is intrinsym.Outcome.NONE and "no symmetry of the mesh" in found.evidence
+    assert found.outcome is intrinsym.Outcome.NONE
+    assert "nothing_said" in [reason.name for reason in found.report.reasons]
 
 
 def test_a_doubtful_answer_holds_its_map_and_what_speaks_against_it(quadruped):
     found = quadruped.detect(plausibility=100)
-    assert found.outcome is intrinsym.Outcome.DOUBTFUL == found.report["outcome"]
-    assert found and found[0].partner.min() >= 0 and found.evidence.endswith("it is given as doubtful")
+    assert found.outcome is intrinsym.Outcome.DOUBTFUL == found.report.json["outcome"]
+    assert found and found[0].partner.min() >= 0
+    best_map, doubt = found.report.reasons
+    assert (best_map.name, doubt.name) == ("best_map", "low_plausibility")
+    assert best_map.figures["accepted_from"] == 100 and doubt.figures == {}
+    assert best_map.figures["judged"] == asdict(found.report.judged)
+
+
+def test_every_number_of_the_report_is_a_field(detection):
+    report, whole = detection.report, detection.report.json
+    names = {field.name for field in fields(report)}
+    assert set(whole["report"]) <= names
+    assert asdict(report.repairs) == whole["report"]["repairs"] and asdict(report.judged) == whole["report"]["judged"]
+    assert [asdict(sign) for sign in report.signs] == whole["report"]["signs"]
+    typed = {name for part in (report.symmetries[0], detection[0].evidence) for name in asdict(part)}
+    assert set(whole["symmetries"][0]) == typed | {"kind", "order"}
 
 
 def test_shells_are_counted():
     best = intrinsym.Mesh.read(EXAMPLES / "human_shells.ply").detect()[0]
-    counts = best.shells_paired, best.shells_self_mirrored, best.shells_alone
+    evidence = best.evidence
+    counts = evidence.shells_paired, evidence.shells_self_mirrored, evidence.shells_alone
     assert sum(counts) == 10 and counts[0] >= 2 and counts[0] % 2 == 0, counts
-    assert best.paired_share > 0.9
+    assert evidence.paired_share > 0.9
 
 
 @pytest.mark.parametrize("real", [np.float32, np.float64])
@@ -88,21 +105,8 @@ def test_quads_as_table_and_as_polygons_are_one_mesh():
 
 def test_options_and_known_signs_reach_the_library(quadruped):
     found = quadruped.detect(eigenfunctions=30, samples=500, known_signs=[0, 0, 1])
-    assert found.report["options"]["eigenfunctions"] == 30
-    assert found.report["options"]["known_signs"] == [0, 0, 1]
-
-
-def test_every_option_of_the_table_is_accepted_at_both_ends():
-    cube = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
-    quads = [[0, 1, 3, 2], [4, 6, 7, 5], [0, 4, 5, 1], [2, 3, 7, 6], [0, 2, 6, 4], [1, 5, 7, 3]]
-    specs = intrinsym.option_specs()
-    assert {"eigenfunctions", "samples", "symmetries"} <= {spec.name for spec in specs}
-    for spec in specs:
-        assert spec.help.endswith(".") and (spec.default == 0 or spec.minimum <= spec.default <= spec.maximum)
-        for value in (spec.minimum, spec.maximum):
-            intrinsym.detect(cube, quads, **{spec.name: value})
-        with pytest.raises(intrinsym.OptionError, match=spec.name):
-            intrinsym.detect(cube, quads, **{spec.name: spec.maximum + 1})
+    assert found.report.options["eigenfunctions"] == 30
+    assert found.report.options["known_signs"] == [0, 0, 1]
 
 
 def test_surface_points_lie_where_the_partners_do(quadruped, symmetry):
@@ -138,14 +142,14 @@ def test_a_deformed_shape_keeps_its_map_and_another_shape_does_not(quadruped, de
     vertices, polygons = quadruped.vertices, quadruped.polygons
     moved = vertices * [1.0, 1.1, 0.9]
     found = intrinsym.detect(moved, polygons, previous=detection)
-    assert found.report["report"]["kept"]
+    assert found.report.kept
     assert np.array_equal(found[0].partner, symmetry.partner)
     assert np.array_equal(found[0].confidence, symmetry.confidence)
     assert len(found[0].fixed_curve) == len(symmetry.fixed_curve)
     # What was found while deforming starts the next call as well, and so does one of its symmetries.
     for previous in (found, found[0]):
         third = intrinsym.detect(vertices, polygons, previous=previous)
-        assert third.report["report"]["kept"]
+        assert third.report.kept
         assert np.array_equal(third[0].partner, symmetry.partner)
     # The same numbers of vertices and faces, but shuffled: another shape of another connectivity.
     shuffled = np.random.default_rng(0).permutation(len(vertices))
@@ -157,5 +161,30 @@ def test_a_deformed_shape_keeps_its_map_and_another_shape_does_not(quadruped, de
     stored = (symmetry.kind, np.roll(symmetry.partner, 1000), symmetry.confidence, symmetry.side)
     wrong = quadruped.restore(*stored, symmetry.surface_points)
     anew = quadruped.detect(previous=wrong)
-    assert not anew.report["report"]["kept"]
+    assert not anew.report.kept
     assert np.array_equal(anew[0].partner, symmetry.partner)
+
+
+def test_partners_share_a_colour_and_other_pairs_do_not(symmetry):
+    colours = symmetry.pair_colours
+    sure = symmetry.confidence > 0.5
+    paired = sure & sure[symmetry.partner] & (symmetry.partner[symmetry.partner] == np.arange(len(sure)))
+    assert paired.sum() > 1000
+    difference = np.abs(colours[paired].astype(int) - colours[symmetry.partner[paired]])
+    assert np.median(difference.max(axis=1)) < 8
+    assert len(np.unique(colours, axis=0)) > 1000
+
+
+def test_distances_from_the_curve_are_at_least_those_in_space_and_at_most_those_along_its_edges(quadruped, symmetry):
+    vertices = quadruped.vertices
+    distances = symmetry.curve_distances(vertices)
+    edges = np.concatenate([line.edges for line in symmetry.fixed_curve])
+    points = np.concatenate([line.positions(vertices) for line in symmetry.fixed_curve])
+    lengths = np.linalg.norm(np.diff(vertices[edges], axis=1)[:, 0], axis=1)
+    assert np.all(distances[edges].sum(axis=1) <= 1.001 * lengths)
+    for vertex in range(0, len(vertices), 97):
+        # The curve goes on between its points, which are no farther apart than an edge is long.
+        in_space = np.linalg.norm(points - vertices[vertex], axis=1).min() - lengths.max()
+        assert distances[vertex] >= in_space
+    with pytest.raises(intrinsym.ArgumentError, match="positions"):
+        symmetry.curve_distances(vertices[1:])

@@ -8,12 +8,14 @@ import subprocess
 import sys
 import venv
 from pathlib import Path
+from typing import Literal, get_args, get_origin
 
 import pytest
 from conftest import EXAMPLES, ROOT
 
 import intrinsym
 from intrinsym import _library, errors
+from intrinsym.report import ReasonName
 
 HEADER = (ROOT / "include" / "isym.h").read_text()
 
@@ -37,6 +39,13 @@ def test_numbers_of_errors_kinds_and_merges_are_those_of_the_header():
     assert len([name for name in numbers if name.startswith(("ISYM_KIND_", "ISYM_MERGE_"))]) == 7
 
 
+def test_the_reasons_are_those_of_the_library():
+    source = (ROOT / "src" / "verify" / "reason.rs").read_text()
+    (body,) = re.findall(r"pub enum Reason \{\n(.*?)\n\}", source, re.DOTALL)
+    names = re.findall(r"^    (\w+)(?: \{|,)", body, re.MULTILINE)
+    assert [re.sub("(?<!^)([A-Z])", r"_\1", name).lower() for name in names] == list(get_args(ReasonName))
+
+
 def test_the_version_is_that_of_the_crate():
     version = re.search(r'^version = "(.*)"', (ROOT / "Cargo.toml").read_text(), re.MULTILINE)[1]
     assert intrinsym.__version__ == version
@@ -45,7 +54,7 @@ def test_the_version_is_that_of_the_crate():
 def test_public_names_are_documented():
     for name in intrinsym.__all__:
         thing = getattr(intrinsym, name)
-        assert isinstance(thing, str) or (thing.__doc__ or "").strip(), name
+        assert isinstance(thing, str) or get_origin(thing) is Literal or (thing.__doc__ or "").strip(), name
 
 
 FIVE_LINES = """
@@ -73,6 +82,14 @@ def test_the_wheel_works_in_a_clean_environment(tmp_path):
     count, library = run.stdout.split()
     assert count == "3398"
     assert Path(library).is_relative_to(tmp_path)
+    program = tmp_path / "venv" / "bin" / "intrinsym"
+    run = subprocess.run(
+        [program, "detect", EXAMPLES / "quadruped.ply", "--map", "map", "--output", "paired.ply"],
+        env=environment, cwd=tmp_path, capture_output=True, text=True,
+    )  # fmt: skip
+    assert run.returncode == 0 and len((tmp_path / "map").read_text().splitlines()) == 3398, run.stderr
+    version = subprocess.run([program, "--version"], capture_output=True, text=True).stdout
+    assert version.split()[-1] == intrinsym.__version__
     batch = tmp_path / "venv" / "bin" / "intrinsym-batch"
     run = subprocess.run([batch, "x", "--output", "y"], env=environment, capture_output=True, text=True)
     assert run.returncode == 2 and 'pip install "intrinsym[ray]"' in run.stderr

@@ -11,7 +11,7 @@ import intrinsym
 
 
 def assert_same(one: intrinsym.Symmetry, other: intrinsym.Symmetry) -> None:
-    for name in ("kind", "order", "score", "plausibility", "mean_confidence", "exact_share"):
+    for name in ("kind", "order", "evidence"):
         assert getattr(one, name) == getattr(other, name), name
     for name in ("partner", "confidence", "side"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
@@ -31,7 +31,7 @@ def test_a_detection_is_the_same_after_a_pickle(quadruped, detection):
     assert_same(again[0], detection[0])
     values = np.arange(float(quadruped.vertex_count))
     np.testing.assert_array_equal(again[0].mirror_values(values), detection[0].mirror_values(values))
-    assert quadruped.detect(previous=again).report["report"]["kept"]
+    assert quadruped.detect(previous=again).report.kept
     assert_same(pickle.loads(pickle.dumps(again))[0], detection[0])
 
 

@@ -11,11 +11,16 @@ import pytest
 from conftest import ROOT
 from elftools.elf.elffile import ELFFile
 
+import intrinsym
+
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="glibc is Linux's")
 
 #: What a system of 2018 has (RHEL 8: glibc 2.28, GCC 8).
 NEWEST = {"GLIBC": (2, 28), "GLIBCXX": (3, 4, 25), "CXXABI": (1, 3, 11), "GCC": (8, 0, 0)}
 LIBRARY = "intrinsym/lib/libintrinsym.so"
+PROGRAM = f"intrinsym-{intrinsym.__version__}.data/scripts/intrinsym"
+#: Bytes of the largest wheel.
+LARGEST = 6_000_000
 PLATFORM = f"manylinux_2_28_{platform.machine()}"
 
 
@@ -29,9 +34,14 @@ def test_it_is_tagged_for_glibc_2_28(wheel):
     assert wheel.name.endswith(f"-py3-none-{PLATFORM}.whl")
 
 
-def test_no_symbol_is_newer(wheel, tmp_path):
-    library = zipfile.ZipFile(wheel).extract(LIBRARY, tmp_path)
-    with open(library, "rb") as file:
+def test_it_is_small(wheel):
+    assert wheel.stat().st_size <= LARGEST
+
+
+@pytest.mark.parametrize("built", [LIBRARY, PROGRAM])
+def test_no_symbol_is_newer(wheel, tmp_path, built):
+    extracted = zipfile.ZipFile(wheel).extract(built, tmp_path)
+    with open(extracted, "rb") as file:
         needed = ELFFile(file).get_section_by_name(".gnu.version_r")
         names = [version.name for _, versions in needed.iter_versions() for version in versions]
     assert any(name.startswith("GLIBC_") for name in names)

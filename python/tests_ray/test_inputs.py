@@ -8,7 +8,7 @@ import pytest
 
 from intrinsym.ray._inputs import find_meshes, place_of
 
-FILES = ("a.ply", "b.OFF", "notes.md", "deep/c.obj", "deep/er/d.stl", "deep/e[1].ply", "out/maps/a.ply")
+FILES = ("a.ply", "b.OFF", "notes.md", "scene.gltf", "deep/c.obj", "deep/er/d.stl", "deep/e[1].ply", "deep/er/f.GLB", "out/maps/a.ply")
 
 
 @pytest.fixture
@@ -29,7 +29,7 @@ def names(folder: Path, *inputs: str, **arguments) -> list[str]:
         ("*.ply", ["a.ply"]),
         ("?.*", ["a.ply", "b.OFF"]),
         ("deep/*", ["deep/c.obj", "deep/e[1].ply"]),
-        ("deep/**", ["deep/c.obj", "deep/e[1].ply", "deep/er/d.stl"]),
+        ("deep/**", ["deep/c.obj", "deep/e[1].ply", "deep/er/d.stl", "deep/er/f.GLB"]),
         ("**/*.stl", ["deep/er/d.stl"]),
         ("**/a.ply", ["a.ply", "out/maps/a.ply"]),
         ("[ab].*", ["a.ply", "b.OFF"]),
@@ -46,7 +46,7 @@ def test_patterns_and_files_are_relative_to_the_current_folder(folder, monkeypat
 
 
 def test_a_folder_stands_for_all_in_it_but_the_results(folder):
-    every = ["a.ply", "b.OFF", "deep/c.obj", "deep/e[1].ply", "deep/er/d.stl"]
+    every = ["a.ply", "b.OFF", "deep/c.obj", "deep/e[1].ply", "deep/er/d.stl", "deep/er/f.GLB"]
     assert names(folder, str(folder), without=place_of(f"{folder}/out")) == every
     assert "out/maps/a.ply" in names(folder, str(folder))
 

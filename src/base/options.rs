@@ -31,23 +31,25 @@ pub struct Options {
     pub symmetries: usize,
     /// Width of the beam that searches parity vectors; 0: as the effort says.
     pub beam_width: usize,
-    /// 1: the sign network proposes beside the search; 0: the search alone.
-    pub network: usize,
-    /// Least plausibility, in percent, at which a map counts as a symmetry; half of it is enough for one that mirrors vertices
-    /// ([`crate::connectivity::mirrored_vertices`]). 0 accepts every finished map.
+    /// Whether the sign network proposes beside the search.
+    pub network: bool,
+    /// Least plausibility, in percent, at which a map counts as a symmetry; half of it is enough for one that mirrors vertices. 0 accepts every finished map.
     pub plausibility: usize,
     /// Vertices of the largest shell up to which the map is sought on the shell itself; a finer one is simplified to
     /// about so many, and the map is carried back; 0: as the effort says.
     pub proxy_vertices: usize,
     /// Most memory of a detection in MB, estimated before it is taken; 0 for no limit.
     pub memory: usize,
+    /// Seconds of wall time after which a detection ends with the best map so far, as doubtful; 0 for no limit. The result then depends
+    /// on the machine.
+    pub time_limit: usize,
     /// Threads that a detection uses at most; the result does not depend on it.
     pub threads: usize,
     /// EXPERIMENTAL. Most rotations of order three or more to return after the symmetries that are their own inverses.
     pub rotations: usize,
     /// A sign network of the caller's own instead of the embedded one: trusted input.
     pub model: Option<PathBuf>,
-    /// Signs that a person knows of the mesh's eigenfunctions ([`crate::detect::driver::eigen`]), from the first on: 1 even, -1 odd,
+    /// Signs that a person knows of the mesh's eigenfunctions ([`crate::eigen`]), from the first on: 1 even, -1 odd,
     /// 0 unknown. They overrule the network.
     pub known_signs: Vec<i8>,
 }
@@ -72,7 +74,7 @@ pub struct OptionSpec {
 }
 
 /// The table all hosts read.
-pub const OPTIONS: [OptionSpec; 11] = [
+pub const OPTIONS: [OptionSpec; 12] = [
     OptionSpec {
         name: "effort",
         default: 1,
@@ -117,6 +119,15 @@ pub const OPTIONS: [OptionSpec; 11] = [
         choices: &[],
         expert: false,
         help: "Most memory in MB, mesh included, estimated before it is taken: a mesh that needs more is refused; 0: no limit.",
+    },
+    OptionSpec {
+        name: "time_limit",
+        default: 0,
+        minimum: 1,
+        maximum: 1_000_000,
+        choices: &[],
+        expert: false,
+        help: "Seconds after which a detection ends with the best map so far, as doubtful, or with an error if there is none; 0: no limit.",
     },
     OptionSpec {
         name: "network",
@@ -182,12 +193,13 @@ impl Default for Options {
             plausibility: OPTIONS[2].default,
             threads: OPTIONS[3].default,
             memory: OPTIONS[4].default,
-            network: OPTIONS[5].default,
-            eigenfunctions: OPTIONS[6].default,
-            samples: OPTIONS[7].default,
-            beam_width: OPTIONS[8].default,
-            proxy_vertices: OPTIONS[9].default,
-            rotations: OPTIONS[10].default,
+            time_limit: OPTIONS[5].default,
+            network: OPTIONS[6].default == 1,
+            eigenfunctions: OPTIONS[7].default,
+            samples: OPTIONS[8].default,
+            beam_width: OPTIONS[9].default,
+            proxy_vertices: OPTIONS[10].default,
+            rotations: OPTIONS[11].default,
             model: None,
             known_signs: Vec::new(),
         }
@@ -211,24 +223,25 @@ impl Options {
     }
 
     /// Whether any sign is known.
-    pub fn states_signs(&self) -> bool {
+    pub(crate) fn states_signs(&self) -> bool {
         self.known_signs.iter().any(|&sign| sign != 0)
     }
 
     /// Whether the best reflection is all that is asked for, whichever its signs.
-    pub fn asks_for_one(&self) -> bool {
+    pub(crate) fn asks_for_one(&self) -> bool {
         self.symmetries == 1 && self.rotations == 0 && !self.states_signs()
     }
 
     /// The values in the order of [`OPTIONS`].
-    pub fn values(&self) -> [usize; OPTIONS.len()] {
+    pub(crate) fn values(&self) -> [usize; OPTIONS.len()] {
         [
             self.effort as usize,
             self.symmetries,
             self.plausibility,
             self.threads,
             self.memory,
-            self.network,
+            self.time_limit,
+            usize::from(self.network),
             self.eigenfunctions,
             self.samples,
             self.beam_width,
@@ -249,7 +262,8 @@ impl Options {
             "plausibility" => self.plausibility = value,
             "threads" => self.threads = value,
             "memory" => self.memory = value,
-            "network" => self.network = value,
+            "time_limit" => self.time_limit = value,
+            "network" => self.network = value == 1,
             "eigenfunctions" => self.eigenfunctions = value,
             "samples" => self.samples = value,
             "beam_width" => self.beam_width = value,

@@ -138,16 +138,11 @@ impl Connectivity {
         }
         let left_out = mesh.shell_of_point.iter().filter(|&&shell| !wanted[shell as usize]).count();
         let half_edges = HalfEdges::new(mesh.point_count(), &offsets, &points)?;
-        Ok(Some(Connectivity::of_shells(half_edges, left_out)))
+        Ok(Some(Connectivity::new(half_edges, left_out)))
     }
 
-    /// Colours the vertices. O(half-edges + vertices log vertices).
-    pub fn new(half_edges: HalfEdges) -> Connectivity {
-        Connectivity::of_shells(half_edges, 0)
-    }
-
-    /// Of a mesh of which so many vertices are left out.
-    fn of_shells(half_edges: HalfEdges, left_out: usize) -> Connectivity {
+    /// Colours the vertices of a mesh of which so many are left out. O(half-edges + vertices log vertices).
+    pub fn new(half_edges: HalfEdges, left_out: usize) -> Connectivity {
         let colours = Colours::new(&half_edges);
         let classes = Classes::new(&colours.far);
         let shells = Shells::new(&half_edges, left_out);
@@ -259,23 +254,6 @@ impl Connectivity {
     }
 }
 
-/// [`Connectivity::find`] on a connectivity that is searched once.
-///
-/// # Errors
-/// [`crate::Error::Cancelled`].
-///
-/// # Panics
-/// If `estimate` or `confidence` is shorter than `half_edges.point_count`.
-pub fn find(
-    half_edges: &HalfEdges,
-    estimate: &[u32],
-    confidence: &[f32],
-    kind: SymmetryKind,
-    progress: &Progress,
-) -> Result<Option<Automorphism>> {
-    Connectivity::new(half_edges.clone()).find(estimate, confidence, kind, progress)
-}
-
 /// What walking whole shells gave.
 struct WholeShells {
     /// Shells without a bijection, or with one that the estimate refutes.
@@ -302,7 +280,7 @@ enum Whole {
 }
 
 /// How the bijections of one shell are sought.
-struct Search<'a> {
+struct WholeShellSearch<'a> {
     shells: &'a Shells,
     classes: &'a Classes,
     estimate: &'a Estimate,
@@ -321,8 +299,8 @@ fn match_whole_shells(
     bijections: Bijections,
     progress: &Progress,
 ) -> Result<WholeShells> {
-    let budget = WALKS * matching.half_edges.len() as u64;
-    let mut search = Search { shells, classes, estimate, budget, bijections };
+    let budget = WALKS * matching.half_edges.count() as u64;
+    let mut search = WholeShellSearch { shells, classes, estimate, budget, bijections };
     let (mut inexact, mut defective, mut unrivalled) = (Vec::new(), None, None);
     for shell in shells.by_size() {
         progress.check()?;
@@ -342,7 +320,7 @@ fn match_whole_shells(
     Ok(WholeShells { inexact, defective, unrivalled, bijections: search.bijections })
 }
 
-impl Search<'_> {
+impl WholeShellSearch<'_> {
     fn match_whole_shell(
         &mut self,
         matching: &mut Matching,
@@ -419,7 +397,7 @@ impl Search<'_> {
             let paired = matching.paired_since(mark);
             self.estimate.distances(matching, &paired, size).mean <= FAR * estimate::tolerance(size)
         };
-        let steps = matching.half_edges.len() as u64 / LOOKED_AT;
+        let steps = matching.half_edges.count() as u64 / LOOKED_AT;
         matching.walk_while(start, target, self.classes, &mut self.budget, steps, near)
     }
 }

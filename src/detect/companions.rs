@@ -142,35 +142,35 @@ impl Places {
     fn mismatch(&self, source: usize, target: usize) -> f32 {
         let goals = picked(&self.mirrored[source]);
         let partners = nearest(rows(&goals).as_ref(), rows(&self.own[target]).as_ref());
-        let way = |(goal, partner): (&Vector, u32)| subtract(self.own[target][partner as usize], *goal);
-        let ways = goals.iter().zip(partners).map(|pair| squared_norm(way(pair)).sqrt());
-        (ways.sum::<f64>() / goals.len() as f64) as f32
+        let gap = |(goal, partner): (&Vector, u32)| subtract(self.own[target][partner as usize], *goal);
+        let distances = goals.iter().zip(partners).map(|pair| squared_norm(gap(pair)).sqrt());
+        (distances.sum::<f64>() / goals.len() as f64) as f32
     }
 }
 
 /// Shells by their size and place.
-struct Alike {
+struct SimilarShells {
     /// Logarithm of the area of each shell.
     sizes: Vec<f64>,
     /// Middles of the shells whose sizes are from n to n + 1 times the tolerance, by n.
     trees: BTreeMap<i64, RTree<GeomWithData<Vector, usize>>>,
 }
 
-impl Alike {
+impl SimilarShells {
     /// Shells looked at in each tree: of them about a half are of the size that is wanted.
     const LOOKS: usize = 64;
     /// Shells tried as partners of one.
     const TRIED: usize = 8;
 
-    fn new(shells: &[Shell], middles: &[Vector], others: impl Iterator<Item = usize>) -> Alike {
+    fn new(shells: &[Shell], middles: &[Vector], others: impl Iterator<Item = usize>) -> SimilarShells {
         let sizes: Vec<f64> = shells.iter().map(|shell| shell.area().max(f64::MIN_POSITIVE).ln()).collect();
         let mut leaves: BTreeMap<i64, Vec<_>> = BTreeMap::new();
         for shell in others {
             let leaf = GeomWithData::new(middles[shell], shell);
-            leaves.entry(Alike::class(sizes[shell])).or_default().push(leaf);
+            leaves.entry(SimilarShells::class(sizes[shell])).or_default().push(leaf);
         }
         let trees = leaves.into_iter().map(|(class, leaves)| (class, RTree::bulk_load(leaves))).collect();
-        Alike { sizes, trees }
+        SimilarShells { sizes, trees }
     }
 
     fn class(size: f64) -> i64 {
@@ -179,16 +179,16 @@ impl Alike {
 
     /// Shells as large as `source` whose middles are nearest to `place`, the nearest first. O(log shells).
     fn nearest(&self, source: usize, place: Vector) -> impl Iterator<Item = usize> {
-        let is_alike = |target: usize| (self.sizes[source] - self.sizes[target]).abs() < AREA_TOLERANCE;
-        let class = Alike::class(self.sizes[source]);
+        let is_candidate = |target: usize| (self.sizes[source] - self.sizes[target]).abs() < AREA_TOLERANCE;
+        let class = SimilarShells::class(self.sizes[source]);
         let mut near: Vec<(f64, usize)> = Vec::new();
         for (_, tree) in self.trees.range(class - 1..=class + 1) {
-            let looks = tree.nearest_neighbor_iter(place).take(Alike::LOOKS);
-            let wanted = looks.filter(|leaf| is_alike(leaf.data)).take(2 * Alike::TRIED);
+            let looks = tree.nearest_neighbor_iter(place).take(SimilarShells::LOOKS);
+            let wanted = looks.filter(|leaf| is_candidate(leaf.data)).take(2 * SimilarShells::TRIED);
             near.extend(wanted.map(|leaf| (squared_norm(subtract(place, *leaf.geom())), leaf.data)));
         }
         near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        near.into_iter().take(Alike::TRIED).map(|(_, target)| target)
+        near.into_iter().take(SimilarShells::TRIED).map(|(_, target)| target)
     }
 }
 
@@ -200,13 +200,13 @@ fn pair_shells(mesh: &Mesh, shells: &[Shell], places: &Places, primary: usize) -
     let middles = |of: &[Vec<Vector>]| -> Vec<Vector> { of.iter().map(|points| mean(points)).collect() };
     let (mirrored, own) = (middles(&places.mirrored), middles(&places.own));
     let others = (0..shells.len()).filter(|&shell| shell != primary);
-    let alike = Alike::new(shells, &own, others.clone());
+    let similar = SimilarShells::new(shells, &own, others.clone());
     let signatures = shell_signatures(mesh);
     let signature =
         |shell: usize| signatures[mesh.shell_of_point[shells[shell].points[0] as usize] as usize].hash;
     let mut options: BTreeMap<(usize, usize), f32> = BTreeMap::new();
     for source in others {
-        let near: Vec<usize> = alike.nearest(source, mirrored[source]).collect();
+        let near: Vec<usize> = similar.nearest(source, mirrored[source]).collect();
         // One that is its own image has no other of its connectivity nearby.
         let same = |&&target: &&usize| signature(target) == signature(source);
         let any_other = near.iter().filter(same).any(|&target| target != source);
@@ -315,8 +315,8 @@ fn shift_onto(points: &[Vector], targets: &[Vector]) -> Vector {
             points.iter().map(|point| [0, 1, 2].map(|axis| point[axis] + shift[axis])).collect();
         let partners = nearest(rows(&shifted).as_ref(), rows(targets).as_ref());
         for (point, partner) in shifted.iter().zip(partners) {
-            let way = subtract(targets[partner as usize], *point);
-            (0..3).for_each(|axis| shift[axis] += way[axis] / points.len() as f64);
+            let gap = subtract(targets[partner as usize], *point);
+            (0..3).for_each(|axis| shift[axis] += gap[axis] / points.len() as f64);
         }
     }
     shift

@@ -4,16 +4,18 @@
 //! the truth than one that is found anew, or refined on the new shape (`docs/speed.md`). So it is kept as it is, and
 //! only judged again, on a simplified mesh and by few eigenfunctions.
 
+use crate::base::effort::{Mechanisms, Plan};
 use crate::base::error::{Error, Result};
 use crate::base::limits::{check_memory, estimated_memory};
 use crate::base::options::Options;
 use crate::base::progress::Progress;
 use crate::base::threads;
 use crate::detect::assembly::mean_over_surface;
+use crate::detect::clock::Clock;
 use crate::detect::correspondence::Symmetry;
 use crate::detect::coverage::Coverage;
-use crate::detect::detection::{Clock, Detection, Outcome, Report, conclusion, verdict};
-use crate::detect::driver::{detect, retain_symmetries};
+use crate::detect::detection::{Detection, Report};
+use crate::detect::driver::{detect, detect_by};
 use crate::detect::judging_mesh::JudgingMesh;
 use crate::detect::shell_symmetry::of_images;
 use crate::mesh::Mesh;
@@ -22,7 +24,10 @@ use crate::search::functional_map::Projection;
 use crate::spectral::continuous_family::orbits;
 use crate::spectral::laplacian::IntrinsicSurface;
 use crate::verify::acceptance::doubt;
+use crate::verify::choose::{retain_symmetries, verdict};
 use crate::verify::hypothesis::Hypothesis;
+use crate::verify::outcome::Outcome;
+use crate::verify::reason::Reason;
 use std::sync::Arc;
 
 /// What is known of an earlier shape: a [`Detection`], or symmetries alone.
@@ -86,15 +91,15 @@ pub fn detect_again<'a>(
     if !previous.symmetries.iter().any(|symmetry| is_wanted(symmetry, options)) {
         return detect(mesh, options, progress);
     }
-    let mut clock = Clock::start();
-    let again = judged(mesh, previous, options, progress, &mut clock)?;
+    let (mut clock, progress) = (Clock::start(), &progress.within(options.time_limit));
+    let again = progress.name_stage(judged(mesh, previous, options, progress, &mut clock))?;
     let seconds = clock.laps;
     if again.outcome != Outcome::None {
-        progress.report("done", 1.0)?;
+        progress.done()?;
         return Ok(Detection { report: Report { seconds, ..again.report }, ..again });
     }
-    let mut anew = detect(mesh, options, progress)?;
-    anew.report.evidence += &format!("; an earlier shape's map was not kept: {}", again.report.evidence);
+    let mut anew = detect_by(mesh, options, &Plan::of(options), Mechanisms::default(), progress)?;
+    anew.report.reasons.push(Reason::NotKept { because: again.report.reasons });
     let spent = seconds.iter().map(|(_, seconds)| seconds).sum();
     anew.report.seconds.insert(0, ("earlier maps".into(), spent));
     Ok(anew)
@@ -154,23 +159,9 @@ fn keep(
     let (maps, orbits) = threads::join(options.threads, judge, || orbits(&shell.surface, &shell.basis));
     let mut maps = maps?;
     let least = options.plausibility.max(LEAST);
-    let (judged, mut evidence) = match maps.first() {
-        Some((map, _)) => verdict(Some(map), least),
-        None => (None, "it does not map the largest shell onto itself".into()),
-    };
-    if maps.first().is_some_and(|(map, symmetry)| is_still(map, symmetry, least)) {
-        maps.retain(|(map, symmetry)| is_still(map, symmetry, least));
-        retain_symmetries(&mut maps, least);
-        let mut left = [options.symmetries, options.rotations];
-        maps.retain(|(_, symmetry)| {
-            let left = &mut left[usize::from(symmetry.kind.is_rotation())];
-            let is_left = *left > 0;
-            *left = left.saturating_sub(1);
-            is_left
-        });
-    } else {
-        maps.clear();
-    }
+    let judged = maps.first().map(|(map, _)| map.judged);
+    let reason = maps.first().map_or(Reason::NotOntoItself, |(map, _)| verdict(map, least));
+    retain_kept(&mut maps, options, least);
     let mut symmetries: Vec<Symmetry> =
         maps.iter().map(|(map, symmetry)| judged_again(mesh, symmetry, map)).collect();
     symmetries.sort_by(|a, b| {
@@ -181,11 +172,25 @@ fn keep(
         a.kind.place().cmp(&b.kind.place()).then(doubts).then(a.score.total_cmp(&b.score))
     });
     clock.lap("earlier maps");
-    let (outcome, doubts) = conclusion(&symmetries, least);
-    evidence += &doubts;
-    let report = Report { judged, evidence, kept: true, ..Report::of(mesh) };
-    let report = report.with_shell(&shell, &orbits);
-    Ok(Detection { outcome, symmetries, report, judging: Some(judging) })
+    let report = Report { judged, reasons: vec![reason], kept: true, ..Report::of(mesh) };
+    let again = Detection::new(symmetries, least, report.with_shell(&shell, &orbits));
+    Ok(Detection { judging: Some(judging), ..again })
+}
+
+/// Leaves the maps that are still symmetries, as many of each kind as are asked for; none if the first is none.
+fn retain_kept(maps: &mut Vec<(Hypothesis, &Symmetry)>, options: &Options, least: usize) {
+    if !maps.first().is_some_and(|(map, symmetry)| is_still(map, symmetry, least)) {
+        maps.clear();
+    }
+    maps.retain(|(map, symmetry)| is_still(map, symmetry, least));
+    retain_symmetries(maps, least);
+    let mut left = [options.symmetries, options.rotations];
+    maps.retain(|(_, symmetry)| {
+        let left = &mut left[usize::from(symmetry.kind.is_rotation())];
+        let is_left = *left > 0;
+        *left = left.saturating_sub(1);
+        is_left
+    });
 }
 
 /// Whether `map`, which is `symmetry` on this shape, counts as one of its kind.

@@ -11,10 +11,8 @@ use crate::search::candidate_score::Score;
 use crate::search::candidates::{Candidate, DISTINCT, GAP};
 use crate::spectral::displacement::mean_displacement;
 use crate::verify::acceptance::doubt;
+use crate::verify::choose::{Maps, rank};
 use crate::verify::hypothesis::Hypothesis;
-
-/// A map of this plausibility comes before one that exchanges sheets.
-const LIKELY: f64 = 0.5;
 
 /// A finished map, and the partners that it had before its parts were fitted.
 #[derive(Clone)]
@@ -29,7 +27,7 @@ pub struct Finished {
 /// Maps that were finished, and what they say about those that are not.
 #[derive(Default)]
 struct Known {
-    maps: Vec<(Hypothesis, SymmetryKind)>,
+    maps: Maps,
     /// Those that leave no doubts, but for those that exchange sheets.
     sure: usize,
     /// The best score of those that are accepted, likewise.
@@ -50,7 +48,7 @@ pub fn finish_best(
     earlier: &mut Vec<Finished>,
     options: &Options,
     progress: &Progress,
-) -> Result<Vec<(Hypothesis, SymmetryKind)>> {
+) -> Result<Maps> {
     let mut known = Known::default();
     let mut left: Vec<&Candidate> = candidates.iter().collect();
     loop {
@@ -140,50 +138,4 @@ fn is_met(
         mean_displacement(&shell.basis, &shell.surface.lumped_mass, &and_back) < DISTINCT
     };
     others.iter().any(|(other, of_kind)| *of_kind == kind && is_same(other))
-}
-
-/// Leaves maps of one kind in their order, that of the scores, but for those that may be none, which come behind, the more plausible
-/// first. `kind_plausibility_sheets` says of a map whether it exchanges sheets, too: then it comes behind all that are likely.
-fn rank<M>(maps: &mut [M], kind_plausibility_sheets: impl Fn(&M) -> (SymmetryKind, f64, bool)) {
-    let doubt_of = |map: &M| {
-        let (kind, plausibility, exchanges_sheets) = kind_plausibility_sheets(map);
-        let least = if exchanges_sheets { doubt(LIKELY) } else { 0.0 };
-        (kind, doubt(plausibility).max(least))
-    };
-    maps.sort_by(|a, b| {
-        let ((kind, own), (other_kind, other)) = (doubt_of(a), doubt_of(b));
-        kind.cmp(&other_kind).then(own.total_cmp(&other))
-    });
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use SymmetryKind::{HalfTurn, Reflection};
-
-    #[test]
-    fn plausibility_ranks_maps_of_a_kind_only_where_there_is_doubt() {
-        let ranked = |mut maps: Vec<(SymmetryKind, f64)>| {
-            rank(&mut maps, |(kind, plausibility)| (*kind, *plausibility, false));
-            maps.into_iter().map(|(_, plausibility)| plausibility).collect::<Vec<f64>>()
-        };
-        assert_eq!(ranked(vec![(Reflection, 0.96), (Reflection, 0.99)]), [0.96, 0.99]);
-        assert_eq!(ranked(vec![(Reflection, 0.6), (Reflection, 0.4), (Reflection, 0.9)]), [0.9, 0.6, 0.4]);
-        assert_eq!(
-            ranked(vec![(Reflection, 0.5), (Reflection, 0.98), (Reflection, 0.96)]),
-            [0.98, 0.96, 0.5]
-        );
-        assert_eq!(ranked(vec![(Reflection, 0.1), (HalfTurn, 1.0)]), [0.1, 1.0]);
-    }
-
-    #[test]
-    fn exchanged_sheets_come_behind_what_is_likely() {
-        let ranked = |mut maps: Vec<(f64, bool)>| {
-            rank(&mut maps, |(plausibility, sheets)| (Reflection, *plausibility, *sheets));
-            maps
-        };
-        assert_eq!(ranked(vec![(1.0, true), (0.51, false)]), [(0.51, false), (1.0, true)]);
-        assert_eq!(ranked(vec![(0.49, false), (1.0, true)]), [(1.0, true), (0.49, false)]);
-        assert_eq!(ranked(vec![(0.3, true), (0.2, false)]), [(0.3, true), (0.2, false)]);
-    }
 }

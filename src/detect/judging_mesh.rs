@@ -1,6 +1,6 @@
 //! The simplified mesh on which earlier maps are judged, and what of it stays while the shape is deformed.
 //!
-//! [`crate::detect::driver::detect`] makes one, results carry it, and [`crate::detect_again`] passes it on: its choice of
+//! [`crate::detect()`] makes one, results carry it, and [`crate::detect_again`] passes it on: its choice of
 //! vertices and triangles, the analysis of its connectivity, eigenfunctions to start from and samples are those of the
 //! shape that it was made of. Some 1 MB, at most 4, and 4 bytes for each vertex of the mesh.
 
@@ -101,13 +101,13 @@ impl JudgingMesh {
     }
 
     /// Of the largest shell of `mesh`.
-    pub fn new(mesh: &Mesh, options: &Options) -> JudgingMesh {
+    pub(crate) fn new(mesh: &Mesh, options: &Options) -> JudgingMesh {
         JudgingMesh::simplified(mesh, &mesh.shells()[0], None, options).0
     }
 
     /// Of the `shell` (the largest of `mesh`) that has been `solved`, itself or its `proxy`. `None` if too few
     /// eigenfunctions are known to start from.
-    pub fn of_solved(
+    pub(crate) fn of_solved(
         mesh: &Mesh,
         shell: &Shell,
         proxy: Option<&Proxy>,
@@ -129,7 +129,7 @@ impl JudgingMesh {
     /// Whether it was made of `mesh` or another shape of it, with options that want the same. O(corners).
     ///
     /// The polygons must be the same, after welding and repairs, and the same shell the largest.
-    pub fn fits(&self, mesh: &Mesh, options: &Options) -> bool {
+    pub(crate) fn fits(&self, mesh: &Mesh, options: &Options) -> bool {
         self.size == Size::of(options)
             && self.nearest.len() == mesh.positions.len()
             && mesh.shell_of_point[self.points[0] as usize] == 0
@@ -137,7 +137,7 @@ impl JudgingMesh {
     }
 
     /// It in the shape of `mesh`, which it must fit.
-    pub fn shell(&self, mesh: &Mesh) -> Shell {
+    pub(crate) fn shell(&self, mesh: &Mesh) -> Shell {
         mesh.shell_of(self.points.clone(), self.triangles.clone(), self.orientable)
     }
 
@@ -145,7 +145,7 @@ impl JudgingMesh {
     ///
     /// # Errors
     /// As [`Eigenbasis::new`].
-    pub fn solve(
+    pub(crate) fn solve(
         &self,
         surface: IntrinsicSurface,
         options: &Options,
@@ -179,7 +179,7 @@ impl JudgingMesh {
     }
 
     /// Images of the vertices under a map that is known for the vertices of `mesh`; `None` if it leads off the shell.
-    pub fn images(&self, mesh: &Mesh, partners: &[i32]) -> Option<VertexMap> {
+    pub(crate) fn images(&self, mesh: &Mesh, partners: &[i32]) -> Option<VertexMap> {
         let partner = |point: usize| -> Option<u32> {
             let partner = partners[mesh.vertex_of_point[point] as usize];
             let point = *mesh.point_of_vertex.get(usize::try_from(partner).ok()?)?;

@@ -17,9 +17,9 @@ use crate::mesh::{NONE, Shell, SplitHubs};
 use meshopt::{SimplifyOptions, VertexDataAdapter, simplify};
 use std::sync::OnceLock;
 
-/// Images of a triangle's corners that lie farther apart than this many times the triangle's longest edge are torn
+/// Images of a triangle's corners that lie farther apart than this many times the triangle's longest edge are discontinuous
 /// apart: its points follow the nearest corner alone.
-const TORN: f64 = 4.0;
+const DISCONTINUOUS: f64 = 4.0;
 
 /// A proxy that has more than this many times the vertices asked for is not worth having.
 const TOO_FINE: usize = 4;
@@ -115,8 +115,8 @@ impl<'a> Proxy<'a> {
             let heaviest = self.heaviest_corner(place) as usize;
             let ends = corners.map(|corner| image_points[corner as usize]);
             let sources = corners.map(|corner| self.corner(corner));
-            let torn = longest(ends) > TORN * TORN * longest(sources);
-            let goal = if torn { image_points[heaviest] } else { weighted(ends, place.barycentric) };
+            let discontinuous = longest(ends) > DISCONTINUOUS * DISCONTINUOUS * longest(sources);
+            let goal = if discontinuous { image_points[heaviest] } else { weighted(ends, place.barycentric) };
             // Vertices that follow each other are often neighbours, and so are their images.
             let start = self.vertices[images.partners[heaviest] as usize];
             self.walk.nearest(goal, previous.map_or(start, |(near, _)| self.walk.nearer(goal, start, *near)))

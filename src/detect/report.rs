@@ -3,7 +3,7 @@
 use crate::base::error::{Error, Result};
 use crate::base::options::Options;
 use crate::detect::correspondence::{EdgePoint, Polyline};
-use crate::detect::driver::Detection;
+use crate::detect::detection::Detection;
 use crate::mesh::{Mesh, NONE};
 use serde_json::{Value, json};
 
@@ -15,6 +15,7 @@ pub fn json(mesh: &Mesh, detection: &Detection, options: &Options) -> Result<Val
     let internal =
         |error: serde_json::Error| Error::Internal(format!("the report cannot be written: {error}"));
     let mut report = serde_json::to_value(detection).map_err(internal)?;
+    report["report"]["evidence"] = json!(detection.report.evidence());
     report["version"] = json!(env!("CARGO_PKG_VERSION"));
     report["options"] = serde_json::to_value(options).map_err(internal)?;
     for (index, symmetry) in detection.symmetries.iter().enumerate() {

@@ -254,11 +254,12 @@ impl Groups<'_> {
     /// Whether a power of three or more comes back to the samples, or nearly so, and no lower one.
     fn is_nearly_cyclic(&self, partners: &[u32]) -> bool {
         let own = &self.refiner.samples.vertices;
-        let way = |power: &[u32]| mean_distance(&self.rows, own, &self.images(power));
+        let distance = |power: &[u32]| mean_distance(&self.rows, own, &self.images(power));
         let next = |power: &Vec<u32>| Some(composed(power, partners));
-        let ways = std::iter::successors(Some(partners.to_vec()), next).take(LARGEST_ORDER);
-        let ways: Vec<f64> = ways.map(|power| way(&power)).collect();
-        ways[..2].iter().all(|way| *way > DISTINCT) && ways[2..].iter().any(|way| *way < HOPELESS)
+        let distances = std::iter::successors(Some(partners.to_vec()), next).take(LARGEST_ORDER);
+        let distances: Vec<f64> = distances.map(|power| distance(&power)).collect();
+        distances[..2].iter().all(|distance| *distance > DISTINCT)
+            && distances[2..].iter().any(|distance| *distance < HOPELESS)
     }
 }
 
@@ -300,13 +301,13 @@ fn words(a: &Element, b: &Element) -> Vec<Mat<f64>> {
 }
 
 /// The powers of a map below the identity, the map first; `None` if none up to the largest order comes back as it must, or the
-/// map itself hardly moves anything. `way` is how far a power moves the points, on average.
-fn powers(partners: &[u32], way: impl Fn(&[u32]) -> f64) -> Option<Vec<Vec<u32>>> {
+/// map itself hardly moves anything. `distance` is how far a power moves the points, on average.
+fn powers(partners: &[u32], distance: impl Fn(&[u32]) -> f64) -> Option<Vec<Vec<u32>>> {
     let mut powers = vec![partners.to_vec()];
-    let mut least = way(partners);
+    let mut least = distance(partners);
     while powers.len() < LARGEST_ORDER && least > DISTINCT {
         let next = composed(&powers[powers.len() - 1], partners);
-        let left = way(&next);
+        let left = distance(&next);
         if left < DISTINCT.min(RETURN * least) {
             return Some(powers);
         }
@@ -326,7 +327,7 @@ mod tests {
     }
 
     /// Mean distance along a circle of radius about 1.
-    fn way(partners: &[u32]) -> f64 {
+    fn distance(partners: &[u32]) -> f64 {
         let count = partners.len() as f64;
         let parts = |(own, &partner): (u32, &u32)| f64::from(own.abs_diff(partner)) / count;
         (0..).zip(partners).map(parts).map(|part| part.min(1.0 - part)).sum::<f64>() / count * 6.0
@@ -335,7 +336,7 @@ mod tests {
     #[test]
     fn the_order_is_the_first_power_that_is_the_identity() {
         for (corners, by, order) in [(3, 1, 3), (4, 1, 4), (4, 2, 2), (6, 2, 3), (12, 5, 12)] {
-            let powers = powers(&turned(corners, by), way).expect("a rotation");
+            let powers = powers(&turned(corners, by), distance).expect("a rotation");
             assert_eq!(powers.len() + 1, order, "{corners} corners by {by}");
             assert_eq!(
                 composed(&powers[order - 2], &powers[0]),
@@ -343,10 +344,10 @@ mod tests {
                 "the last is the inverse"
             );
         }
-        assert!(powers(&turned(13, 1), way).is_none());
-        assert!(powers(&turned(5, 0), way).is_none());
+        assert!(powers(&turned(13, 1), distance).is_none());
+        assert!(powers(&turned(5, 0), distance).is_none());
         // A turn by 2 of 7: the fourth power is off by a seventh of a circle, as near as the others' least.
-        assert_eq!(powers(&turned(7, 2), way).map(|powers| powers.len() + 1), Some(7));
+        assert_eq!(powers(&turned(7, 2), distance).map(|powers| powers.len() + 1), Some(7));
     }
 
     /// A rotation of the plane by `parts` of twelve, or a reflection in the line at half that angle.

@@ -41,23 +41,6 @@ pub struct PreparedShell {
     pub samples: Samples,
 }
 
-impl PreparedShell {
-    /// Solves a surface.
-    ///
-    /// # Errors
-    /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
-    pub fn new(
-        surface: IntrinsicSurface,
-        plan: &Plan,
-        threads: usize,
-        progress: &Progress,
-    ) -> Result<PreparedShell> {
-        let basis = Eigenbasis::new(&surface, plan.eigenfunctions, threads, progress)?;
-        let samples = Samples::farthest(&basis, plan.samples);
-        Ok(PreparedShell { surface, basis, samples })
-    }
-}
-
 /// Parity of a shell's first eigenfunctions as the network sees it, overruled by the signs that are `known`.
 ///
 /// Empty if the caller wants no network and knows nothing.
@@ -72,7 +55,7 @@ pub fn signs(
 ) -> Result<Vec<SignPrediction>> {
     let k = basis.count().min(SIGNS);
     let mut signs = match &options.model {
-        _ if options.network == 0 || k < REFERENCES => Vec::new(),
+        _ if !options.network || k < REFERENCES => Vec::new(),
         Some(path) => predict(&SignNetwork::from_file(path)?, surface, basis, k)?,
         None => predict(SignNetwork::shared(), surface, basis, k)?,
     };

@@ -1,6 +1,6 @@
 //! Which shells may be mirror images of which, before anything is solved: by their connectivity, their size and how far they are from each other.
 //!
-//! Two shells of one connectivity and one size are twins, hardly by chance. Others may be if they are alike in size. Twins are as far from the twins of others as
+//! Two shells of one connectivity and one size are twins, hardly by chance. Others may be if they are similar in size. Twins are as far from the twins of others as
 //! these are from each other, along the surface: so a sword in one hand, which would be its own mirror image by itself, has none. The involution of the
 //! shells that is worth most is sought by single changes.
 
@@ -48,21 +48,21 @@ fn evidence(signatures: &[Signature], sizes: &[[f64; 3]]) -> Vec<f64> {
         true => signatures[a].distinct,
         false => 0.0,
     };
-    let alike = |a: usize, b: usize| {
+    let similarity = |a: usize, b: usize| {
         let ratio = |k: usize| (sizes[a][k] / sizes[b][k]).ln() / TOLERANCES[k];
         let apart = (0..3).map(|k| ratio(k).powi(2)).sum::<f64>();
         (-apart / (1.0 + LOOSE * distinct(a, b)).powi(2)).exp()
     };
-    let twin = |a: usize, b: usize| alike(a, b) * distinct(a, b);
+    let twin = |a: usize, b: usize| similarity(a, b) * distinct(a, b);
     let most = |a: usize, of: &dyn Fn(usize, usize) -> f64| {
         (0..count).filter(|&b| b != a).map(|b| of(a, b)).fold(0.0, f64::max)
     };
     let of = |a: usize, b: usize| match a == b {
-        true => ITSELF - LESS_BESIDE_SIZE * most(a, &alike) - LESS_BESIDE_TWIN * most(a, &twin),
+        true => ITSELF - LESS_BESIDE_SIZE * most(a, &similarity) - LESS_BESIDE_TWIN * most(a, &twin),
         false if signatures[a].hash == signatures[b].hash => {
-            SAME_CONNECTIVITY * (1.0 + DISTINCT * signatures[a].distinct) * (2.0 * alike(a, b) - 1.0)
+            SAME_CONNECTIVITY * (1.0 + DISTINCT * signatures[a].distinct) * (2.0 * similarity(a, b) - 1.0)
         }
-        false => SAME_SIZE * (2.0 * alike(a, b) - 1.0),
+        false => SAME_SIZE * (2.0 * similarity(a, b) - 1.0),
     };
     (0..count * count).map(|pair| of(pair / count, pair % count)).collect()
 }

@@ -7,17 +7,17 @@ use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
 /// A search that can be run many times; it cleans up only where it was.
-pub struct Search {
+pub struct PathSearch {
     distance: Vec<f32>,
     touched: Vec<u32>,
     /// The bits of a distance, which is positive, and the vertex: in the order of the distances.
     queue: BinaryHeap<Reverse<u64>>,
 }
 
-impl Search {
+impl PathSearch {
     /// On `count` vertices.
-    pub fn new(count: usize) -> Search {
-        Search { distance: vec![f32::INFINITY; count], touched: Vec::new(), queue: BinaryHeap::new() }
+    pub fn new(count: usize) -> PathSearch {
+        PathSearch { distance: vec![f32::INFINITY; count], touched: Vec::new(), queue: BinaryHeap::new() }
     }
 
     /// Visits the vertices nearer than `radius` to one of `sources` with their distances, the nearest first, until `visit` breaks.
@@ -119,7 +119,7 @@ impl EdgeLengths {
     /// Distance of every vertex from the nearest of `sources`; infinite where there is no way.
     pub fn distances(&self, sources: &[u32]) -> Vec<f64> {
         let mut distances = vec![f64::INFINITY; self.vertex_count()];
-        Search::new(distances.len()).run(
+        PathSearch::new(distances.len()).run(
             sources,
             f64::INFINITY,
             |vertex| self.of(vertex),
@@ -147,7 +147,7 @@ mod tests {
 
     #[test]
     fn a_search_visits_what_is_near_the_nearest_first_and_can_be_run_again() {
-        let mut search = Search::new(9);
+        let mut search = PathSearch::new(9);
         for _ in 0..2 {
             let mut visited = Vec::new();
             search.run(&[2, 7], 2.5, row(9), |vertex, distance| {

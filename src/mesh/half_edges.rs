@@ -56,13 +56,8 @@ impl HalfEdges {
     }
 
     /// Number of half-edges, twice that of edges.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.to_vertex.len()
-    }
-
-    /// Whether there are no faces.
-    pub fn is_empty(&self) -> bool {
-        self.to_vertex.is_empty()
     }
 
     /// Number of vertices: the fans of the given points.
@@ -71,7 +66,7 @@ impl HalfEdges {
     }
 
     /// Vertex that half-edge `half_edge` starts from.
-    pub fn from_vertex(&self, half_edge: u32) -> u32 {
+    pub fn start_vertex(&self, half_edge: u32) -> u32 {
         self.to_vertex[(half_edge ^ 1) as usize]
     }
 
@@ -129,14 +124,14 @@ mod tests {
 
     /// Every invariant of the structure, and that the faces are those given.
     fn assert_consistent(half_edges: &HalfEdges, offsets: &[u32], points: &[u32]) {
-        let point = |half_edge: u32| half_edges.point_of_vertex[half_edges.from_vertex(half_edge) as usize];
-        for half_edge in 0..half_edges.len() as u32 {
+        let point = |half_edge: u32| half_edges.point_of_vertex[half_edges.start_vertex(half_edge) as usize];
+        for half_edge in 0..half_edges.count() as u32 {
             let next = half_edges.next[half_edge as usize];
             assert_eq!(half_edges.previous[next as usize], half_edge);
-            assert_eq!(half_edges.from_vertex(next), half_edges.to_vertex[half_edge as usize]);
+            assert_eq!(half_edges.start_vertex(next), half_edges.to_vertex[half_edge as usize]);
             assert_eq!(half_edges.face[next as usize], half_edges.face[half_edge as usize]);
             assert!(
-                half_edges.outgoing_of(half_edges.from_vertex(half_edge)).any(|other| other == half_edge)
+                half_edges.outgoing_of(half_edges.start_vertex(half_edge)).any(|other| other == half_edge)
             );
             let face = half_edges.face[half_edge as usize];
             if face != NONE {
@@ -155,7 +150,7 @@ mod tests {
     fn two_quads_share_an_edge_and_a_boundary() {
         let (offsets, points) = polygons(&[&[0, 1, 2, 3], &[3, 2, 4, 5]]);
         let half_edges = HalfEdges::new(7, &offsets, &points).unwrap();
-        assert_eq!((half_edges.len(), half_edges.vertex_count()), (14, 6));
+        assert_eq!((half_edges.count(), half_edges.vertex_count()), (14, 6));
         assert_eq!(half_edges.point_of_vertex, [0, 1, 2, 3, 4, 5]);
         let boundary = (0..14).find(|&half_edge| half_edges.face[half_edge as usize] == NONE).unwrap();
         assert_eq!(half_edges.loop_of(boundary).count(), 6);
@@ -189,7 +184,7 @@ mod tests {
         assert!(HalfEdges::new(3, &[0, 2], &[0, 1]).is_err());
         assert!(HalfEdges::new(3, &[0, 3, 2], &[0, 1]).is_err());
         assert!(HalfEdges::new(3, &[], &[]).is_err());
-        assert!(HalfEdges::new(0, &[0], &[]).unwrap().is_empty());
+        assert!(HalfEdges::new(0, &[0], &[]).unwrap().count() == 0);
     }
 
     proptest! {

@@ -1,8 +1,9 @@
-//! Mesh files: PLY, OBJ, OFF and STL in, PLY with result attributes and plain maps out.
+//! Mesh files: PLY, OBJ, OFF, STL and glTF in, PLY or GLB with result attributes and plain maps out.
 //!
 //! Counts in headers are never trusted: what is allocated is bounded by the size of the file, and the
 //! limits are checked first.
 
+mod gltf;
 mod obj;
 mod off;
 mod ply;
@@ -13,6 +14,8 @@ use super::PolygonMesh;
 use crate::base::atomic_file::write_atomically;
 use crate::base::error::{Error, Result};
 use crate::base::limits::Limits;
+use gltf::GltfFile;
+pub use gltf::{GLB_MARK, Pose};
 pub use ply::PLY_MARK;
 use ply::PlyFile;
 use scanner::Fault;
@@ -32,6 +35,8 @@ pub enum Format {
     Off,
     /// Stereolithography, ascii or binary; corners at one position become one vertex.
     Stl,
+    /// glTF 2.0, as text or binary; the meshes of a scene become one.
+    Gltf,
 }
 
 impl Format {
@@ -42,6 +47,7 @@ impl Format {
             Format::Obj => "OBJ",
             Format::Off => "OFF",
             Format::Stl => "STL",
+            Format::Gltf => "glTF",
         }
     }
 
@@ -51,6 +57,7 @@ impl Format {
             "obj" => Some(Format::Obj),
             "off" => Some(Format::Off),
             "stl" => Some(Format::Stl),
+            "gltf" | "glb" => Some(Format::Gltf),
             _ => None,
         }
     }
@@ -63,6 +70,8 @@ impl Format {
             Some(Format::Off)
         } else if stl::is_stl(bytes) {
             Some(Format::Stl)
+        } else if bytes.starts_with(b"glTF") {
+            Some(Format::Gltf)
         } else {
             None
         }
@@ -78,17 +87,29 @@ pub struct MeshFile {
     pub format: Format,
     /// What the reader did that a user may want to know, as sentences.
     pub notes: Vec<String>,
-    ply: Option<PlyFile>,
+    source: Source,
+}
+
+/// The content of formats that are written back.
+#[derive(Debug, Clone)]
+enum Source {
+    Ply(PlyFile),
+    Gltf(GltfFile),
+    Other,
 }
 
 impl MeshFile {
     fn new(polygons: PolygonMesh, format: Format, notes: Vec<String>) -> MeshFile {
-        MeshFile { polygons, format, notes, ply: None }
+        MeshFile { polygons, format, notes, source: Source::Other }
     }
 
-    /// Whether the file has vertex colours of its own (PLY only; other formats' are not read).
+    /// Whether the file has vertex colours of its own (PLY and glTF; other formats' are not read).
     pub fn has_vertex_colours(&self) -> bool {
-        self.ply.as_ref().is_some_and(|ply| ply.has_vertex_property("red"))
+        match &self.source {
+            Source::Ply(ply) => ply.has_vertex_property("red"),
+            Source::Gltf(gltf) => gltf.has_colours(),
+            Source::Other => false,
+        }
     }
 }
 
@@ -117,17 +138,34 @@ pub enum AttributeValues {
 /// # Errors
 /// [`Error::File`] naming the line or byte and what to do; [`Error::Limit`].
 pub fn read(path: &Path, limits: &Limits) -> Result<MeshFile> {
-    let bytes = read_limited(path, limits)?;
-    parse(path, &bytes, limits)
+    read_posed(path, limits, None)
 }
 
-/// Reads a mesh from the bytes of a file; `path` gives the extension and stands in messages.
+/// Reads a mesh file; a glTF at a moment of an animation, if one is given.
+///
+/// # Errors
+/// As [`read`], also if the file has no such animation.
+pub fn read_posed(path: &Path, limits: &Limits, pose: Option<&Pose>) -> Result<MeshFile> {
+    let bytes = read_limited(path, limits)?;
+    parse_posed(path, &bytes, limits, pose)
+}
+
+/// Reads a mesh from the bytes of a file; `path` gives the extension, stands in messages, and leads to the buffers of a `.gltf`.
 ///
 /// # Errors
 /// As [`read`].
 pub fn parse(path: &Path, bytes: &[u8], limits: &Limits) -> Result<MeshFile> {
+    parse_posed(path, bytes, limits, None)
+}
+
+fn parse_posed(path: &Path, bytes: &[u8], limits: &Limits, pose: Option<&Pose>) -> Result<MeshFile> {
     let result = choose_format(path, bytes).and_then(|(format, note)| {
         let mut file = match format {
+            Format::Gltf => gltf::parse(path, bytes, limits, pose),
+            _ if pose.is_some() => Err(Fault::new(format!(
+                "a file of {} has no animations; give one with glTF files only",
+                format.name()
+            ))),
             Format::Ply => ply::parse(bytes, limits),
             Format::Obj => obj::parse(bytes, limits),
             Format::Off => off::parse(bytes, limits),
@@ -149,14 +187,37 @@ pub fn parse(path: &Path, bytes: &[u8], limits: &Limits) -> Result<MeshFile> {
 /// [`Error::File`] if it cannot be written, and then the target is as it was; [`Error::Internal`] if an
 /// attribute has not one value per vertex.
 pub fn write_ply(path: &Path, file: &MeshFile, attributes: &[VertexAttribute]) -> Result<()> {
-    let columns = ply::columns(attributes, file.polygons.positions.len())?;
-    match &file.ply {
-        Some(ply) => write_atomically(path, |out| ply.write(out, &columns)),
-        None => {
+    check_counts(attributes, file.polygons.positions.len())?;
+    let columns = ply::columns(attributes);
+    match &file.source {
+        Source::Ply(ply) => write_atomically(path, |out| ply.write(out, &columns)),
+        _ => {
             let ply = PlyFile::of_polygons(&file.polygons);
             write_atomically(path, |out| ply.write(out, &columns))
         }
     }
+}
+
+/// Writes a binary glTF (`.glb`): the file's own content and the attributes.
+///
+/// The content of a glTF is kept: only `COLOR_0`, and attributes of the same names, are replaced. An attribute `name` becomes `_NAME`
+/// of every primitive, as floats. Files beside a `.gltf`, but for its first buffer, stay beside it. Other formats give positions and
+/// triangles.
+///
+/// # Errors
+/// As [`write_ply`]; [`Error::Limit`] for more vertices than floats can number.
+pub fn write_glb(path: &Path, file: &MeshFile, attributes: &[VertexAttribute]) -> Result<()> {
+    check_counts(attributes, file.polygons.positions.len())?;
+    let plain;
+    let gltf = match &file.source {
+        Source::Gltf(gltf) => gltf,
+        _ => {
+            plain = GltfFile::of_polygons(&file.polygons)?;
+            &plain
+        }
+    };
+    let glb = gltf.with(attributes).map_err(|fault| fault.into_error(path))?;
+    write_atomically(path, |out| glb.write(out))
 }
 
 /// Writes a vertex map: one 0-based partner per line, -1 for none.
@@ -165,6 +226,23 @@ pub fn write_ply(path: &Path, file: &MeshFile, attributes: &[VertexAttribute]) -
 /// [`Error::File`] if it cannot be written, and then the target is as it was.
 pub fn write_map(path: &Path, partners: &[i32]) -> Result<()> {
     write_atomically(path, |out| partners.iter().try_for_each(|partner| writeln!(out, "{partner}")))
+}
+
+/// Checks that attributes have one value per vertex.
+fn check_counts(attributes: &[VertexAttribute], vertices: usize) -> Result<()> {
+    for VertexAttribute { name, values } in attributes {
+        let found = match values {
+            AttributeValues::Int(values) => values.len(),
+            AttributeValues::Float(values) => values.len(),
+            AttributeValues::Color(values) => values.len(),
+        };
+        if found != vertices {
+            return Err(Error::Internal(format!(
+                "attribute {name} has {found} values for {vertices} vertices"
+            )));
+        }
+    }
+    Ok(())
 }
 
 fn read_limited(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
@@ -205,9 +283,26 @@ fn is_wide_text(bytes: &[u8]) -> bool {
     start.starts_with(&[0xff, 0xfe]) || start.starts_with(&[0xfe, 0xff]) || alternates(0) || alternates(1)
 }
 
+/// The name of a format that other programs write and that is not read.
+fn of_another_program(path: &Path) -> Option<&'static str> {
+    match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
+        "fbx" => Some("FBX"),
+        "usd" | "usda" | "usdc" | "usdz" => Some("USD"),
+        "blend" => Some("Blender's .blend"),
+        "dae" => Some("Collada"),
+        _ => None,
+    }
+}
+
 fn choose_format(path: &Path, bytes: &[u8]) -> Result<(Format, Option<String>), Fault> {
     if bytes.is_empty() {
         return Err(Fault::new("the file is empty; export it again"));
+    }
+    if let Some(program) = of_another_program(path) {
+        return Err(Fault::new(format!(
+            "{program} is not read; open the file in the program that made it, or in Blender, and export glTF 2.0 \
+             (Blender: File > Export > glTF 2.0, .glb)"
+        )));
     }
     if bytes.starts_with(&[0x1f, 0x8b]) || bytes.starts_with(b"PK\x03\x04") {
         return Err(Fault::new("the file is compressed; unpack it first"));
@@ -227,7 +322,7 @@ fn choose_format(path: &Path, bytes: &[u8]) -> Result<(Format, Option<String>), 
         }
         (Some(format), _) | (None, Some(format)) => Ok((format, None)),
         (None, None) => Err(Fault::new(
-            "the format is not known; name the file .ply, .obj, .off or .stl, or export one of these",
+            "the format is not known; name the file .ply, .obj, .off, .stl, .gltf or .glb, or export one of these",
         )),
     }
 }

@@ -1,13 +1,13 @@
 //! The refusals: what no repair can make a surface of. Each names the first bad element.
 
 use super::PolygonMesh;
-use crate::base::error::{Error, Result};
+use crate::base::error::{MeshFault, Result};
 use crate::base::limits::Limits;
 
 /// Refuses polygons that are not a mesh, before anything is built from them.
 ///
 /// # Errors
-/// [`Error::Mesh`] naming the first bad element and what to do; [`Error::Limit`].
+/// [`crate::Error::Mesh`] naming the first bad element and what to do; [`crate::Error::Limit`].
 pub fn check(polygons: &PolygonMesh, limits: &Limits) -> Result<()> {
     check_counts(polygons, limits)?;
     check_offsets(polygons)?;
@@ -18,36 +18,21 @@ pub fn check(polygons: &PolygonMesh, limits: &Limits) -> Result<()> {
 
 /// Refuses a mesh all of whose faces were dropped.
 pub fn check_any_face_left(left: usize, given: usize) -> Result<()> {
-    if left > 0 {
-        return Ok(());
-    }
-    Err(Error::Mesh(format!(
-        "none of its {given} faces has three corners at different points; check how the faces were exported"
-    )))
+    refuse_if(left == 0, MeshFault::NoFaceLeft { faces: given })
 }
 
 /// Refuses a mesh that has no area at all.
 pub fn check_area(total: f64) -> Result<()> {
-    if total > 0.0 {
-        return Ok(());
-    }
-    Err(Error::Mesh(
-        "its total area is zero: the corners of every face lie on one line or in one point; \
-         check the scale and the precision it was exported with"
-            .into(),
-    ))
+    refuse_if(total.is_nan() || total <= 0.0, MeshFault::NoArea)
+}
+
+fn refuse_if(is_bad: bool, fault: MeshFault) -> Result<()> {
+    if is_bad { Err(fault.into()) } else { Ok(()) }
 }
 
 fn check_counts(polygons: &PolygonMesh, limits: &Limits) -> Result<()> {
-    if polygons.positions.is_empty() {
-        return Err(Error::Mesh("it has no vertices; export the geometry again".into()));
-    }
-    if polygons.face_offsets.len() < 2 {
-        return Err(Error::Mesh(
-            "it has no faces, only vertices; export a surface, or reconstruct one from the points first"
-                .into(),
-        ));
-    }
+    refuse_if(polygons.positions.is_empty(), MeshFault::NoVertices)?;
+    refuse_if(polygons.face_offsets.len() < 2, MeshFault::NoFaces)?;
     let largest_index = u64::from(u32::MAX) - 1;
     let limits = Limits {
         vertices: limits.vertices.min(largest_index),
@@ -60,23 +45,12 @@ fn check_counts(polygons: &PolygonMesh, limits: &Limits) -> Result<()> {
 
 fn check_offsets(polygons: &PolygonMesh) -> Result<()> {
     let offsets = &polygons.face_offsets;
-    if offsets[0] != 0 {
-        return Err(Error::Mesh(format!("the face offsets start at {} instead of 0", offsets[0])));
-    }
+    refuse_if(offsets[0] != 0, MeshFault::FirstOffset { offset: offsets[0] })?;
     if let Some(face) = offsets.windows(2).position(|pair| pair[1] < pair[0]) {
-        return Err(Error::Mesh(format!(
-            "the face offsets decrease after face {face}, from {} to {}; each must be at least the one before",
-            offsets[face],
-            offsets[face + 1]
-        )));
+        return Err(MeshFault::Offsets { face, from: offsets[face], to: offsets[face + 1] }.into());
     }
-    let (last, corners) = (offsets[offsets.len() - 1] as usize, polygons.face_vertices.len());
-    if last != corners {
-        return Err(Error::Mesh(format!(
-            "the last face offset is {last} but there are {corners} face corners; they must agree"
-        )));
-    }
-    Ok(())
+    let (last, corners) = (offsets[offsets.len() - 1], polygons.face_vertices.len());
+    refuse_if(last as usize != corners, MeshFault::LastOffset { offset: last, corners })
 }
 
 fn check_triangle_count(polygons: &PolygonMesh, limits: &Limits) -> Result<()> {
@@ -88,25 +62,17 @@ fn check_triangle_count(polygons: &PolygonMesh, limits: &Limits) -> Result<()> {
 fn check_coordinates(positions: &[[f64; 3]]) -> Result<()> {
     for (vertex, position) in positions.iter().enumerate() {
         if let Some(axis) = position.iter().position(|coordinate| !coordinate.is_finite()) {
-            return Err(Error::Mesh(format!(
-                "vertex {vertex} has {} = {}; every coordinate must be a finite number",
-                ["x", "y", "z"][axis],
-                position[axis]
-            )));
+            return Err(MeshFault::NotFinite { vertex, axis, value: position[axis] }.into());
         }
     }
     Ok(())
 }
 
 fn check_indices(polygons: &PolygonMesh) -> Result<()> {
-    let count = polygons.positions.len();
-    let Some(corner) = polygons.face_vertices.iter().position(|&vertex| vertex as usize >= count) else {
+    let vertices = polygons.positions.len();
+    let Some(corner) = polygons.face_vertices.iter().position(|&vertex| vertex as usize >= vertices) else {
         return Ok(());
     };
     let face = polygons.face_offsets.partition_point(|&offset| offset as usize <= corner) - 1;
-    Err(Error::Mesh(format!(
-        "face {face} refers to vertex {}, but there are only {count} vertices, numbered from 0; \
-         the file is cut off or its indices start elsewhere",
-        polygons.face_vertices[corner]
-    )))
+    Err(MeshFault::Index { face, vertex: polygons.face_vertices[corner], vertices }.into())
 }

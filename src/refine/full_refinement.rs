@@ -29,7 +29,8 @@ pub struct MatchTarget<'a> {
     pub basis: &'a Eigenbasis,
     /// Its vertices' rows.
     pub rows: Arc<VertexRows>,
-    graph: Arc<Adjacency>,
+    /// The vertices next to each.
+    pub graph: Arc<Adjacency>,
     fans: Arc<Fans>,
     projection: Projection,
     threads: usize,
@@ -60,16 +61,6 @@ impl<'a> MatchTarget<'a> {
     /// The same for another number of threads.
     pub fn with_threads(&self, threads: usize) -> Self {
         MatchTarget { threads, ..self.clone() }
-    }
-
-    /// Threads on which images are sought, at most.
-    pub fn threads(&self) -> usize {
-        self.threads
-    }
-
-    /// The vertices next to each.
-    pub fn graph(&self) -> &Adjacency {
-        &self.graph
     }
 
     /// The images of the vertices under `map` (square).

@@ -140,7 +140,7 @@ impl WithSimd for Work<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Vec<Answer> {
-        let search = Search { simd, of: self.descent };
+        let search = Descent { simd, of: self.descent };
         // Loops: a closure would be compiled apart, for any processor.
         let mut answers = Vec::new();
         match self.task {
@@ -165,12 +165,12 @@ impl WithSimd for Work<'_> {
 }
 
 /// The search of one source at a time.
-struct Search<'a, S> {
+struct Descent<'a, S> {
     simd: S,
     of: &'a MeshDescent<'a>,
 }
 
-impl<S: Simd> Search<'_, S> {
+impl<S: Simd> Descent<'_, S> {
     /// The source's answer, or where its neighbours' answers lead if that is nearer.
     ///
     /// An answer next to the source's own is not tried.

@@ -72,13 +72,13 @@ impl Score {
     }
 
     /// Whether the orientation says that the map is one of this kind, of whatever order.
-    pub fn is_of(&self, kind: SymmetryKind) -> bool {
+    pub(crate) fn is_of(&self, kind: SymmetryKind) -> bool {
         let reverses = |kind| kind == SymmetryKind::Reflection;
         self.kind().is_some_and(|own| reverses(own) == reverses(kind))
     }
 
     /// [`Score::total`] with the orientation counted as evidence for either kind.
-    pub fn total_of_kind(&self) -> f64 {
+    pub(crate) fn total_of_kind(&self) -> f64 {
         self.total() - self.orientation - self.orientation.abs()
     }
 
@@ -197,19 +197,19 @@ impl OrientationOperator {
         for (sample, &vertex) in samples.vertices.iter().enumerate() {
             sample_of_vertex[vertex as usize] = sample as u32;
         }
-        let mut sums = vec![vec![0.0; pairs]; samples.len()];
-        let mut areas = vec![0.0; samples.len()];
+        let mut sums = vec![vec![0.0; pairs]; samples.count()];
+        let mut areas = vec![0.0; samples.count()];
         for (triangle, lengths) in surface.triangles.iter().zip(&surface.edge_lengths) {
             for &vertex in triangle {
                 let sample = sample_of_vertex[vertex as usize] as usize;
-                if sample < samples.len() {
+                if sample < samples.count() {
                     areas[sample] += crate::spectral::laplacian::triangle_area(*lengths);
                     add_wedges(&mut sums[sample], basis, triangle, functions);
                 }
             }
         }
         let mean = |i: usize, pair: usize| sums[i][pair] / areas[i].max(f64::MIN_POSITIVE);
-        OrientationOperator { functions, values: Mat::from_fn(samples.len(), pairs, mean) }
+        OrientationOperator { functions, values: Mat::from_fn(samples.count(), pairs, mean) }
     }
 
     /// Correlation of the pulled-back functions' operator at x with the operator at the image of x.

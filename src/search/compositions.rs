@@ -40,7 +40,7 @@ pub fn complete(
     let is_new = |partners: &[u32], known: &[Candidate]| {
         known.iter().all(|other| mean_distance(&rows, partners, &other.partners) > DISTINCT)
     };
-    let identity: Vec<u32> = (0..samples.len() as u32).collect();
+    let identity: Vec<u32> = (0..samples.count() as u32).collect();
     let is_identity = |partners: &[u32]| mean_distance(&rows, partners, &identity) <= DISTINCT;
     // Every two of them meet once, the added ones too.
     let mut later = 1;

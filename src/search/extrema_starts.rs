@@ -8,7 +8,7 @@
 use crate::base::error::Result;
 use crate::base::progress::CancelToken;
 use crate::base::threads;
-use crate::geometry::shortest_paths::{EdgeLengths, Search};
+use crate::geometry::shortest_paths::{EdgeLengths, PathSearch};
 use crate::search::functional_map::Projection;
 use crate::search::refinement::{SampleRefiner, nearest};
 use crate::spectral::laplacian::IntrinsicSurface;
@@ -72,7 +72,7 @@ pub fn starts(
 /// Vertices whose average distance is largest around, the largest first.
 fn extrema(edges: &EdgeLengths, average: &[f64]) -> Vec<u32> {
     let before = |a: u32, b: u32| average[a as usize].total_cmp(&average[b as usize]).then(b.cmp(&a));
-    let mut search = Search::new(average.len());
+    let mut search = PathSearch::new(average.len());
     let mut found: Vec<u32> = Vec::new();
     for vertex in 0..average.len() as u32 {
         if edges.of(vertex).any(|(near, _)| before(near, vertex).is_gt()) {

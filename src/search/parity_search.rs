@@ -68,7 +68,7 @@ pub fn search(
     width: usize,
 ) -> Vec<Vec<Mat<f64>>> {
     let longest = lengths.last().copied().unwrap_or(0).min(samples.rows.ncols());
-    let (sources, targets) = (samples.len().min(SOURCES), samples.len().min(TARGETS));
+    let (sources, targets) = (samples.count().min(SOURCES), samples.count().min(TARGETS));
     let mut beams = vec![Beam { blocks: Vec::new(), distances: vec![0.0; sources * targets] }];
     let mut found = Vec::new();
     let mut index = 0;

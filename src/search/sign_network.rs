@@ -37,10 +37,11 @@ pub struct SignPrediction {
 
 impl SignPrediction {
     /// Nothing known: even as likely as odd.
-    pub const UNKNOWN: SignPrediction = SignPrediction { even: 0.5, odd: 0.5, neither: 0.0, logit: 0.0 };
+    pub(crate) const UNKNOWN: SignPrediction =
+        SignPrediction { even: 0.5, odd: 0.5, neither: 0.0, logit: 0.0 };
 
     /// What a person is sure of.
-    pub fn certain(even: bool) -> Self {
+    pub(crate) fn certain(even: bool) -> Self {
         let (yes, no) = (1.0, 0.0);
         let logit = if even { CERTAIN_LOGIT } else { -CERTAIN_LOGIT };
         let (even, odd) = if even { (yes, no) } else { (no, yes) };

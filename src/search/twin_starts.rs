@@ -35,8 +35,8 @@ impl TwinDistances {
         let from: Vec<Vec<f64>> = members.iter().map(|part| edges.distances(part)).collect();
         let at = |i: usize, part: usize| from[part][samples.vertices[i] as usize].sqrt() as f32;
         Some(TwinDistances {
-            own: Mat::from_fn(samples.len(), count, at),
-            twins: Mat::from_fn(samples.len(), count, |i, part| at(i, twins[part])),
+            own: Mat::from_fn(samples.count(), count, at),
+            twins: Mat::from_fn(samples.count(), count, |i, part| at(i, twins[part])),
         })
     }
 

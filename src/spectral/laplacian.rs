@@ -103,12 +103,6 @@ impl IntrinsicSurface {
     pub fn vertex_count(&self) -> usize {
         self.lumped_mass.len()
     }
-
-    /// Mean length of the triangles' edges.
-    pub fn mean_edge_length(&self) -> f64 {
-        let sum: f64 = self.edge_lengths.iter().flatten().sum();
-        sum / (3 * self.edge_lengths.len()) as f64
-    }
 }
 
 fn mollified_edge_lengths(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {

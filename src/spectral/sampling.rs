@@ -49,18 +49,13 @@ impl Samples {
     }
 
     /// Number of samples.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.vertices.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.vertices.is_empty()
     }
 
     /// The first `count` samples.
     pub fn prefix(&self, count: usize) -> Samples {
-        let count = count.min(self.len());
+        let count = count.min(self.count());
         let rows = self.rows.subrows(0, count).to_owned();
         let all: Vec<u32> = (0..count as u32).collect();
         let parts = self.parts.as_ref().map(|parts| parts.at(&all));
@@ -91,10 +86,10 @@ pub fn area_weighted_vertices(mass: &[f64], count: usize) -> Vec<usize> {
 pub fn spread_rows(samples: &Samples, eigenvalues: &[f64]) -> Vec<[f64; SPREAD_COORDINATES]> {
     let used = eigenvalues.len().min(SPREAD_COORDINATES);
     let coordinate = |i: usize, j: usize| samples.rows[(i, j)] / eigenvalues[j].max(f64::MIN_POSITIVE).sqrt();
-    let mut rows: Vec<[f64; SPREAD_COORDINATES]> = (0..samples.len())
+    let mut rows: Vec<[f64; SPREAD_COORDINATES]> = (0..samples.count())
         .map(|i| std::array::from_fn(|j| if j < used { coordinate(i, j) } else { 0.0 }))
         .collect();
-    let mean = rows.iter().flatten().map(|value| value * value).sum::<f64>() / samples.len() as f64;
+    let mean = rows.iter().flatten().map(|value| value * value).sum::<f64>() / samples.count() as f64;
     let scale = 1.0 / mean.sqrt().max(f64::MIN_POSITIVE);
     rows.iter_mut().flatten().for_each(|value| *value *= scale);
     rows

@@ -150,7 +150,8 @@ impl Analysis {
         Ok(panels)
     }
 
-    /// Entries of L in each of its columns, the diagonal included.
+    /// Entries of L in each of its columns, the diagonal included: for measuring.
+    #[cfg(feature = "internals")]
     pub fn column_counts(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.supernode_count()).flat_map(|index| {
             let (_, columns, below, _) = self.supernode(index);

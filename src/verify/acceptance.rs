@@ -24,11 +24,11 @@ pub struct Judgement {
     pub isometry_score: f64,
     /// Mean difference of the heat kernel signatures of partners: 0 for an isometry.
     pub signature_mismatch: f64,
-    /// [`crate::spectral::displacement::mean_displacement`] of the finished map: 0 for the identity.
+    /// Mean distance of vertices from their images in the finished map, as the eigenfunctions measure it: 0 for the identity.
     pub displacement: f64,
-    /// That of [`Rigidity`]; `None` where no parts are fitted, and for half turns and rotations.
+    /// How far apart overlapping rigid parts put a point, in sqrt(area); `None` where no parts are fitted, and for half turns and rotations.
     pub disagreement: Option<f64>,
-    /// That of [`Rigidity`], likewise.
+    /// Share of the surface, 0..=1, that images leave empty beyond what is usual; `None` likewise.
     pub scatter: Option<f64>,
     /// Probability, 0..=1, that a map of these measures is a symmetry: of a reflection with its rigid parts where one of four shapes
     /// has one, of other maps where two of five have.
@@ -52,7 +52,7 @@ impl Judgement {
     }
 
     /// Judges the map anew where its images have moved since.
-    pub fn with_displacement(self, displacement: f64) -> Judgement {
+    pub(crate) fn with_displacement(self, displacement: f64) -> Judgement {
         Judgement { displacement, ..self }.by_three_measures()
     }
 
@@ -81,7 +81,7 @@ impl Judgement {
 
     /// Whether a map judged without its rigid parts is too far from counting, for who asks for at least `percent` of plausibility, to come
     /// to count when they are fitted.
-    pub fn is_hopeless(&self, percent: usize) -> bool {
+    pub(crate) fn is_hopeless(&self, percent: usize) -> bool {
         100.0 * self.plausibility < HOPELESS * percent as f64
     }
 

@@ -1,7 +1,7 @@
 //! Meshes that cost more than others of their size where work grows with the degree of a vertex, with the number of parts, or with
 //! what lies behind what. Each has about as many vertices as it is asked for. Shared by tests and by the fuzz target of the detector.
 
-use intrinsym::mesh::PolygonMesh;
+use intrinsym::PolygonMesh;
 use std::f64::consts::TAU;
 
 type Vector = [f64; 3];

@@ -1,11 +1,7 @@
 //! Meshes that the stage and property tests share: made in code, or read from `examples/`.
 #![allow(dead_code)] // each test binary uses a part
 
-use intrinsym::base::limits::Limits;
-use intrinsym::base::options::Options;
-use intrinsym::detect::correspondence::Symmetry;
-use intrinsym::detect::driver::{Detection, Outcome};
-use intrinsym::mesh::{Mesh, PolygonMesh, io};
+use intrinsym::{Detection, Limits, Mesh, Options, Outcome, PolygonMesh, Symmetry, io};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -307,7 +303,7 @@ pub fn assert_keeps_its_contract(mesh: &Mesh, options: &Options, found: &Detecti
         found.symmetries.iter().map(rank).is_sorted(),
         "reflections, half turns, rotations, each best first"
     );
-    assert!(found.report.eigenvalues.is_sorted() && !found.report.evidence.is_empty());
+    assert!(found.report.eigenvalues.is_sorted() && !found.report.evidence().is_empty());
     assert_eq!((found.report.vertices, found.report.faces), (mesh.point_of_vertex.len(), mesh.face_count));
     for symmetry in &found.symmetries {
         for vertex in 0..mesh.point_of_vertex.len() {

@@ -1,7 +1,7 @@
 //! A canvas on which only what is visible costs time: a square of it is divided, and of each part is forgotten what lies behind a
 //! triangle that covers the part (J. E. Warnock, "A hidden surface algorithm for computer generated halftone pictures", 1969).
 
-use intrinsym::base::error::{Error, Result};
+use intrinsym::{Error, Result};
 use tiny_skia::{Color, Pixmap};
 
 /// Pixels along a side of the smallest square.

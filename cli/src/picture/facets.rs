@@ -2,10 +2,9 @@
 
 use super::canvas::Corner;
 use super::view::View;
-use intrinsym::detect::correspondence::{EdgePoint, Symmetry};
-use intrinsym::mesh::vector::{cross, dot, subtract};
-use intrinsym::mesh::{Mesh, NONE};
+use intrinsym::internals::mesh::vector::{cross, dot, subtract};
 use intrinsym::mirror::pair_colour::pair_colours;
+use intrinsym::{EdgePoint, Mesh, NONE, Symmetry};
 
 /// Longest part of the fixed curve that is hidden or seen as a whole, in pixels, and the largest edge that counts as typical.
 const LONGEST_EDGE: f32 = 18.0;

@@ -3,7 +3,7 @@
 use super::canvas::Canvas;
 use super::facets::{self, Placement, Surface, brightness};
 use super::view::View;
-use intrinsym::base::error::Result;
+use intrinsym::Result;
 use tiny_skia::{FilterQuality, LineCap, Paint, PathBuilder, Pixmap, PixmapPaint, Stroke, Transform};
 
 /// Largest width of one panel and height of the picture, in pixels.

@@ -1,8 +1,7 @@
 //! Where to look from: upright, and so that both sides of the symmetry are seen.
 
-use intrinsym::detect::correspondence::Symmetry;
-use intrinsym::mesh::vector::{Vector, cross, dot, subtract, triangle_area};
-use intrinsym::mesh::{Mesh, NONE};
+use intrinsym::internals::mesh::vector::{Vector, cross, dot, subtract, triangle_area};
+use intrinsym::{Mesh, NONE, Symmetry};
 
 /// The direction that points up in the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -172,8 +171,7 @@ fn normalised(vector: Vector) -> Option<Vector> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use intrinsym::base::limits::Limits;
-    use intrinsym::mesh::PolygonMesh;
+    use intrinsym::{Limits, PolygonMesh};
 
     #[test]
     fn an_orbit_is_a_right_handed_frame_with_the_eye_above() {

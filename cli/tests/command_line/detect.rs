@@ -1,8 +1,7 @@
 //! `detect`: what it answers, and the files it writes.
 
 use super::*;
-use intrinsym::base::limits::Limits;
-use intrinsym::mesh::{Mesh, io};
+use intrinsym::{Limits, Mesh, io};
 use std::ffi::OsStr;
 use std::io::Write;
 use std::process::Stdio;

@@ -82,7 +82,9 @@ fn no_input_is_overwritten_even_by_force() {
 #[test]
 fn a_strangers_file_is_replaced_only_by_force() {
     let folder = with_meshes("strangers", &["a.off"]);
-    for (flag, name) in [("-o", "x.ply"), ("--map", "x.map"), ("--json", "x.json"), ("--picture", "x.png")] {
+    for (flag, name) in
+        [("-o", "x.ply"), ("-o", "x.glb"), ("--map", "x.map"), ("--json", "x.json"), ("--picture", "x.png")]
+    {
         let path = folder.join(name);
         std::fs::write(&path, "1\n0\n").unwrap();
         refused(&folder, &["detect", "a.off", flag, name], &[name, "--force"]);
@@ -183,7 +185,9 @@ fn names_need_not_be_text() {
     use std::os::unix::ffi::OsStrExt;
     let folder = with_meshes("bytes", &["a.off"]);
     let name = |extension: &str| [b"out\xff.", extension.as_bytes()].concat();
-    for (flag, extension) in [("-o", "ply"), ("--map", "map"), ("--json", "json"), ("--picture", "png")] {
+    for (flag, extension) in
+        [("-o", "ply"), ("-o", "glb"), ("--map", "map"), ("--json", "json"), ("--picture", "png")]
+    {
         let name = name(extension);
         let path = OsStr::from_bytes(&name);
         let output = run_in(&folder, &[OsStr::new("detect"), OsStr::new("a.off"), OsStr::new(flag), path]);
@@ -202,4 +206,25 @@ fn what_the_reader_skipped_is_said() {
     std::fs::write(folder.join("a.obj"), faces).unwrap();
     let output = done(&folder, &["detect", "a.obj"]);
     assert!(stdout(&output).contains("1 lines begin with a word that is not known"), "{}", stdout(&output));
+}
+
+#[test]
+fn a_glb_is_read_written_and_known_again() {
+    let folder = with_meshes("glb", &["a.off"]);
+    done(&folder, &["detect", "a.off", "-o", "b.glb", "--map", "a.map"]);
+    let again = ["detect", "b.glb", "-o", "c.GLB", "--map", "b.map"];
+    done(&folder, &again);
+    assert_eq!(std::fs::read(folder.join("a.map")).unwrap(), std::fs::read(folder.join("b.map")).unwrap());
+    done(&folder, &again[..4]);
+    done(&folder, &["detect", "b.glb", "--output-dir", "out", "--write", "glb"]);
+    assert_eq!(names(&folder.join("out")), ["b.glb"]);
+    done(&folder, &["detect", "b.glb", "--output-dir", "out", "--write", "glb"]);
+    refused(&folder, &["detect", "b.glb", "-o", "b.glb", "--force"], &["the input b.glb"]);
+    refused(
+        &folder,
+        &["info", "b.glb", "--animation", "run"],
+        &["no animation is named \"run\"; the file has: none"],
+    );
+    refused(&folder, &["info", "a.off", "--animation", "run", "--time", "1"], &["OFF has no animations"]);
+    refused(&folder, &["info", "b.glb", "--time", "1"], &["--animation"]);
 }

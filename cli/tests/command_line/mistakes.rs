@@ -24,7 +24,7 @@ fn numeric_options_name_their_range() {
 fn help_shows_the_shared_table() {
     let help = stdout(&run(&["detect", "--help"]));
     let flat = help.split_whitespace().collect::<Vec<_>>().join(" ");
-    for spec in &intrinsym::base::options::OPTIONS {
+    for spec in &intrinsym::OPTIONS {
         assert!(flat.contains(&format!("--{}", spec.name.replace('_', "-"))), "{help}");
         if spec.choices.is_empty() {
             let range = format!("{} Range {}..={}", spec.help, spec.minimum, spec.maximum);
@@ -42,8 +42,8 @@ fn help_shows_the_shared_table() {
 }
 
 #[test]
-fn the_mesh_is_written_as_ply_only() {
-    refused(&["detect", "in.ply", "-o", "out.obj"], "name the file something.ply");
+fn the_mesh_is_written_as_ply_or_glb_only() {
+    refused(&["detect", "in.ply", "-o", "out.obj"], "name the file something.ply or something.glb");
     refused(&["eigen", "in.ply", "-o", "out.csv"], "name the file something.npz");
 }
 

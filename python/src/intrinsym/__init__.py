@@ -14,6 +14,7 @@ Functions may be called from several threads at once, and let other threads go o
 """
 
 from ._library import ENVIRONMENT_VARIABLE, library_path, library_version
+from .detection import Detection
 from .errors import (
     ArgumentError,
     CancelledError,
@@ -26,9 +27,11 @@ from .errors import (
     OptionError,
 )
 from .mesh import Eigenpairs, Mesh, Polygons, detect, eigen
-from .options import OptionSpec, option_specs
+from .options import Effort, OptionSpec, option_specs
 from .progress import Progress
-from .symmetry import CurveLine, Detection, Merge, Outcome, SurfacePoints, Symmetry, SymmetryKind
+from .report import Judgement, Outcome, Reason, Repairs, Report, SignPrediction, SymmetryReport
+from .surface import CurveLine, SurfacePoints
+from .symmetry import Evidence, Merge, Symmetry, SymmetryKind
 
 __version__ = library_version()
 
@@ -38,9 +41,12 @@ __all__ = [
     "CancelledError",
     "CurveLine",
     "Detection",
+    "Effort",
     "Eigenpairs",
+    "Evidence",
     "InternalError",
     "IntrinsymError",
+    "Judgement",
     "LimitError",
     "Merge",
     "Mesh",
@@ -52,9 +58,14 @@ __all__ = [
     "Outcome",
     "Polygons",
     "Progress",
+    "Reason",
+    "Repairs",
+    "Report",
+    "SignPrediction",
     "SurfacePoints",
     "Symmetry",
     "SymmetryKind",
+    "SymmetryReport",
     "detect",
     "eigen",
     "library_path",

@@ -3,24 +3,28 @@
 from __future__ import annotations
 
 import operator
+from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .errors import ERROR_INDEX, ERROR_LENGTH, ERROR_MESH, ERROR_VALUE, ArgumentError, MeshError
 
 _LARGEST_INDEX = 2**32 - 2
 
+Number = TypeVar("Number", bound=np.generic)
 
-def plain(values: ArrayLike, name: str) -> np.ndarray:
+
+def plain(values: ArrayLike, name: str) -> NDArray[Any]:
     """An array without a mask. One of which entries are masked is refused: what lies under a mask has no meaning."""
-    if np.ma.is_masked(values):
-        text = f"{name} has {np.ma.count_masked(values)} masked entries; fill or remove them, for instance with filled()"
+    masked = np.count_nonzero(values.mask) if isinstance(values, np.ma.MaskedArray) else 0
+    if masked > 0:
+        text = f"{name} has {masked} masked entries; fill or remove them, for instance with filled()"
         raise ArgumentError(text, ERROR_VALUE)
     return np.asarray(values)
 
 
-def points(values: ArrayLike, name: str) -> np.ndarray:
+def points(values: ArrayLike, name: str) -> NDArray[Any]:
     """An (n, 3) array of float32, if it was one, or float64."""
     array = plain(values, name)
     if array.ndim != 2 or array.shape[1] != 3:
@@ -28,7 +32,7 @@ def points(values: ArrayLike, name: str) -> np.ndarray:
     return np.ascontiguousarray(array, np.float32 if array.dtype == np.float32 else _real(array, name))
 
 
-def values_of(values: ArrayLike, rows: int, name: str) -> np.ndarray:
+def values_of(values: ArrayLike, rows: int, name: str) -> NDArray[np.float64]:
     """A (rows, ...) array of float64."""
     array = plain(values, name)
     if array.ndim == 0 or array.shape[0] != rows:
@@ -37,7 +41,7 @@ def values_of(values: ArrayLike, rows: int, name: str) -> np.ndarray:
     return np.ascontiguousarray(array, _real(array, name))
 
 
-def vectors(values: ArrayLike, rows: int, name: str) -> np.ndarray:
+def vectors(values: ArrayLike, rows: int, name: str) -> NDArray[np.float64]:
     """A (rows, 3) array of float64."""
     array = values_of(values, rows, name)
     if array.shape != (rows, 3):
@@ -45,13 +49,13 @@ def vectors(values: ArrayLike, rows: int, name: str) -> np.ndarray:
     return array
 
 
-def _real(array: np.ndarray, name: str) -> type:
+def _real(array: NDArray[Any], name: str) -> type[np.float64]:
     if array.dtype.kind not in "fiub":
         raise ArgumentError(f"{name} holds {array.dtype}; real numbers are needed", ERROR_VALUE)
     return np.float64
 
 
-def indices(values: ArrayLike, name: str) -> np.ndarray:
+def indices(values: ArrayLike, name: str) -> NDArray[np.uint32]:
     """An array of uint32 of the same shape; names the first entry that is none."""
     array = plain(values, name)
     if array.size == 0:
@@ -73,12 +77,12 @@ def count(value: int, name: str) -> int:
     return number
 
 
-def exactly(values: ArrayLike, shape: tuple[int, ...], kind: type, name: str) -> np.ndarray:
+def exactly(values: ArrayLike, shape: tuple[int, ...], kind: type[Number], name: str) -> NDArray[Number]:
     """An array of this shape and kind, from one whose values all fit into it."""
     array = plain(values, name)
     if array.shape != shape:
         raise ArgumentError(f"{name} has the shape {array.shape}; {shape} is needed", ERROR_LENGTH)
-    converted: np.ndarray = np.ascontiguousarray(array, kind)
+    converted = np.ascontiguousarray(array, kind)
     if np.issubdtype(kind, np.integer) and not np.array_equal(converted, array):
         raise ArgumentError(f"{name} holds values that are no {np.dtype(kind).name}", ERROR_VALUE)
     return converted

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import weakref
+from collections.abc import Callable
 
 from ._library import LIBRARY
 
@@ -17,7 +18,7 @@ class Handle:
         self._finalizer = weakref.finalize(self, free, pointer)
 
 
-def new_handle(kind: str, function, *arguments) -> Handle:
+def new_handle(kind: str, function: Callable[..., object], *arguments: object) -> Handle:
     """Calls a function whose last argument is a pointer to the handle that it makes."""
     pointer = ctypes.c_void_p()
     function(*arguments, ctypes.byref(pointer))

@@ -16,15 +16,12 @@ from dataclasses import dataclass
 from multiprocessing.connection import Pipe
 from typing import Any
 
-from ._mesh_row import Row, error_row
+from ._mesh_row import Request, Row, error_row
 
 #: Seconds in which a process must have loaded the library.
 START_SECONDS = 120.0
 #: What Rust, C++ and Python say when they get no more memory.
 SIGNS_OF_MEMORY = ("memory allocation of", "bad_alloc", "MemoryError")
-
-#: Arguments of :meth:`MeshProcess.row`.
-Request = tuple[str, str, dict[str, Any], tuple[str, ...]]
 
 
 @dataclass(frozen=True)
@@ -115,7 +112,8 @@ class _Running:
             self._connection.send(request)
         except ConnectionError:
             raise self._death() from None
-        return self._receive(seconds)
+        row: Row = self._receive(seconds)
+        return row
 
     def _receive(self, seconds: float) -> Any:
         try:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from ._mesh_row import row_of_file
+from ._mesh_row import Request, row_of_file
 
 #: For tests: "MODULE:FUNCTION", called with the name of each mesh before it is read.
 TEST_HOOK = "INTRINSYM_TEST_HOOK"
@@ -21,7 +21,7 @@ def main() -> None:
     """Answers one request after the other, until the owner's end of the connection is closed."""
     connection = Connection(int(sys.argv[1]))
     hook = _test_hook()
-    requests: queue.SimpleQueue[tuple] = queue.SimpleQueue()
+    requests: queue.SimpleQueue[Request] = queue.SimpleQueue()
     threading.Thread(target=_listen, args=(connection, requests), daemon=True).start()
     limit_memory(int(sys.argv[2]))
     connection.send("ready")
@@ -31,7 +31,7 @@ def main() -> None:
         connection.send(row_of_file(path, name, options, write))
 
 
-def _listen(connection: Connection, requests: queue.SimpleQueue[tuple]) -> None:
+def _listen(connection: Connection, requests: queue.SimpleQueue[Request]) -> None:
     """Hands requests on. In a thread, so that the end of the owner ends this process in the middle of a mesh, too."""
     try:
         while True:
@@ -60,7 +60,8 @@ def limit_memory(megabytes: int) -> None:
 
 def _test_hook() -> Callable[[str], object]:
     module, _, function = os.environ.get(TEST_HOOK, "builtins:str").partition(":")
-    return getattr(importlib.import_module(module), function)
+    hook: Callable[[str], object] = getattr(importlib.import_module(module), function)
+    return hook
 
 
 if __name__ == "__main__":

@@ -184,7 +184,7 @@ def _load() -> ctypes.CDLL:
     return library
 
 
-def _check(status: int, _function: object, _arguments: tuple) -> None:
+def _check(status: int, _function: object, _arguments: tuple[Any, ...]) -> None:
     if status != 0:
         raise error_of(status, LIBRARY.isym_error_message().decode())
 
@@ -194,4 +194,5 @@ LIBRARY = _load()
 
 def library_version() -> str:
     """The version of the C library that is running, such as "0.1.0"."""
-    return LIBRARY.isym_version().decode()
+    version: bytes = LIBRARY.isym_version()
+    return version.decode()

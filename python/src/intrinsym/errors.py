@@ -13,7 +13,7 @@ class IntrinsymError(Exception):
         super().__init__(message)
         self.status = status
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[type[IntrinsymError], tuple[str, int]]:
         return type(self), (str(self), self.status)
 
 

@@ -12,11 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _arrays
 from ._handles import Handle, new_handle
+from ._keywords import with_keywords_of
 from ._library import LIBRARY
+from .detection import Detection, report_of, symmetry_count
 from .errors import ERROR_LENGTH, ArgumentError
-from .options import options_handle
-from .progress import ProgressLike, progress_of
-from .symmetry import Detection, SurfacePoints, Symmetry, SymmetryKind
+from .options import Effort, options_handle
+from .progress import Progress, ProgressLike, progress_of
+from .surface import SurfacePoints
+from .symmetry import Symmetry, SymmetryKind
 
 
 class Polygons(NamedTuple):
@@ -68,7 +71,7 @@ class Mesh:
             new_handle("mesh", function, points, len(points), offsets, face_count, corners, len(corners))
         )
 
-    def __reduce__(self) -> tuple:
+    def __reduce__(self) -> tuple[type[Mesh], tuple[NDArray[np.float64], Polygons]]:
         return Mesh, (self.vertices, self.polygons)
 
     def _own(self, handle: Handle) -> None:
@@ -79,8 +82,8 @@ class Mesh:
 
     @classmethod
     def read(cls, path: str | os.PathLike[str]) -> Mesh:
-        """Reads a PLY, OBJ, OFF or STL file. Raises MeshFileError, which names the line or byte, MeshError,
-        LimitError."""
+        """Reads a PLY, OBJ, OFF, STL, glTF or GLB file. Raises MeshFileError, which names the line or byte,
+        MeshError, LimitError."""
         mesh = cls.__new__(cls)
         mesh._own(new_handle("mesh", LIBRARY.isym_mesh_read, os.fsencode(path)))
         return mesh
@@ -111,38 +114,105 @@ class Mesh:
     def detect(
         self,
         *,
-        progress: ProgressLike = None,
+        effort: Effort | None = None,
+        symmetries: int | None = None,
+        plausibility: int | None = None,
+        threads: int | None = None,
+        memory: int | None = None,
+        time_limit: int | None = None,
+        network: bool | None = None,
+        eigenfunctions: int | None = None,
+        samples: int | None = None,
+        beam_width: int | None = None,
+        proxy_vertices: int | None = None,
+        rotations: int | None = None,
         model: str | os.PathLike[str] | None = None,
         known_signs: ArrayLike | None = None,
         previous: Detection | Symmetry | None = None,
-        **options: float | str,
+        progress: ProgressLike = None,
     ) -> Detection:
         """Finds the intrinsic symmetries, the best first; none found is an empty Detection and no error.
 
-        ``options``: those of :func:`intrinsym.option_specs`, such as ``effort="thorough"`` or ``symmetries=4``.
-        ``model``: file of a sign network of your own (ONNX); it is trusted input, and needs the ONNX Runtime library
-        (1.24 or newer) that the environment variable ``ORT_DYLIB_PATH`` names. ``known_signs``: what a person
-        knows of the first functions of :meth:`eigen`, 1 even, -1 odd, 0 unknown; they overrule the network.
-        ``previous``: what was found on a mesh with the same connectivity and other positions, or a restored Symmetry.
-        While its best map is a symmetry of the new shape, too, it is kept, with all others that are, some twenty to
-        thirty times as fast as a search (``report["report"]["kept"]``): partners, confidence, sides and curves as
-        they were, scores and the report new. A Detection or its Symmetry also holds what this needs of the
-        connectivity (some 1 MB, and 4 bytes a vertex), which the new Detection shares: hand over the newest or the
-        first; from a restored Symmetry the call takes twice as long. Otherwise this is a search. What is kept knows
-        nothing of vertices that were slid along the surface, on one side alone: search anew after that.
-        ``progress``: a Progress, or a callback ``(stage, fraction)`` that may answer False to cancel.
-        Raises OptionError, ModelError, CancelledError; ArgumentError for a ``previous`` of another connectivity.
+        An option that is None has the library's default. Those for which no default stands here follow from ``effort``.
+
+        Parameters
+        ----------
+        effort : {"fast", "default", "thorough"}
+            How hard to try. Fast never looks twice, default looks again where its answer leaves doubts, thorough looks hard
+            at once.
+        symmetries : int, 1 to 32, default 1
+            Most distinct symmetries to return; a square table has more than one.
+        plausibility : int, 0 to 100 percent, default 50
+            From where on a map counts as a symmetry; half of it is enough for one that mirrors vertices. Below, the map is
+            given as doubtful.
+        threads : int, 1 to 64, default 2
+            Most threads of this call. The result does not depend on it.
+        memory : int, 0 to 100000000 MB, default 0
+            Most memory, mesh included, estimated before it is taken; 0 is no limit.
+        time_limit : int, 0 to 1000000 seconds, default 0
+            After so long the best map so far is the answer, as doubtful, or LimitError is raised; 0 is no limit. The result then
+            depends on the machine.
+        network : bool, default True
+            Whether the sign network proposes even and odd eigenfunctions.
+        eigenfunctions : int, 12 to 200
+            Laplace-Beltrami eigenfunctions of the refined map.
+        samples : int, 100 to 5000
+            Surface samples on which candidate maps are refined.
+        beam_width : int, 1 to 256
+            Width of the beam search over even and odd eigenfunctions.
+        proxy_vertices : int, 1000 to 100000000
+            Vertices above which the map is found on a simplified mesh of about so many, and carried back.
+        rotations : int, 0 to 32, default 0
+            EXPERIMENTAL. Most rotations of order 3 to 12 to return after the other symmetries.
+        model : path
+            File of a sign network of your own (ONNX); it is trusted input. It needs the ONNX Runtime library (1.24 or newer)
+            that the environment variable ``ORT_DYLIB_PATH`` names.
+        known_signs : array of int
+            What a person knows of the first functions of :meth:`eigen`: 1 even, -1 odd, 0 unknown. It overrules the network.
+        previous : Detection or Symmetry
+            What was found on a mesh with the same connectivity and other positions, or a restored Symmetry. Its maps that
+            are symmetries of the new shape, too, are kept, if the best one is: partners, confidence, sides and curves as they
+            were, figures and report new (``report.kept``). That is some twenty times as fast as a search. Otherwise this is a
+            search. What is kept knows nothing of vertices that were slid along the surface, on one side alone: search anew
+            after that. The newest Detection or the first is the fastest ``previous``; a restored Symmetry takes twice as long.
+        progress : Progress, or a callback ``(stage, fraction)`` that may answer False to cancel
+
+        Raises
+        ------
+        OptionError, ModelError, LimitError, CancelledError
+        ArgumentError
+            ``previous`` is of another connectivity.
         """
-        chosen = options_handle(options, model, known_signs)
-        known = None if previous is None else previous._result
-        function = LIBRARY.isym_mesh_detect if known is None else LIBRARY.isym_mesh_detect_again
-        earlier = [] if known is None else [known.pointer]
-        result = progress_of(progress).run(
-            lambda pointer: new_handle(
-                "result", function, self._handle.pointer, *earlier, chosen.pointer, pointer
-            )
+        chosen = options_handle(
+            {
+                "effort": effort,
+                "symmetries": symmetries,
+                "plausibility": plausibility,
+                "threads": threads,
+                "memory": memory,
+                "time_limit": time_limit,
+                "network": network,
+                "eigenfunctions": eigenfunctions,
+                "samples": samples,
+                "beam_width": beam_width,
+                "proxy_vertices": proxy_vertices,
+                "rotations": rotations,
+            },
+            model,
+            known_signs,
         )
-        return Detection(result, self)
+        return self._detect(chosen, previous, progress_of(progress))
+
+    def _detect(
+        self, options: Handle, previous: Detection | Symmetry | None, progress: Progress
+    ) -> Detection:
+        best = previous if isinstance(previous, Symmetry) else next(iter(previous or ()), None)
+        function = LIBRARY.isym_mesh_detect if best is None else LIBRARY.isym_mesh_detect_again
+        earlier = [] if best is None else [best._result.pointer]
+        arguments = (self._handle.pointer, *earlier, options.pointer)
+        result = progress.run(lambda pointer: new_handle("result", function, *arguments, pointer))
+        symmetries = [Symmetry(result, index, self) for index in range(symmetry_count(result))]
+        return Detection(symmetries, report_of(result))
 
     def eigen(self, count: int, *, progress: ProgressLike = None) -> Eigenpairs:
         """The ``count`` lowest eigenpairs, 1 to 1000, on the mesh's largest shell; fewer on a tiny mesh.
@@ -190,13 +260,13 @@ class Mesh:
         return Symmetry(result, 0, self)
 
 
-def _flat(array: np.ndarray) -> np.ndarray:
+def _flat(array: NDArray[np.uint32]) -> NDArray[np.uint32]:
     if array.ndim != 1:
         raise ArgumentError(f"polygons need flat arrays, not one of shape {array.shape}", ERROR_LENGTH)
     return array
 
 
-def _regular_faces(faces: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+def _regular_faces(faces: ArrayLike) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
     """Offsets and corners of (faces, k) vertex numbers."""
     table = _arrays.indices(faces, "face")
     if table.ndim != 2 or table.shape[1] < 3:
@@ -206,11 +276,13 @@ def _regular_faces(faces: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
     return offsets, table.reshape(-1)
 
 
-def detect(vertices: ArrayLike, faces: Faces, **arguments: Any) -> Detection:
-    """``Mesh(vertices, faces).detect(**arguments)``; see there."""
-    return Mesh(vertices, faces).detect(**arguments)
+@with_keywords_of(Mesh.detect)
+def detect(vertices: ArrayLike, faces: Faces, /, **keywords: Any) -> Detection:
+    """``Mesh(vertices, faces).detect(...)``: see :class:`Mesh`, and :meth:`Mesh.detect` for the keywords."""
+    return Mesh(vertices, faces).detect(**keywords)
 
 
-def eigen(vertices: ArrayLike, faces: Faces, count: int, **arguments: Any) -> Eigenpairs:
-    """``Mesh(vertices, faces).eigen(count, **arguments)``; see there."""
-    return Mesh(vertices, faces).eigen(count, **arguments)
+@with_keywords_of(Mesh.eigen)
+def eigen(vertices: ArrayLike, faces: Faces, /, count: int, **keywords: Any) -> Eigenpairs:
+    """``Mesh(vertices, faces).eigen(count)``: see :class:`Mesh` and :meth:`Mesh.eigen`."""
+    return Mesh(vertices, faces).eigen(count, **keywords)

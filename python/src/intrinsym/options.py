@@ -1,10 +1,12 @@
-"""Options of a detection, from the library's own table."""
+"""Options of a detection: the library's own table, which the keywords of :meth:`intrinsym.Mesh.detect` follow."""
 
 from __future__ import annotations
 
 import ctypes
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,16 +16,19 @@ from ._handles import Handle, new_handle
 from ._library import LIBRARY, OptionSpecStruct
 from .errors import ERROR_OPTION, OptionError
 
+#: How hard a detection tries.
+Effort = Literal["fast", "default", "thorough"]
+
 
 @dataclass(frozen=True)
 class OptionSpec:
     """What a dialog needs to show an option."""
 
-    #: Keyword of :func:`intrinsym.detect`.
+    #: Keyword of :meth:`intrinsym.Mesh.detect`.
     name: str
     #: One sentence, in English.
     help: str
-    #: Names of the values from 0 on, which may be given in their place; empty where values have none.
+    #: Names of the values from 0 on, which are given in their place; empty where values have none.
     choices: tuple[str, ...]
     #: Value used when none is given.
     default: int
@@ -54,7 +59,7 @@ def _describe(index: int) -> OptionSpec:
     )
 
 
-def _number(name: str, value: float | str) -> float:
+def _number(name: str, value: Any) -> float:
     """A value, or the number of a choice that is named."""
     try:
         if not isinstance(value, str):
@@ -69,14 +74,15 @@ def _number(name: str, value: float | str) -> float:
 
 
 def options_handle(
-    options: dict[str, float | str],
+    options: Mapping[str, Any],
     model: str | os.PathLike[str] | None,
     known_signs: ArrayLike | None,
 ) -> Handle:
-    """The library's set of options. Raises OptionError as the library finds them wrong."""
+    """The library's set of options; None leaves its default. Raises OptionError as the library finds them wrong."""
     handle = new_handle("options", LIBRARY.isym_options_new)
     for name, value in options.items():
-        LIBRARY.isym_options_set(handle.pointer, name.encode(), _number(name, value))
+        if value is not None:
+            LIBRARY.isym_options_set(handle.pointer, name.encode(), _number(name, value))
     if model is not None:
         LIBRARY.isym_options_set_model(handle.pointer, os.fsencode(model))
     if known_signs is not None:

@@ -1,12 +1,10 @@
-"""What was found on a mesh, and the tools that mirror across it."""
+"""One symmetry of a mesh, and the tools that mirror across it."""
 
 from __future__ import annotations
 
 import ctypes
-import json
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from enum import Enum, IntEnum
+from dataclasses import dataclass, fields
+from enum import IntEnum
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -17,12 +15,10 @@ from . import _arrays
 from ._handles import Handle
 from ._library import LIBRARY, Mirroring, Summary
 from .progress import ProgressLike, progress_of
+from .surface import CurveLine, SurfacePoints
 
 if TYPE_CHECKING:
     from .mesh import Mesh
-
-#: Entry of unsigned index arrays that stands for "none".
-NONE = 2**32 - 1
 
 
 class SymmetryKind(IntEnum):
@@ -36,18 +32,6 @@ class SymmetryKind(IntEnum):
     #: :attr:`Symmetry.order` times, three or more. No sides, no fixed curve, no partners on other shells than the largest,
     #: and the tools that mirror refuse it.
     ROTATION = 2
-
-
-class Outcome(str, Enum):
-    """What was found, in the word that the report has for it."""
-
-    #: At least one symmetry.
-    FOUND = "found"
-    #: A map is given, and :attr:`Detection.evidence` says what speaks against it: it is less plausible than was asked for, or
-    #: its confidence is low over most of the surface.
-    DOUBTFUL = "doubtful"
-    #: No map came near to a symmetry.
-    NONE = "none"
 
 
 class Merge(IntEnum):
@@ -64,42 +48,28 @@ class Merge(IntEnum):
 
 
 @dataclass(frozen=True)
-class SurfacePoints:
-    """The exact mirror image of each vertex, a point of the surface."""
+class Evidence:
+    """The figures that say how far a symmetry is to be trusted; the outcome follows from them.
 
-    #: (vertices,) uint32: the face of the input that holds the image; 2**32 - 1 without partner.
-    faces: NDArray[np.uint32]
-    #: (vertices, 3) uint32: three vertices of that face; 2**32 - 1 without partner.
-    corners: NDArray[np.uint32]
-    #: (vertices, 3) float32: weights of the corners, 0..1, summing to 1; 0 without partner.
-    barycentrics: NDArray[np.float32]
+    Shares are 0..1. Shells are connected components of the mesh.
+    """
 
-    def positions(self, vertices: ArrayLike) -> NDArray[np.float64]:
-        """(vertices, 3) positions of the images, for (vertices, 3) positions; NaN without partner."""
-        points = _arrays.plain(vertices, "vertices").astype(np.float64)
-        found = np.not_equal(self.faces, NONE)
-        images: NDArray[np.float64] = np.full((len(self.faces), 3), np.nan)
-        weights, corners = self.barycentrics[found], self.corners[found]
-        images[found] = np.einsum("vk,vkx->vx", weights, points[corners])
-        return images
-
-
-@dataclass(frozen=True)
-class CurveLine:
-    """One line of the fixed curve, where the symmetry leaves the surface in place."""
-
-    #: (points, 2) uint32: each point lies on the segment between these two vertices ...
-    edges: NDArray[np.uint32]
-    #: (points,) float32: ... at (1 - t) * first + t * second.
-    parameters: NDArray[np.float32]
-    #: Whether the last point joins the first.
-    closed: bool
-
-    def positions(self, vertices: ArrayLike) -> NDArray[np.float64]:
-        """(points, 3) positions, for (vertices, 3) positions of the mesh."""
-        ends: NDArray[np.float64] = _arrays.plain(vertices, "vertices").astype(np.float64)[self.edges]
-        t: NDArray[np.float64] = self.parameters[:, None].astype(np.float64)
-        return np.add((1 - t) * ends[:, 0], t * ends[:, 1])
+    #: Probability, 0..1, that the map is a symmetry of the shape at all; 1 for a restored one.
+    plausibility: float
+    #: Lower is better; comparable between symmetries of one mesh only.
+    score: float
+    #: Mean of the confidence over the surface, 0..1.
+    mean_confidence: float
+    #: Share of the vertices whose partner comes from mirrored connectivity: an exact bijection.
+    exact_share: float
+    #: Share of the surface whose vertices have a partner.
+    paired_share: float
+    #: Shells whose mirror image is another shell.
+    shells_paired: int
+    #: Shells that are their own mirror image.
+    shells_self_mirrored: int
+    #: Shells without a mirror image.
+    shells_alone: int
 
 
 class Symmetry:
@@ -146,47 +116,27 @@ class Symmetry:
     @property
     def order(self) -> int:
         """After how many times it is the identity: 2, or 3 and more for a rotation (experimental)."""
-        return self._summary.order
+        return int(self._summary.order)
+
+    @cached_property
+    def evidence(self) -> Evidence:
+        """The figures that say how far it is to be trusted."""
+        return Evidence(*(getattr(self._summary, field.name) for field in fields(Evidence)))
 
     @property
     def plausibility(self) -> float:
-        """How plausible it is, 0..1, that it is a symmetry of the shape at all. A restored one has 1."""
-        return self._summary.plausibility
-
-    @property
-    def score(self) -> float:
-        """Lower is better; comparable between symmetries of one mesh only."""
-        return self._summary.score
+        """That of :attr:`evidence`."""
+        return self.evidence.plausibility
 
     @property
     def mean_confidence(self) -> float:
-        """Mean of the confidence over the surface, 0..1."""
-        return self._summary.mean_confidence
+        """That of :attr:`evidence`."""
+        return self.evidence.mean_confidence
 
     @property
     def exact_share(self) -> float:
-        """Share of the vertices, 0..1, whose partner comes from mirrored connectivity: an exact bijection."""
-        return self._summary.exact_share
-
-    @property
-    def paired_share(self) -> float:
-        """Share of the surface, 0..1, whose vertices have a partner."""
-        return self._summary.paired_share
-
-    @property
-    def shells_paired(self) -> int:
-        """Shells (connected components) whose mirror image is another shell."""
-        return self._summary.shells_paired
-
-    @property
-    def shells_self_mirrored(self) -> int:
-        """Shells that are their own mirror image."""
-        return self._summary.shells_self_mirrored
-
-    @property
-    def shells_alone(self) -> int:
-        """Shells without a mirror image."""
-        return self._summary.shells_alone
+        """That of :attr:`evidence`."""
+        return self.evidence.exact_share
 
     @cached_property
     def partner(self) -> NDArray[np.int32]:
@@ -209,8 +159,16 @@ class Symmetry:
         half turn. Which side is 1 has no meaning."""
         return self._read("sides", np.int8)
 
-    def _read(self, name: str, kind: type) -> np.ndarray:
-        values: np.ndarray = np.empty(self._vertex_count, kind)
+    @cached_property
+    def pair_colours(self) -> NDArray[np.uint8]:
+        """(vertices, 3) uint8: red, green and blue (sRGB) of a colour that partners share and distinct pairs do not; grey
+        without partner or confidence."""
+        colours = np.empty((self._vertex_count, 3), np.uint8)
+        LIBRARY.isym_result_pair_colours(self._result.pointer, self._index, colours, self._vertex_count)
+        return colours
+
+    def _read(self, name: str, kind: type[_arrays.Number]) -> NDArray[_arrays.Number]:
+        values = np.empty(self._vertex_count, kind)
         getattr(LIBRARY, f"isym_result_{name}")(self._result.pointer, self._index, values, values.size)
         return values
 
@@ -242,6 +200,15 @@ class Symmetry:
             CurveLine(edges[span], parameters[span], bool(is_closed))
             for span, is_closed in zip(spans, closed)
         ]
+
+    def curve_distances(self, positions: ArrayLike) -> NDArray[np.float64]:
+        """(vertices,) distance of each vertex from the fixed curve along the surface, for (vertices, 3) positions in any
+        pose, in their unit. Infinite where the curve cannot be reached: on other shells, without a curve, and for a
+        restored symmetry. Raises ArgumentError."""
+        given = _arrays.vectors(positions, self._vertex_count, "positions")
+        distances = np.empty(self._vertex_count)
+        LIBRARY.isym_result_curve_distances(self._result.pointer, self._index, given, distances, distances.size)
+        return distances
 
     def mirror_selection(self, selected: ArrayLike, *, minimum_confidence: float = 0.0) -> NDArray[np.bool_]:
         """(vertices,) bool: the vertices whose mirror image lies in the selection, (vertices,) bool.
@@ -347,68 +314,3 @@ class Symmetry:
 
 def _mirroring(merge: Merge, minimum_confidence: float, weight_by_confidence: bool) -> Mirroring:
     return Mirroring(int(merge), minimum_confidence, int(weight_by_confidence))
-
-
-class Detection(Sequence[Symmetry]):
-    """The symmetries that were found, the best first; empty, and false, where there are none.
-
-    Finding none is an answer and no error: :attr:`evidence` says why. A doubtful one is given, too, and counts: see
-    :attr:`outcome`. It can be pickled, with the mesh, as its symmetries can.
-    """
-
-    def __init__(self, result: Handle, mesh: Mesh) -> None:
-        count = ctypes.c_size_t()
-        LIBRARY.isym_result_symmetry_count(result.pointer, ctypes.byref(count))
-        self._result = result
-        self._symmetries = [Symmetry(result, index, mesh) for index in range(count.value)]
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: getattr(self, name) for name in ("_symmetries", "outcome", "continuous_family", "report")}
-
-    @cached_property
-    def _result(self) -> Handle | None:
-        """The library's object; that of one which came from another process is its best symmetry's."""
-        return self._symmetries[0]._result if self._symmetries else None
-
-    def __len__(self) -> int:
-        return len(self._symmetries)
-
-    def __getitem__(self, index: Any) -> Any:
-        return self._symmetries[index]
-
-    def __iter__(self) -> Iterator[Symmetry]:
-        return iter(self._symmetries)
-
-    def __repr__(self) -> str:
-        return f"<Detection {self.outcome.value} {self._symmetries!r}>"
-
-    @cached_property
-    def outcome(self) -> Outcome:
-        """Found, doubtful or none; found where the map was restored, since it was accepted before."""
-        outcome = ctypes.c_int32()
-        LIBRARY.isym_result_outcome(self._result.pointer, ctypes.byref(outcome))
-        return list(Outcome)[outcome.value]
-
-    @property
-    def evidence(self) -> str:
-        """One sentence that says why the outcome is what it is."""
-        return self.report["report"]["evidence"]
-
-    @cached_property
-    def continuous_family(self) -> bool:
-        """Whether the mesh has infinitely many symmetries, as a sphere, a torus or a vase has.
-
-        Those found are then arbitrary ones of them. ``False`` where the map was restored, since nobody has looked.
-        """
-        continuous = ctypes.c_uint8()
-        LIBRARY.isym_result_continuous_family(self._result.pointer, ctypes.byref(continuous))
-        return continuous.value != 0
-
-    @cached_property
-    def report(self) -> dict:
-        """What ``intrinsym detect --json`` writes: repairs, options, evidence, seconds of each stage."""
-        size = ctypes.c_size_t()
-        LIBRARY.isym_result_report_size(self._result.pointer, ctypes.byref(size))
-        text = ctypes.create_string_buffer(size.value)
-        LIBRARY.isym_result_report(self._result.pointer, text, size.value)
-        return json.loads(text.value.decode())

@@ -18,11 +18,11 @@ pub(super) fn shells_with_lookalikes(mesh: &Mesh) -> Vec<bool> {
     let mut of_shell = coloured(mesh);
     of_shell.sort_unstable();
     let mut counts = vec![[0usize; 2]; mesh.shell_count];
-    for alike in of_shell.chunk_by(|a, b| a.0 == b.0) {
-        for &(_, shell) in alike {
+    for class in of_shell.chunk_by(|a, b| a.0 == b.0) {
+        for &(_, shell) in class {
             let [repeated, points] = &mut counts[shell as usize];
             *points += 1;
-            *repeated += usize::from(alike.len() > 1);
+            *repeated += usize::from(class.len() > 1);
         }
     }
     counts.iter().map(|&[repeated, points]| repeated as f64 >= REPEATED * points as f64).collect()
@@ -67,12 +67,12 @@ pub fn shell_signatures(mesh: &Mesh) -> Vec<Signature> {
     let mut points = vec![0usize; mesh.shell_count];
     let mut of_shell = coloured(mesh);
     of_shell.sort_unstable_by_key(|&(colour, shell)| (shell, colour));
-    for alike in of_shell.chunk_by(|a, b| a == b) {
-        let (colour, shell) = (alike[0].0, alike[0].1 as usize);
+    for class in of_shell.chunk_by(|a, b| a == b) {
+        let (colour, shell) = (class[0].0, class[0].1 as usize);
         let own = &mut signatures[shell];
-        own.hash = own.hash.wrapping_add(hash(colour).wrapping_mul(alike.len() as u64));
-        own.distinct += if alike.len() <= 2 { alike.len() as f64 } else { 0.0 };
-        points[shell] += alike.len();
+        own.hash = own.hash.wrapping_add(hash(colour).wrapping_mul(class.len() as u64));
+        own.distinct += if class.len() <= 2 { class.len() as f64 } else { 0.0 };
+        points[shell] += class.len();
     }
     signatures.iter_mut().zip(points).for_each(|(own, points)| own.distinct /= points.max(1) as f64);
     signatures

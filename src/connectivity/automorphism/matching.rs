@@ -37,7 +37,7 @@ impl<'a> Matching<'a> {
             half_edges,
             vertex_image: vec![NONE; half_edges.vertex_count()],
             refused: Vec::new(),
-            image: vec![NONE; half_edges.len()],
+            image: vec![NONE; half_edges.count()],
             kind,
             half_edge_log: Vec::new(),
             vertex_log: Vec::new(),
@@ -208,7 +208,7 @@ impl<'a> Matching<'a> {
     /// Image of the vertex that the half-edge with image `image` points to.
     fn end_image(&self, image: u32) -> u32 {
         match self.kind {
-            SymmetryKind::Reflection => self.half_edges.from_vertex(image),
+            SymmetryKind::Reflection => self.half_edges.start_vertex(image),
             SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => {
                 self.half_edges.to_vertex[image as usize]
             }

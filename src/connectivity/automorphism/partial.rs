@@ -206,7 +206,7 @@ pub(super) fn drop_rings_at_contradictions(matching: &mut Matching, since: Mark)
             let corners: Vec<u32> = matching.half_edges.loop_of(side).take(length).collect();
             for corner in corners {
                 matching.unpair(matching.half_edges.to_vertex[corner as usize]);
-                matching.unpair(matching.half_edges.from_vertex(corner));
+                matching.unpair(matching.half_edges.start_vertex(corner));
             }
         }
     }

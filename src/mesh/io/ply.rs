@@ -6,11 +6,11 @@ mod header;
 mod write;
 
 use super::scanner::Fault;
-use super::{Format, MeshFile, PolygonMesh, close_face};
+use super::{Format, MeshFile, PolygonMesh, Source, close_face};
 use crate::base::limits::Limits;
-use header::{Element, Header, Kind, Scalar};
+use header::{Element, Header, Kind};
 
-pub use header::is_ply;
+pub use header::{Scalar, is_ply};
 pub use write::{PLY_MARK, columns};
 
 /// A whole PLY file: its header and the rows of each element as binary little endian.
@@ -37,7 +37,7 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<MeshFile, Fault> {
         PolygonMesh { positions: ply.positions()?, face_offsets: vec![0], face_vertices: Vec::new() };
     let mut file = MeshFile::new(polygons, Format::Ply, Vec::new());
     ply.faces(limits, &mut file)?;
-    file.ply = Some(ply);
+    file.source = Source::Ply(ply);
     Ok(file)
 }
 

@@ -2,7 +2,7 @@
 
 use super::motion::{Oriented, Place};
 use crate::base::threads;
-use crate::geometry::shortest_paths::{EdgeLengths, Search};
+use crate::geometry::shortest_paths::{EdgeLengths, PathSearch};
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::Shell;
@@ -100,7 +100,7 @@ impl<'a> Mapped<'a> {
     pub fn discs_along_edges(&self, middles: &[u32], radii: &[f64], threads: usize) -> Vec<Disc> {
         let largest = radii.iter().fold(0.0f64, |largest, &radius| largest.max(radius));
         let some = |range: Range<usize>| -> Vec<Disc> {
-            let mut search = Search::new(self.areas.len());
+            let mut search = PathSearch::new(self.areas.len());
             let discs = |&middle: &u32| {
                 let within = self.reached(&mut search, &[middle], largest);
                 let disc = |&radius: &f64| {
@@ -119,10 +119,10 @@ impl<'a> Mapped<'a> {
 
     /// Vertices nearer than `radius` to one of `sources` along edges, the nearest first, with their distances.
     pub fn within(&self, sources: &[u32], radius: f64) -> Vec<(u32, f64)> {
-        self.reached(&mut Search::new(self.areas.len()), sources, radius)
+        self.reached(&mut PathSearch::new(self.areas.len()), sources, radius)
     }
 
-    fn reached(&self, search: &mut Search, sources: &[u32], radius: f64) -> Vec<(u32, f64)> {
+    fn reached(&self, search: &mut PathSearch, sources: &[u32], radius: f64) -> Vec<(u32, f64)> {
         let mut reached = Vec::new();
         search.run(
             sources,

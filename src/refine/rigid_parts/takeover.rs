@@ -45,7 +45,7 @@ enum Verdict {
 }
 
 /// A small part and its two motions.
-struct Part {
+struct MovingPart {
     disc: Disc,
     /// Mean position.
     centre: Vector,
@@ -76,7 +76,7 @@ impl SmallParts<'_> {
         sought: &Sought,
         found: &Motion,
         threads: usize,
-    ) -> Vec<Part> {
+    ) -> Vec<MovingPart> {
         let middles = self.middles.iter().copied().filter(|&middle| near[middle as usize]);
         let discs = mapped.discs_along_edges(&middles.collect::<Vec<u32>>(), &[SMALL_RADIUS], threads);
         let judged = |disc: Disc| {
@@ -91,7 +91,7 @@ impl SmallParts<'_> {
                 _ => Verdict::Either,
             };
             let centre = mean(places.iter().map(|place| (place.own.position, place.weight)));
-            Part { disc, centre, own, new: new.motion, left, verdict }
+            MovingPart { disc, centre, own, new: new.motion, left, verdict }
         };
         threads::map(threads, discs, judged)
     }
@@ -148,7 +148,7 @@ fn images(
 }
 
 /// Where the parts' motions, each as far as it takes over, put each vertex.
-fn goals(mapped: &Mapped, parts: &[Part], around: &[(u32, f64)]) -> Vec<Goal> {
+fn goals(mapped: &Mapped, parts: &[MovingPart], around: &[(u32, f64)]) -> Vec<Goal> {
     let mut goals = vec![Goal::default(); mapped.areas.len()];
     let following = parts.iter().filter(|part| part.verdict == Verdict::Follows);
     // All turn the same way around.

@@ -39,7 +39,7 @@ const AS_GOOD: f64 = 1.3;
 const BETTER: f64 = 0.85;
 
 /// A part: some of its vertices, each standing for the same area, with their weights.
-struct Part {
+struct TurnedPart {
     middle: u32,
     picked: Vec<(u32, f64)>,
     /// The map's motion, roughly brought to the surface.
@@ -71,20 +71,20 @@ pub(super) fn map_turned(
         token.check()?;
         let picked = mapped.picked(&disc.members, effort.points);
         let own = as_mapped(mapped, &few(&picked), mirrored, ROUGHLY);
-        Ok(Part { middle: disc.middle, picked, own })
+        Ok(TurnedPart { middle: disc.middle, picked, own })
     };
-    let mut parts = threads::map(threads, discs, screen).into_iter().collect::<Result<Vec<Part>>>()?;
+    let mut parts = threads::map(threads, discs, screen).into_iter().collect::<Result<Vec<TurnedPart>>>()?;
     let bad = (BAD * usual(&parts)).max(LEAST_BAD);
     parts.retain(|part| part.own.unlike > bad);
     parts.sort_by(|a, b| b.own.unlike.total_cmp(&a.own.unlike));
     parts.truncate(effort.most);
-    let search = |part: Part| {
+    let search = |part: TurnedPart| {
         token.check()?;
         Ok(turned(mapped, &part, effort, mirrored).map(|found| (part, found)))
     };
     let found = threads::map(threads, parts, search).into_iter().collect::<Result<Vec<_>>>()?;
-    let mut found: Vec<(Part, Settled)> = found.into_iter().flatten().collect();
-    let left = |(part, found): &(Part, Settled)| found.unlike / part.own.unlike;
+    let mut found: Vec<(TurnedPart, Settled)> = found.into_iter().flatten().collect();
+    let left = |(part, found): &(TurnedPart, Settled)| found.unlike / part.own.unlike;
     found.sort_by(|a, b| left(a).total_cmp(&left(b)));
     let small = SmallParts { middles: some(effort.small), points: effort.points / ROUGH_STEP, mirrored };
     // Where the middles of parts are that were tried.
@@ -107,7 +107,7 @@ pub(super) fn map_turned(
 }
 
 /// What parts that fit leave: a tenth leave less.
-fn usual(parts: &[Part]) -> f64 {
+fn usual(parts: &[TurnedPart]) -> f64 {
     let mut unlike: Vec<f64> = parts.iter().map(|part| part.own.unlike).collect();
     unlike.sort_by(f64::total_cmp);
     unlike.get(unlike.len() / 10).copied().unwrap_or(0.0)
@@ -126,7 +126,7 @@ fn few(picked: &[(u32, f64)]) -> Vec<(u32, f64)> {
 }
 
 /// The turned motion that fits best, if it fits much better than the map's.
-fn turned(mapped: &Mapped, part: &Part, effort: &TurnedEffort, mirrored: bool) -> Option<Settled> {
+fn turned(mapped: &Mapped, part: &TurnedPart, effort: &TurnedEffort, mirrored: bool) -> Option<Settled> {
     let places = mapped.places(&part.picked);
     let sought = mapped.sought(&places);
     let few = mapped.places(&few(&part.picked));

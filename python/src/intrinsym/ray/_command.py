@@ -31,6 +31,8 @@ ERROR_KINDS = (
 )  # fmt: skip
 #: Options of the library that the command sets by its own ones.
 OWN_OPTIONS = ("threads", "memory")
+#: Seconds of a detection unless others are asked for: a mesh that needs more is doubtful, not lost.
+TIME_LIMIT = 60
 EXIT_STATUS = """Exit status: 0 every mesh has its row, which may be an error; 2 the command could not run; 130 interrupted."""
 
 
@@ -92,6 +94,7 @@ def parser() -> argparse.ArgumentParser:
                 {"choices": spec.choices} if spec.choices else {"type": int, "metavar": "N"}
             )
             method.add_argument(f"--{spec.name.replace('_', '-')}", help=spec.help.replace("%", "%%"), **kind)
+    method.set_defaults(time_limit=TIME_LIMIT)
     return made
 
 
@@ -127,7 +130,8 @@ def _run_where_asked(arguments: argparse.Namespace) -> dict[str, Any]:
         ray.init(address=address, log_to_driver=False, logging_level=logging.ERROR)
     try:
         if (arguments.address or "").startswith("ray://"):
-            return ray.get(ray.remote(num_cpus=0)(_run).remote(arguments, False))
+            summary: dict[str, Any] = ray.get(ray.remote(num_cpus=0)(_run).remote(arguments, False))
+            return summary
         return _run(arguments, sys.stderr.isatty() and not arguments.quiet)
     finally:
         if ours:

@@ -11,8 +11,8 @@ from urllib.parse import quote, unquote, urlsplit
 
 from pyarrow import fs
 
-#: Formats that the library reads.
-MESH_SUFFIXES = (".ply", ".obj", ".off", ".stl")
+#: Formats that the library reads, each mesh in one file.
+MESH_SUFFIXES = (".ply", ".obj", ".off", ".stl", ".glb")
 #: Text files with one path a line.
 LIST_SUFFIXES = (".txt", ".list")
 

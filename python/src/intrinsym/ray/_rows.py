@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import pyarrow as pa
 
 from .._isolated import Limits, MeshProcess
-from .._mesh_row import Row, error_row, suffix_of
+from .._mesh_row import Row, error_row
 from ._inputs import Place
 
 _ARRAYS = [
@@ -108,7 +108,7 @@ def row_of(content: Content, job: Job) -> Row:
         row = error_row("Unreadable", f"{content.name}: cannot be read: {content.error}")
         return row | {"path": content.name}
     with tempfile.TemporaryDirectory(prefix="intrinsym-") as folder:
-        path = os.path.join(folder, "mesh" + suffix_of(content.name))
+        path = os.path.join(folder, "mesh" + os.path.splitext(content.name)[1])
         with open(path, "wb") as file:
             file.write(content.bytes)
         row = _process_for(job.limits).row(path, content.name, job.options, job.write)

@@ -113,7 +113,7 @@ class Store:
         filesystem.move(source, target)
 
     def _exists(self, path: str) -> bool:
-        return self.folder.filesystem.get_file_info(path).type != fs.FileType.NotFound
+        return bool(self.folder.filesystem.get_file_info(path).type != fs.FileType.NotFound)
 
     def has_files(self, place: Place, write: tuple[str, ...]) -> bool:
         """Whether a mesh's files of these kinds are there."""

@@ -3,7 +3,6 @@
 use super::PlyFile;
 use super::body::for_each_row;
 use super::header::{Element, Encoding, Header, Kind, Line, Property, Scalar};
-use crate::base::error::{Error, Result};
 use crate::mesh::PolygonMesh;
 use crate::mesh::io::scanner::Fault;
 use crate::mesh::io::{AttributeValues, VertexAttribute};
@@ -21,24 +20,13 @@ pub struct Column {
     bytes: Vec<u8>,
 }
 
-/// The columns of attributes, each checked to have one value per vertex.
-pub fn columns(attributes: &[VertexAttribute], vertex_count: usize) -> Result<Vec<Column>> {
+/// The columns of attributes.
+pub fn columns(attributes: &[VertexAttribute]) -> Vec<Column> {
     let mut columns = Vec::new();
     for attribute in attributes {
-        let found = match &attribute.values {
-            AttributeValues::Int(values) => values.len(),
-            AttributeValues::Float(values) => values.len(),
-            AttributeValues::Color(values) => values.len(),
-        };
-        if found != vertex_count {
-            let name = &attribute.name;
-            return Err(Error::Internal(format!(
-                "attribute {name} has {found} values for {vertex_count} vertices"
-            )));
-        }
         push_columns(attribute, &mut columns);
     }
-    Ok(columns)
+    columns
 }
 
 fn push_columns(attribute: &VertexAttribute, columns: &mut Vec<Column>) {

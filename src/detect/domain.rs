@@ -1,0 +1,114 @@
+//! The shell on which the symmetries of a mesh are sought.
+
+use crate::base::error::Result;
+use crate::connectivity::automorphism::LengthChange;
+use crate::detect::assembler::Gatherer;
+use crate::detect::detection::{Detection, Report};
+use crate::detect::filled_holes::FilledShell;
+use crate::detect::joined_shells::JoinedShells;
+use crate::detect::proxy::Proxy;
+use crate::detect::question::Question;
+use crate::mesh::vector::{Vector, point_areas, squared_norm, subtract};
+use crate::mesh::{NONE, Shell};
+use crate::spectral::twin_parts::TwinParts;
+use crate::verify::choose::ANY;
+use crate::verify::hypothesis::exchanges_sheets;
+use crate::verify::reason::Reason;
+
+/// A mesh with the shell on which its symmetries are sought.
+pub struct Domain<'a> {
+    /// What is asked of which mesh.
+    pub question: &'a Question<'a>,
+    /// That shell, joined of several or the largest one, and the others.
+    pub shells: &'a [Shell],
+    /// The first of those, its holes filled, if it has some.
+    pub filled: Option<FilledShell>,
+    /// The shells that are joined to the first of those, and their likely twins.
+    twins: &'a [[u32; 2]],
+}
+
+impl<'a> Domain<'a> {
+    /// That of a mesh whose shells are `joined`.
+    pub fn new(question: &'a Question<'a>, joined: &'a JoinedShells) -> Domain<'a> {
+        // Who states signs means those of the functions that the mesh has as it is.
+        let fills = question.mechanisms.filled_holes && !question.options.states_signs();
+        let filled = FilledShell::new(&joined.shells[0], &joined.joints, fills);
+        Domain { question, shells: &joined.shells, filled, twins: &joined.twins }
+    }
+
+    /// The searched shell, its holes filled.
+    pub fn searched(&self) -> &Shell {
+        self.filled.as_ref().map_or(&self.shells[0], |filled| &filled.shell)
+    }
+
+    /// Carries maps of the searched shell, or of its `proxy`, to all shells.
+    pub fn gatherer(&self, proxy: Option<&Proxy>) -> Gatherer<'_> {
+        let Question { mesh, mechanisms, connectivity, .. } = self.question;
+        Gatherer::new(mesh, self.shells, proxy, connectivity.as_ref(), mechanisms.mirrored_vertices)
+    }
+
+    /// The answer where the connectivity of the searched shell admits one reflection and the shape agrees with it: nothing is solved then.
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+    pub fn exact(&self) -> Result<Option<Detection>> {
+        let Domain { shells, question: Question { mesh, options, progress, .. }, .. } = *self;
+        let wanted = options.asks_for_one();
+        let Some(found) = self.question.unrivalled.as_ref().filter(|found| wanted && !found.has_defects())
+        else {
+            return Ok(None);
+        };
+        let found = found.within(&shells[0].points);
+        progress.report("lengths", 0.03)?;
+        let (Some(partners), Some(change)) =
+            (shells[0].numbered(&found.partner), LengthChange::of(mesh, &found))
+        else {
+            return Ok(None);
+        };
+        if !change.agrees() || exchanges_sheets(mean_distance(&shells[0], &partners)) {
+            return Ok(None);
+        }
+        let symmetry = self.gatherer(None).exact(&found, partners, options.threads, progress)?;
+        let reasons = vec![Reason::MirroredConnectivity { length_change: change.median }];
+        Ok(Some(Detection::new(vec![symmetry], ANY, Report { reasons, ..Report::of(mesh) })))
+    }
+
+    /// The joined shell that each vertex of the solved one lies on, and its likely twin; what fills a hole goes with what is beside it.
+    pub fn parts(&self, solved: &Shell) -> Option<TwinParts> {
+        if self.twins.is_empty() {
+            return None;
+        }
+        let mut part_of = vec![NONE; solved.points.len()];
+        for (part, &point) in part_of.iter_mut().zip(&solved.points).filter(|(_, point)| **point != NONE) {
+            let shell = self.question.mesh.shell_of_point[point as usize];
+            *part = self.place(shell).expect("a joined shell");
+        }
+        for triangle in &solved.triangles {
+            let known = triangle.iter().map(|&corner| part_of[corner as usize]).find(|&part| part != NONE);
+            for &corner in triangle.iter().filter(|_| known.is_some()) {
+                let part = &mut part_of[corner as usize];
+                *part = if *part == NONE { known.unwrap_or(0) } else { *part };
+            }
+        }
+        let twin = |part: &u32| self.place(self.twins[*part as usize][1]).expect("a joined shell") as u8;
+        Some(TwinParts {
+            twin: part_of.iter().map(twin).collect(),
+            own: part_of.iter().map(|&part| part as u8).collect(),
+        })
+    }
+
+    /// Where a shell stands among the joined ones.
+    fn place(&self, shell: u32) -> Option<u32> {
+        self.twins.iter().position(|&[own, _]| own == shell).map(|place| place as u32)
+    }
+}
+
+/// Mean distance of a shell's vertices from their partners, in sqrt(area).
+fn mean_distance(shell: &Shell, partners: &[u32]) -> f64 {
+    let areas = point_areas(&shell.positions, &shell.triangles);
+    let moved = |(place, &partner): (&Vector, &u32)| {
+        squared_norm(subtract(*place, shell.positions[partner as usize])).sqrt()
+    };
+    let sum: f64 = shell.positions.iter().zip(partners).map(moved).zip(&areas).map(|(m, a)| m * a).sum();
+    sum / areas.iter().sum::<f64>()
+}
