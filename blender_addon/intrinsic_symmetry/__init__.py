@@ -13,6 +13,12 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     label_file      judgements as training data
     overlay         what is drawn over the viewport; overlay_data says what
     elements        mirror images of edges and faces
+    side_names      left and right in names
+    left_side       which side is called left
+    counterparts    which group or key takes its values from which
+    weights         vertex weights as an array
+    made_key        settings of a shape key that is made
+    assembly        several objects with one map
     mirroring       which way values go, and how far
     ops_*           operators, one file for each thing that a user does
     panels          the sidebar tab Symmetry

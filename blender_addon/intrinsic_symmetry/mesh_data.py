@@ -26,6 +26,17 @@ def why_not(context):
     return None
 
 
+class NothingSelected(MeshProblem):
+    """Of several objects in edit mode, those without a selection are passed over."""
+
+
+def worked_on(context):
+    """The active object, and those that are in edit mode with it."""
+    active = context.active_object
+    together = context.objects_in_mode_unique_data if active.mode == "EDIT" else []
+    return [active] + [other for other in together if other != active and other.data != active.data]
+
+
 @contextmanager
 def object_mode(context):
     """The active object, in object mode; the mode it was in comes back at the end."""
@@ -77,6 +88,12 @@ def set_key_positions(key, values):
     key.data.foreach_set("co", np.ascontiguousarray(values, np.float32).ravel())
 
 
+def key_sizes(mesh):
+    """(vertices, keys) how far each shape key moves each vertex."""
+    moves = [key_positions(key) - key_positions(key.relative_key) for key in mesh.shape_keys.key_blocks]
+    return np.linalg.norm(np.stack(moves, axis=1), axis=2)
+
+
 def evaluated_positions(object, depsgraph):
     """(vertices, 3) float32 after all modifiers."""
     evaluated = object.evaluated_get(depsgraph).data
@@ -95,13 +112,32 @@ def shown_positions(object):
 
 
 def set_shown_positions(object, values):
-    """Writes what `shown_positions` reads; a changed basis takes the base shape along."""
+    """Writes what `shown_positions` reads. A changed basis takes the base shape along.
+    Raises MeshProblem if the shape key is locked."""
     mesh, key = object.data, object.active_shape_key
     if key is not None:
-        set_key_positions(key, values)
+        if key.lock_shape:
+            raise MeshProblem(f'The shape key "{key.name}" is locked')
+        move_key(mesh.shape_keys, key, values)
     if key is None or key == mesh.shape_keys.reference_key:
         mesh.vertices.foreach_set("co", np.ascontiguousarray(values, np.float32).ravel())
     mesh.update()
+
+
+def move_key(keys, key, values):
+    """Writes the positions of a shape key; keys that are relative to it move with it."""
+    move = values - key_positions(key)
+    for other in _relative_to(key, keys):
+        set_key_positions(other, key_positions(other) + move)
+    set_key_positions(key, values)
+
+
+def _relative_to(key, keys):
+    """The other keys that are relative to a key, or to one that is."""
+    found = [key] if keys.use_relative else []
+    for base in found:
+        found += [other for other in keys.key_blocks if other.relative_key == base and other not in found]
+    return found[1:]
 
 
 #: data_type of an attribute: the name of its values, how many, and their kind.
@@ -146,3 +182,34 @@ def selected_vertices(mesh):
     flags = np.empty(len(mesh.vertices), bool)
     mesh.vertices.foreach_get("select", flags)
     return flags
+
+
+def changeable(mesh, mode):
+    """(vertices,) 0..1: how far Blender's own tools may change each vertex in a mode. Hidden ones not at all; in the
+    sculpt and paint modes as far as the mask or the paint selection lets them."""
+    if mode == "OBJECT":
+        return np.ones(len(mesh.vertices))
+    free = 1.0 - _of_points(mesh, ".hide_vert")
+    if mode == "SCULPT":
+        free *= 1 - _of_points(mesh, ".sculpt_mask")
+    elif mode != "EDIT" and mesh.use_paint_mask:
+        free *= _of_selected_faces(mesh)
+    elif mode != "EDIT" and mesh.use_paint_mask_vertex:
+        free *= selected_vertices(mesh)
+    return free
+
+
+def _of_points(mesh, name):
+    """(vertices,) values of an attribute, 0 where there is none."""
+    attribute = mesh.attributes.get(name)
+    return np.zeros(len(mesh.vertices)) if attribute is None else read_attribute(attribute).astype(float)
+
+
+def _of_selected_faces(mesh):
+    """(vertices,) bool: the corners of selected faces."""
+    chosen = np.empty(len(mesh.polygons), bool)
+    mesh.polygons.foreach_get("select", chosen)
+    offsets, corners = polygons(mesh)
+    found = np.zeros(len(mesh.vertices), bool)
+    found[corners[np.repeat(chosen, np.diff(offsets))]] = True
+    return found

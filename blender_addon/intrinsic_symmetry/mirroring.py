@@ -8,8 +8,8 @@ from intrinsym import Merge, SymmetryKind
 from . import mesh_data
 
 DIRECTIONS = (
-    ("LEFT_TO_RIGHT", "Left to Right", "The left side (mostly +X) wins", Merge.POSITIVE_WINS),
-    ("RIGHT_TO_LEFT", "Right to Left", "The right side (mostly -X) wins", Merge.NEGATIVE_WINS),
+    ("LEFT_TO_RIGHT", "Left to Right", "The left side wins", Merge.POSITIVE_WINS),
+    ("RIGHT_TO_LEFT", "Right to Left", "The right side wins", Merge.NEGATIVE_WINS),
     ("AVERAGE", "Average", "Both sides take the mean", Merge.AVERAGE),
     ("SWAP", "Exchange", "Both sides take the other's", Merge.SWAP),
 )
@@ -33,6 +33,10 @@ class ConfidenceProperties:
     def how(self):
         """Keywords of the library's mirror tools."""
         return {"minimum_confidence": self.minimum_confidence, "weight_by_confidence": self.soft}
+
+    def may_change(self, object, mode, _symmetry):
+        """(vertices,) 0..1 how far each vertex may be changed: not if hidden, masked or outside a paint selection."""
+        return mesh_data.changeable(object.data, mode)
 
 
 class MirrorProperties(ConfidenceProperties):
@@ -58,13 +62,26 @@ class MirrorProperties(ConfidenceProperties):
         """(vertices,) how much of the mirrored value each vertex takes, as the library's tools do."""
         return shares(symmetry, self.merge, **self.how())
 
+    def trust(self, symmetry):
+        """(vertices,) how much of the mirrored value each vertex would take, whatever its side."""
+        return shares(symmetry, Merge.SWAP, **self.how())
+
+    def with_line(self, symmetry, trust):
+        """The shares of the direction, where each vertex that it changes takes `trust`: a vertex on the line belongs to
+        both sides, and takes the mean."""
+        if self.merge == Merge.SWAP:
+            return trust
+        return trust * np.where(symmetry.side == 0, 0.5, shares(symmetry, self.merge))
+
     def may_change(self, object, mode, symmetry):
-        """(vertices,) bool: the selection and its mirror image, or all."""
-        everything = np.ones(len(symmetry.partner), bool)
+        """Of what may be changed, the selection and its mirror image, or all."""
+        free = super().may_change(object, mode, symmetry)
         if not self.selected_only or mode != "EDIT":
-            return everything
+            return free
+        if not any(mesh_data.selected_vertices(each.data).any() for each in self.objects):
+            return free
         selected = mesh_data.selected_vertices(object.data)
-        return selected | symmetry.mirror_selection(selected) if selected.any() else everything
+        return free * (selected | symmetry.mirror_selection(selected))
 
 
 def shares(symmetry, merge, *, minimum_confidence=0.0, weight_by_confidence=False):

@@ -3,47 +3,94 @@
 
 import intrinsym
 
-from . import mesh_data, stored_map
+from . import assembly, counterparts, mesh_data, stored_map
 
 
 class MeshOperator:
-    """An operator on the active mesh. `run` does the work in object mode and returns a sentence for the user, or
-    raises; mesh problems and the library's errors are reported in their own words."""
+    """An operator on the active mesh, and on those that are in edit mode with it. `run` does the work on one, in object
+    mode, and returns a sentence for the user, or raises; mesh problems and the library's errors are reported in their
+    own words."""
 
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
-        problem = mesh_data.why_not(context)
+        problem = mesh_data.why_not(context) or cls.lacks(context, context.active_object)
         if problem:
             cls.poll_message_set(problem)
         return problem is None
 
+    @classmethod
+    def lacks(cls, _context, _object):
+        """What an object lacks for this operator, in words, or nothing."""
+        return None
+
     def execute(self, context):
         mode = context.active_object.mode
-        try:
-            with mesh_data.object_mode(context) as object:
-                text = self.run(context, object, mode)
-        except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
-            self.report({"ERROR"}, sentence(problem))
+        self.objects, self.warnings = mesh_data.worked_on(context), []
+        done, problems = [], []
+        with mesh_data.object_mode(context):
+            for object in self.objects:
+                try:
+                    done.append(self._named(object, self._run_on(context, object, mode)))
+                except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
+                    problems.append((object, problem))
+        if not done:
+            self.report({"ERROR"}, sentence(problems[0][1]))
             return {"CANCELLED"}
+        for object, problem in problems:
+            if not isinstance(problem, mesh_data.NothingSelected):
+                self.warn(self._named(object, sentence(problem)))
+        text = ". ".join(filter(None, [*done, *self.warnings]))
         if text:
-            self.report({"INFO"}, text)
+            self.report({"WARNING" if self.warnings else "INFO"}, text)
         return {"FINISHED"}
+
+    def _run_on(self, context, object, mode):
+        """`run` on an object, or once on all that share its map."""
+        missing = self.lacks(context, object) if object != self.objects[0] else None  # `poll` saw the active one
+        if missing:
+            raise mesh_data.MeshProblem(missing)
+        members = assembly.members_of(object)
+        if any(earlier in members for earlier in self.objects[: self.objects.index(object)]):
+            return ""
+        with assembly.whole(members, self.objects if mode == "EDIT" else None) as body:
+            return self.run(context, body, mode)
+
+    def _named(self, object, text):
+        """The text with the object's name, where several are worked on."""
+        return f"{object.name}: {text}" if text and len(self.objects) > 1 else text or ""
+
+    def warn(self, text):
+        """Something that the user has to know besides what `run` returns."""
+        self.warnings.append(text)
+
+    def leave(self, names, why):
+        """Says which groups or keys are left alone."""
+        if names:
+            self.warn(f"Left alone: {counterparts.listed(names)} ({why})")
 
 
 class MapOperator(MeshOperator):
     """An operator that needs a stored map; `run_with` is given it."""
 
     @classmethod
-    def poll(cls, context):
-        problem = mesh_data.why_not(context) or stored_map.why_none(context.active_object)
-        if problem:
-            cls.poll_message_set(problem)
-        return problem is None
+    def lacks(cls, _context, object):
+        return stored_map.why_none(object)
 
     def run(self, context, object, mode):
-        return self.run_with(stored_map.load(object.data), context, object, mode)
+        symmetry = stored_map.load(object.data)
+        said = self.run_with(symmetry, context, object, mode)
+        return ". ".join(filter(None, [said, self._untouched(symmetry)]))
+
+    def _untouched(self, symmetry):
+        """What share of the vertices a tool that trusts some and others not has not touched."""
+        least = getattr(self, "minimum_confidence", None)
+        if least is None:
+            return ""
+        share = ((symmetry.partner < 0) | (symmetry.confidence < least)).mean()
+        certain = ", or none certain enough," if least else ""
+        return f"{share:.1%} of the vertices have no mirror image{certain} and are not touched" if share else ""
 
 
 def sentence(problem):

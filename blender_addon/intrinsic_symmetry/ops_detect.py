@@ -4,8 +4,9 @@
 import bpy
 import intrinsym
 
-from . import detection, labels, mesh_data, preferences, stored_map
+from . import assembly, detection, labels, left_side, mesh_data, overlay, preferences, stored_map
 from .operator_base import MapOperator, MeshOperator, sentence
+from .ops_positions import forget
 
 #: The running detection, for the panel; only one at a time.
 running = []
@@ -17,9 +18,12 @@ def keep(object, core_mesh, found, index=0):
     now = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
     if now.connectivity_hash != core_mesh.connectivity_hash:
         raise mesh_data.MeshProblem("The mesh was changed while its symmetry was being found: Detect again")
-    stored_map.store(mesh, core_mesh, found[index], is_doubtful(found))
+    left = left_side.left_of(object, found[index].side)
+    stored_map.store(mesh, core_mesh, found[index], is_doubtful(found), left)
     mesh.update()
-    return in_words(found, index)
+    if is_doubtful(found):
+        overlay.show_doubt()
+    return f"{in_words(found, index)}. Left from {left[1]}"
 
 
 def is_doubtful(found):
@@ -59,11 +63,17 @@ class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):
         name="Use Corrections", description="Obey the signs that were set under Correct and Label", default=True
     )
 
+    together: bpy.props.BoolProperty(
+        name="Selected Objects Together",
+        description="The selected meshes are one character, with one map over all of them",
+        default=False,
+    )
+
     def execute(self, context):
         try:
-            with mesh_data.object_mode(context) as object:
-                job = self._start(context, object)
-                return self._finish(object, job)
+            with mesh_data.object_mode(context):
+                job = self._start(context)
+                return self._finish(job)
         except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
             self.report({"ERROR"}, sentence(problem))
             return {"CANCELLED"}
@@ -76,7 +86,7 @@ class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):
             return {"CANCELLED"}
         try:
             with mesh_data.object_mode(context) as object:
-                self._job = self._start(context, object)
+                self._job = self._start(context)
         except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
             self.report({"ERROR"}, sentence(problem))
             return {"CANCELLED"}
@@ -105,23 +115,31 @@ class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):
         self._job.cancel()
         self._leave(context)
 
-    def _start(self, context, object):
+    def _start(self, context):
+        self._members = assembly.selected(context) if self.together else [context.active_object]
         arguments = preferences.detect_arguments(context)
-        signs = labels.known_signs(object.data) if self.use_labels else []
+        alone = len(self._members) == 1
+        signs = labels.known_signs(self._members[0].data) if self.use_labels and alone else []
         if signs:
             arguments["known_signs"] = signs
-        core_mesh = detection.core_mesh_of(object, self.source, context.evaluated_depsgraph_get())
+        if self.source == "EVALUATED" and not alone:
+            raise mesh_data.MeshProblem("Several objects together: choose base positions or those of a shape key")
+        with assembly.joined(self._members) as body:
+            core_mesh = detection.core_mesh_of(body, self.source, context.evaluated_depsgraph_get())
         return detection.Job(core_mesh, arguments)
 
-    def _finish(self, object, job):
+    def _finish(self, job):
         """Waits for the worker and keeps what it found; object mode."""
-        found = job.answer()
-        labels.take_predictions(object.data, found.report)
+        found, members = job.answer(), self._members
+        if len(members) == 1:
+            labels.take_predictions(members[0].data, found.report)
         if not found:
             self.report({"WARNING"}, f"No symmetry found: {found.evidence}")
             return {"CANCELLED"}
-        text = keep(object, job.core_mesh, found)
-        detection.remember(object.data, job.core_mesh, found)
+        with assembly.whole(members) as body:
+            text = keep(body, job.core_mesh, found)
+        if len(members) == 1:
+            detection.remember(members[0].data, job.core_mesh, found)
         self.report({"WARNING" if is_doubtful(found) else "INFO"}, text)
         return {"FINISHED"}
 
@@ -133,7 +151,7 @@ class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):
             return {"CANCELLED"}
         try:
             with mesh_data.object_mode(context):
-                return self._finish(object, self._job)
+                return self._finish(self._job)
         except intrinsym.CancelledError:
             self.report({"INFO"}, "Cancelled")
         except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
@@ -182,7 +200,7 @@ class INTRINSIC_SYMMETRY_OT_exchange_sides(MapOperator, bpy.types.Operator):
     bl_label = "Exchange Sides"
 
     def run_with(self, _symmetry, _context, object, _mode):
-        stored_map.exchange_sides(object.data)
+        stored_map.name_sides(object.data, -1, "Exchange Sides")
         return "Left and right are exchanged"
 
 
@@ -193,16 +211,12 @@ class INTRINSIC_SYMMETRY_OT_clear(MeshOperator, bpy.types.Operator):
     bl_label = "Remove Symmetry"
 
     @classmethod
-    def poll(cls, context):
-        problem = mesh_data.why_not(context)
-        if problem is None and stored_map.RECORD not in context.active_object.data:
-            problem = "No symmetry is stored on this mesh"
-        if problem:
-            cls.poll_message_set(problem)
-        return problem is None
+    def lacks(cls, _context, object):
+        return None if stored_map.RECORD in object.data else "No symmetry is stored on this mesh"
 
     def run(self, _context, object, _mode):
         stored_map.clear(object.data)
+        forget(object.data)
         return "The symmetry was removed"
 
 

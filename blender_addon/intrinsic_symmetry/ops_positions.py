@@ -1,16 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Symmetrize positions across a pose, and mirror the edit since a remembered state."""
 
+import zlib
+
 import bpy
 import numpy as np
 from intrinsym import Merge
 
 from . import mesh_data, stored_map
-from .mirroring import DIRECTIONS, MERGE, ConfidenceProperties, MirrorProperties
+from .mirroring import DIRECTIONS, MERGE, ConfidenceProperties, MirrorProperties, blend
 from .operator_base import MapOperator, MeshOperator
 
-#: POINT attribute, FLOAT_VECTOR: positions of the shape that is being edited, when they were remembered.
-REMEMBERED = "symmetry_remembered"
+#: POINT attribute, FLOAT_VECTOR: positions of the shape that is being edited, when they were remembered. That of a
+#: shape key ends in a number made of the key's name, so that what was edited on one is not mirrored on another.
+REMEMBERED = "sym_remembered"
+
+
+def remembered_name(object):
+    """Name of the attribute that belongs to the shape that is being edited."""
+    key = object.active_shape_key
+    if key is None or key == object.data.shape_keys.reference_key:
+        return REMEMBERED
+    return f"{REMEMBERED}_{zlib.crc32(key.name.encode()):08x}"
+
+
+def forget(mesh):
+    """Removes what is remembered."""
+    for name in [name for name in mesh.attributes.keys() if name.startswith(REMEMBERED)]:
+        mesh.attributes.remove(mesh.attributes[name])
 
 
 class INTRINSIC_SYMMETRY_OT_symmetrize(MirrorProperties, MapOperator, bpy.types.Operator):
@@ -21,12 +38,11 @@ class INTRINSIC_SYMMETRY_OT_symmetrize(MirrorProperties, MapOperator, bpy.types.
 
     def run_with(self, symmetry, _context, object, mode):
         positions, how = mesh_data.shown_positions(object), self.how()
-        inside = self.may_change(object, mode, symmetry)
-        if not inside.all():  # what stays holds the border, so that no step appears there
-            symmetry = stored_map.load(object.data, only=inside)
+        free = self.may_change(object, mode, symmetry)
+        if not free.all():  # what stays holds the border, so that no step appears there
+            symmetry = stored_map.load(object.data, only=free > 0)
             how["minimum_confidence"] = max(how["minimum_confidence"], stored_map.LEAST)
-        moved = symmetry.symmetrize_positions(positions, self.merge, **how)
-        moved[~inside] = positions[~inside]
+        moved = blend(positions, symmetry.symmetrize_positions(positions, self.merge, **how), free)
         mesh_data.set_shown_positions(object, moved)
         size = np.linalg.norm(positions.max(axis=0) - positions.min(axis=0))
         farthest = np.linalg.norm(moved - positions, axis=1).max()
@@ -40,7 +56,9 @@ class INTRINSIC_SYMMETRY_OT_remember(MeshOperator, bpy.types.Operator):
     bl_label = "Remember Shape"
 
     def run(self, _context, object, _mode):
-        mesh_data.write_attribute(object.data, REMEMBERED, "FLOAT_VECTOR", mesh_data.shown_positions(object))
+        forget(object.data)
+        shown = mesh_data.shown_positions(object)
+        mesh_data.write_attribute(object.data, remembered_name(object), "FLOAT_VECTOR", shown)
         return "Remembered: edit one side, then Mirror Edit"
 
 
@@ -59,34 +77,34 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
     )
 
     @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        object = context.active_object
-        if object.mode != "EDIT" and REMEMBERED not in object.data.attributes:
-            cls.poll_message_set("Remember Shape first, then edit")
-            return False
-        return True
+    def lacks(cls, context, object):
+        problem = super().lacks(context, object)
+        if problem is None and object.mode != "EDIT" and remembered_name(object) not in object.data.attributes:
+            problem = "Remember Shape first, then edit"
+        return problem
 
-    def run_with(self, symmetry, _context, object, _mode):
-        before = self._remembered(object.data)
+    def run_with(self, symmetry, _context, object, mode):
+        before = self._remembered(object)
         edit = mesh_data.shown_positions(object).astype(float) - before
         merge = MERGE.get(self.direction, Merge.SWAP)
         carried = symmetry.carry_displacement(before, edit, merge, **self.how())
         if self.direction == "EDITED":
             farther = np.linalg.norm(carried, axis=1) > np.linalg.norm(edit, axis=1)
             carried = np.where(farther[:, None], carried, edit)
+        carried = blend(edit, carried, self.may_change(object, mode, symmetry))
         after = before + carried
         mesh_data.set_shown_positions(object, after)
-        mesh_data.update_attribute(object.data.attributes[REMEMBERED], after)
+        mesh_data.update_attribute(object.data.attributes[remembered_name(object)], after)
         changed = np.abs(carried - edit).max(axis=1) > 1e-7 * np.abs(before).max()
         return f"{int(changed.sum())} vertices moved; the new shape is remembered"
 
-    def _remembered(self, mesh):
-        attribute = mesh.attributes.get(REMEMBERED)
-        if attribute is None or attribute.data_type != "FLOAT_VECTOR":
-            raise mesh_data.MeshProblem("No shape is remembered: Remember Shape first, then edit")
-        return mesh_data.read_attribute(attribute).astype(float)
+    def _remembered(self, object):
+        names, wanted = object.data.attributes.keys(), remembered_name(object)
+        if wanted in names:
+            return mesh_data.read_attribute(object.data.attributes[wanted]).astype(float)
+        if any(name.startswith(REMEMBERED) for name in names):
+            raise mesh_data.MeshProblem("The shape of another shape key is remembered: Remember Shape again, then edit")
+        raise mesh_data.MeshProblem("No shape is remembered: Remember Shape first, then edit")
 
 
 register, unregister = bpy.utils.register_classes_factory(

@@ -10,10 +10,11 @@ from .operator_base import MapOperator
 
 
 def write_selection(context, mesh, vertices, edges=None, faces=None):
-    """Selects vertices, (vertices,) bool, and all edges and faces between them, of those that are given; as the
-    select mode has it, so that Blender adds nothing. Returns how many vertices are selected.
+    """Selects vertices, (vertices,) bool, but hidden ones, and all edges and faces between them, of those that are
+    given; as the select mode has it, so that Blender adds nothing. Returns how many vertices are selected.
 
     The attributes are written by name: `mesh.edges.foreach_set("select", ...)` can crash Blender 5.0."""
+    vertices = vertices & (mesh_data.changeable(mesh, "EDIT") > 0)
     vertex_mode, edge_mode, _ = context.tool_settings.mesh_select_mode
     ends, (offsets, corners) = mesh_data.edges(mesh), mesh_data.polygons(mesh)
     chosen_edges = vertices[ends].all(axis=1) & (True if edges is None else edges)
@@ -67,7 +68,7 @@ class INTRINSIC_SYMMETRY_OT_select(MapOperator, bpy.types.Operator):
         mesh = object.data
         selected = mesh_data.selected_vertices(mesh)
         if not selected.any():
-            raise mesh_data.MeshProblem("Nothing is selected")
+            raise mesh_data.NothingSelected("Nothing is selected")
         how = {"minimum_confidence": self.minimum_confidence}
         vertices = symmetry.mirror_selection(selected, **how)
         vertex_mode, edge_mode, _ = context.tool_settings.mesh_select_mode
@@ -129,7 +130,7 @@ class INTRINSIC_SYMMETRY_OT_select_to_line(MapOperator, bpy.types.Operator):
         mesh = object.data
         selected = mesh_data.selected_vertices(mesh)
         if not selected.any():
-            raise mesh_data.MeshProblem("Nothing is selected")
+            raise mesh_data.NothingSelected("Nothing is selected")
         grown = _flood(selected, mesh_data.edges(mesh), symmetry.side)
         return f"{write_selection(context, mesh, grown)} vertices selected"
 

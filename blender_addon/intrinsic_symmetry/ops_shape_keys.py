@@ -5,21 +5,21 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
-from . import mesh_data
-from .mirroring import MirrorProperties
+from . import counterparts, left_side, made_key, mesh_data, side_names
+from .mirroring import MirrorProperties, blend
 from .operator_base import MapOperator
 
 
 class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(MirrorProperties, MapOperator, bpy.types.Operator):
-    """Mirror the active shape key, or all, in any pose. Smile.L becomes Smile.R; a key without a side in its
-    name is mirrored in place"""
+    """Mirror the active shape key, or all, in any pose. Smile.L is carried to Smile.R; a key without a side in
+    its name is mirrored in place"""
 
     bl_idname = "intrinsic_symmetry.mirror_shape_keys"
     bl_label = "Mirror Shape Keys"
 
     all_keys: bpy.props.BoolProperty(
         name="All Keys",
-        description="Mirror every key; of a left and right pair, the one that the direction starts from",
+        description="Mirror every key, and not the active one alone with its counterpart",
         default=False,
     )
     exchange_names: bpy.props.BoolProperty(
@@ -29,62 +29,84 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(MirrorProperties, MapOperator, bpy
     )
 
     @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        keys = context.active_object.data.shape_keys
-        if keys is None or len(keys.key_blocks) < 2:
-            cls.poll_message_set("The object has no shape key beside its basis")
-            return False
-        return True
+    def lacks(cls, context, object):
+        keys = object.data.shape_keys
+        has_some = keys is not None and len(keys.key_blocks) > 1
+        return super().lacks(context, object) or (None if has_some else "The object has no shape key beside its basis")
 
     def run_with(self, symmetry, _context, object, mode):
-        keys = object.data.shape_keys
-        active = object.active_shape_key
-        names = self._chosen(keys, active)
-        inside = self.may_change(object, mode, symmetry)[:, None]
-        for name in names:
-            key = keys.key_blocks[name]
-            other = bpy.utils.flip_name(name) if self.exchange_names else name
-            base = mesh_data.key_positions(key.relative_key)
-            moved = (mesh_data.key_positions(key) - base).astype(float)
-            merge = self.merge if other == name else Merge.SWAP
-            target = keys.key_blocks.get(other) or _new_key(object, other, key)
-            old = (mesh_data.key_positions(target) - base).astype(float)
-            carried = symmetry.carry_displacement(base, moved, merge, **self.how())
-            mesh_data.set_key_positions(target, base + np.where(inside, carried, old))
-        object.active_shape_key_index = keys.key_blocks.find(active.name)
+        symmetry = left_side.agreed(self, object, symmetry)
+        keys, active = object.data.shape_keys, object.active_shape_key.name
+        free = self.may_change(object, mode, symmetry)
+        count = 0
+        for pair in self._chosen(object, symmetry):
+            if len(pair) == 1:
+                count += self._in_place(symmetry, keys, pair[0], free)
+            else:
+                count += self._across(symmetry, object, pair, free)
+        object.active_shape_key_index = keys.key_blocks.find(active)
         object.data.update()
-        return f"{len(names)} shape key{'s' if len(names) > 1 else ''} mirrored"
+        return f"{count} shape key{'' if count == 1 else 's'} changed"
 
-    def _chosen(self, keys, active):
-        """Names of the keys to mirror; of a pair, the one on the winning side."""
-        reference = keys.reference_key
-        if not self.all_keys:
-            if active == reference:
-                raise mesh_data.MeshProblem("The basis is active: choose a shape key, or Symmetrize Positions")
-            return [active.name]
-        names = [key.name for key in keys.key_blocks if key != reference]
+    def _chosen(self, object, symmetry):
+        """Names of the keys to mirror: pairs, the left one first, and single ones that are mirrored in place."""
+        keys, active = object.data.shape_keys, object.active_shape_key
+        if active == keys.reference_key and not self.all_keys:
+            raise mesh_data.MeshProblem("The basis is active: choose a shape key, or Symmetrize Positions")
+        names = [key.name for key in keys.key_blocks if key != keys.reference_key]
+        chosen = names if self.all_keys else [active.name]
         if not self.exchange_names:
-            return names
-        loser = "L" if self.direction == "RIGHT_TO_LEFT" else "R"
-        return [name for name in names if bpy.utils.flip_name(name) not in names or not _on(name, loser)]
+            return [(name,) for name in chosen]
+        sizes = mesh_data.key_sizes(object.data)[:, [keys.key_blocks.find(name) for name in names]]
+        misread = counterparts.misunderstood(names, sizes, symmetry, self.merge)
+        self.leave([name for name in chosen if name in misread], "no side in the name, but it moves one side alone")
+        return list(dict.fromkeys(_pair(name, names) for name in chosen if name not in misread))
+
+    def _in_place(self, symmetry, keys, name, free):
+        key = keys.key_blocks[name]
+        base, moved = _displacement(key)
+        carried = symmetry.carry_displacement(base, moved, self.merge, **self.how())
+        return self._write(keys, key, base + blend(moved, carried, free))
+
+    def _across(self, symmetry, object, pair, free):
+        """Each of the pair that the direction changes takes the image of the other."""
+        keys = object.data.shape_keys
+        present = [keys.key_blocks.get(name) for name in pair]
+        if None in present:
+            source = 1 - present.index(None)
+        else:
+            sizes = np.stack([np.linalg.norm(_displacement(key)[1], axis=1) for key in present], axis=1)
+            source = counterparts.source_of_keys(sizes, self.merge)
+        targets = (0, 1) if source is None else (1 - source,)
+        share = self.trust(symmetry) * free * (0.5 if source is None and self.merge == Merge.AVERAGE else 1)
+        new = []
+        for target in targets:
+            base, moved = _displacement(present[1 - target])
+            carried = symmetry.carry_displacement(base, moved, Merge.SWAP)
+            key = present[target] or made_key.make(object, symmetry, pair[target], present[1 - target])
+            base, own = _displacement(key)
+            new.append((key, base + blend(own, carried, share)))
+        return sum(self._write(keys, key, values) for key, values in new)
+
+    def _write(self, keys, key, values):
+        """Whether the key could be written."""
+        if key.lock_shape:
+            self.leave([key.name], "locked")
+            return False
+        mesh_data.move_key(keys, key, values)
+        return True
 
 
-def _on(name, side):
-    """Whether a name belongs to the side, "L" or "R": Blender's own way of swapping names says which letter changes."""
-    flipped = bpy.utils.flip_name(name)
-    changed = next((letter for letter, other in zip(name, flipped) if letter != other), "")
-    return changed.upper() == side
+def _pair(name, names):
+    """A name and its counterpart, that of the left first; the name alone, if it has no side."""
+    side = side_names.side(name)
+    return (name,) if side == 0 else (name, side_names.counterpart(name, names))[::side]
 
 
-def _new_key(object, name, like):
-    """A key with the settings of another, at rest."""
-    key = object.shape_key_add(name=name, from_mix=False)
-    key.relative_key = like.relative_key
-    key.slider_min, key.slider_max = like.slider_min, like.slider_max
-    mesh_data.set_key_positions(key, mesh_data.key_positions(like.relative_key))
-    return key
+def _displacement(key):
+    """(vertices, 3) positions of the key that a key is relative to, and how far it moves them."""
+    base = mesh_data.key_positions(key.relative_key)
+    return base, mesh_data.key_positions(key).astype(float) - base
 
 
 register, unregister = bpy.utils.register_classes_factory((INTRINSIC_SYMMETRY_OT_mirror_shape_keys,))

@@ -26,23 +26,20 @@ class INTRINSIC_SYMMETRY_OT_select_uv(MapOperator, bpy.types.Operator):
     extend: bpy.props.BoolProperty(name="Extend", description="Keep the current selection too", default=False)
 
     @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        if not context.active_object.data.uv_layers:
-            cls.poll_message_set("The mesh has no UV map")
-            return False
-        if context.tool_settings.use_uv_select_sync:
-            cls.poll_message_set("UV Sync Selection is on: use Select Symmetric")
-            return False
-        return True
+    def lacks(cls, context, object):
+        problem = super().lacks(context, object)
+        if problem is None and not object.data.uv_layers:
+            problem = "The mesh has no UV map"
+        if problem is None and context.tool_settings.use_uv_select_sync:
+            problem = "UV Sync Selection is on: use Select Symmetric"
+        return problem
 
     def run_with(self, symmetry, _context, object, _mode):
         mesh = object.data
         corner_name, edge_name, face_name = names(mesh)
         stored = mesh.attributes.get(corner_name)
         if stored is None or not (selected := mesh_data.read_attribute(stored)).any():
-            raise mesh_data.MeshProblem("No UVs are selected")
+            raise mesh_data.NothingSelected("No UVs are selected")
         mirrored = _mirrored(mesh, symmetry, selected)
         if self.extend:
             mirrored |= selected

@@ -5,39 +5,10 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
+from . import counterparts, left_side, side_names
 from .mirroring import MirrorProperties, blend
 from .operator_base import MapOperator
-
-#: Smaller weights are taken for none.
-_SMALLEST = 1e-6
-
-
-def read_weights(object):
-    """(vertices, groups) float64; 0 where a vertex is not in a group."""
-    weights = np.zeros((len(object.data.vertices), len(object.vertex_groups)))
-    for vertex in object.data.vertices:
-        for element in vertex.groups:
-            weights[vertex.index, element.group] = element.weight
-    return weights
-
-
-def write_weights(object, before, after):
-    """Writes the weights that differ."""
-    changed = np.abs(after - before) > _SMALLEST
-    for group in object.vertex_groups:
-        column = after[:, group.index]
-        for vertex in np.flatnonzero(changed[:, group.index]).tolist():
-            weight = column[vertex]
-            if weight > _SMALLEST:
-                group.add((vertex,), weight, "REPLACE")
-            else:
-                group.remove((vertex,))
-
-
-def mirrored_weights(symmetry, weights, counterparts, share):
-    """(vertices, groups): each vertex takes, in each group, its image's weight in the counterpart of that group."""
-    image = symmetry.mirror_values(weights[:, counterparts], Merge.SWAP)
-    return blend(weights, image, share)
+from .weights import SMALLEST, normalized, read_weights, write_weights
 
 
 class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(MirrorProperties, MapOperator, bpy.types.Operator):
@@ -54,51 +25,96 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(MirrorProperties, MapOperator, 
         description="Weights of Arm.L go to Arm.R, which is made if there is none; otherwise each group stays itself",
         default=True,
     )
+    normalize: bpy.props.BoolProperty(
+        name="Normalize",
+        description="Scale the mirrored weights of each changed vertex so that those of all bones sum to 1",
+        default=False,
+    )
 
     @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        if not context.active_object.vertex_groups:
-            cls.poll_message_set("The object has no vertex groups")
-            return False
-        return True
+    def lacks(cls, context, object):
+        return super().lacks(context, object) or (None if object.vertex_groups else "The object has no vertex groups")
 
     def run_with(self, symmetry, _context, object, mode):
-        share = self.shares(symmetry) * self.may_change(object, mode, symmetry)
-        names = self._chosen(object)
-        counterparts = self._counterparts(object, names)
+        symmetry = left_side.agreed(self, object, symmetry)
+        self.shares(symmetry)  # refuses a half turn
         before = read_weights(object)
-        after = mirrored_weights(symmetry, before, counterparts, share)
-        chosen = {object.vertex_groups[name].index for name in names}
-        for group in object.vertex_groups:
-            if group.lock_weight or group.index not in chosen:
-                after[:, group.index] = before[:, group.index]
+        names = self._understood(object, symmetry, before)
+        other = self._counterparts(object, names)
+        before = np.pad(before, ((0, 0), (0, len(other) - before.shape[1])))
+        trust = self.trust(symmetry) * self.may_change(object, mode, symmetry)
+        after, free = self._mirrored(object, symmetry, before, other, trust, names)
+        rows = np.flatnonzero((np.abs(after - before) > SMALLEST).any(axis=1))
+        if self.normalize:
+            after = normalized(object, after, rows, free)
         write_weights(object, before, after)
         object.data.update()
-        return f"{int((np.abs(after - before) > _SMALLEST).any(axis=1).sum())} vertices changed"
+        return f"{len(rows)} vertices changed"
 
     def _chosen(self, object):
-        """Names of the groups to mirror, counterparts included; makes those that are missing."""
-        active = object.vertex_groups.active
-        names = [group.name for group in object.vertex_groups] if self.all_groups else [active.name]
-        if self.exchange_names:
-            names += [name for name in map(bpy.utils.flip_name, names) if name not in names]
-        for name in names:
-            if name not in object.vertex_groups:
-                object.vertex_groups.new(name=name)
-        if active is not None:
-            object.vertex_groups.active = object.vertex_groups[active.name]
+        """Names of the groups that are there to mirror."""
+        names = [group.name for group in object.vertex_groups]
+        if not self.all_groups:
+            active = object.vertex_groups.active.name
+            names = [name for name in names if name == active or self._other(object, name) == active]
         return names
 
+    def _other(self, object, name):
+        return side_names.counterpart(name, object.vertex_groups.keys()) if self.exchange_names else name
+
+    def _understood(self, object, symmetry, weights):
+        """The chosen names without those that are left alone, which are told to the user."""
+        names = self._chosen(object)
+        if not self.exchange_names:
+            return names
+        every = [group.name for group in object.vertex_groups]
+        misread = counterparts.misunderstood(every, weights, symmetry, self.merge)
+        central = counterparts.central(every, weights, symmetry.side)
+        self.leave([name for name in names if name in misread], "no side in the name, but weights on one side alone")
+        self.leave([name for name in names if name in central], "a side in the name, but weights on both")
+        return [name for name in names if name not in misread and name not in central]
+
     def _counterparts(self, object, names):
-        """(groups,) index of the group that each takes its weights from."""
-        counterparts = np.arange(len(object.vertex_groups))
-        if self.exchange_names:
-            for name in names:
-                other = object.vertex_groups[bpy.utils.flip_name(name)]
-                counterparts[object.vertex_groups[name].index] = other.index
-        return counterparts
+        """(groups,) index of the group that is the mirror image of each; makes those that are missing."""
+        groups, active = object.vertex_groups, object.vertex_groups.active_index
+        pairs = [(name, self._other(object, name)) for name in names]
+        for _, counterpart in pairs:
+            if counterpart not in groups:
+                groups.new(name=counterpart)
+        groups.active_index = active
+        other = np.arange(len(groups))
+        for name, counterpart in pairs:
+            other[[groups[name].index, groups[counterpart].index]] = groups[counterpart].index, groups[name].index
+        return other
+
+    def _mirrored(self, object, symmetry, before, other, trust, names):
+        """The weights, and (groups,) bool: those that could change."""
+        image = symmetry.mirror_values(before[:, other], Merge.SWAP)
+        taken = self.with_line(symmetry, trust)
+        after = blend(before, image, taken)
+        free = np.zeros(len(other), bool)
+        free[[object.vertex_groups[name].index for name in names]] = True
+        free |= free[other]
+        for first in np.flatnonzero(free & (other > np.arange(len(other)))):
+            self._as_a_whole(object, symmetry.side, (first, other[first]), before, after, image, trust, free)
+        free &= [not group.lock_weight for group in object.vertex_groups]
+        after[:, ~free] = before[:, ~free]
+        return after, free
+
+    def _as_a_whole(self, object, side, pair, before, after, image, trust, free):
+        """Where one of a pair alone says what it has beyond the middle, the other becomes its image everywhere."""
+        try:
+            source = counterparts.source_of_groups(before[:, pair], side, self.merge)
+        except counterparts.NothingToTake:
+            self.leave([object.vertex_groups[int(index)].name for index in pair], "no weights on the side that wins")
+            free[list(pair)] = False
+            return
+        if source is None:
+            return
+        on_line = np.where(side == 0, 0.5 * trust, 0)
+        source, target = pair[source], pair[1 - source]
+        after[:, source] = blend(before[:, source], image[:, source], on_line)
+        after[:, target] = blend(before[:, target], image[:, target], np.where(side == 0, on_line, trust))
 
 
 register, unregister = bpy.utils.register_classes_factory((INTRINSIC_SYMMETRY_OT_mirror_vertex_groups,))

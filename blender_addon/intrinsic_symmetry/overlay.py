@@ -27,6 +27,13 @@ def settings(context):
     return context.window_manager.intrinsic_symmetry_show
 
 
+def show_doubt():
+    """Shows where a map can be trusted, unless other colours are shown."""
+    show = settings(bpy.context)
+    if show.colours == "NONE":
+        show.colours = "CONFIDENCE"
+
+
 def redraw(_self=None, context=None):
     """Property update: adds or removes the draw handler as needed, and draws again."""
     context = context or bpy.context
@@ -99,7 +106,8 @@ def _batches(object, show, depsgraph):
     if show.line:
         ends = overlay_data.line_segments(shape, stored_map.fixed_lines(object.data))
         found.append(_lines(ends, np.tile(np.float32((1, 1, 0.2, 1)), (len(ends), 1)), 3.0, "LESS_EQUAL"))
-    if show.pairs and shape.selected.any():
+    alone = "members" not in object.data[stored_map.RECORD]  # else the images lie in other objects too
+    if show.pairs and alone and shape.selected.any():
         found.append(_lines(*overlay_data.pair_lines(shape), 1.0, "NONE"))
     return [entry for entry in found if entry is not None]
 

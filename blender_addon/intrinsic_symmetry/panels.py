@@ -33,6 +33,8 @@ class INTRINSIC_SYMMETRY_PT_detect(SymmetryPanel, bpy.types.Panel):
         object = context.active_object
         if object is None or object.type != "MESH":
             return
+        if object.mode == "OBJECT" and sum(other.type == "MESH" for other in context.selected_objects) > 1:
+            layout.operator("intrinsic_symmetry.detect", text="Detect as One Character", icon="GROUP").together = True
         self._status(layout, object)
 
     def _status(self, layout, object):
@@ -49,6 +51,9 @@ class INTRINSIC_SYMMETRY_PT_detect(SymmetryPanel, bpy.types.Panel):
             column.label(text=f"Mean {confidence}", icon="CHECKMARK")
         if record["exact_share"] > 0:
             column.label(text=f"{record['exact_share']:.0%} from mirrored connectivity", icon="BLANK1")
+        column.label(text=f"Left from {record['left_from']}", icon="BLANK1")
+        if "members" in record:
+            column.label(text=f"One map over {len(record['members'])} objects", icon="BLANK1")
         row = layout.row(align=True)
         row.operator("intrinsic_symmetry.exchange_sides", icon="ARROW_LEFTRIGHT")
         row.operator("intrinsic_symmetry.clear", text="", icon="X")

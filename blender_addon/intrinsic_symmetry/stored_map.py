@@ -3,13 +3,13 @@
 
 | attribute | type | meaning |
 |---|---|---|
-| symmetry_partner | INT | the vertex that is the mirror image; -1 none |
-| symmetry_confidence | FLOAT | 0..1 |
-| symmetry_side | INT | 1 left (mostly +X), -1 right, 0 on the line between them |
-| symmetry_face | INT | the face that holds the exact mirror image; -1 none |
-| symmetry_corner_0, _1, _2 | INT | three vertices of that face |
-| symmetry_bary | FLOAT_VECTOR | their weights |
-| symmetry_record | INT | the same for all vertices: which record belongs to the map (see `undo`) |
+| sym_vertex | INT | the vertex that is the mirror image; -1 none |
+| sym_confidence | FLOAT | 0..1 |
+| sym_side | INT | 1 left (see `left_side`), -1 right, 0 on the line between them |
+| sym_face | INT | the face that holds the exact mirror image; -1 none |
+| sym_corner_0, _1, _2 | INT | three vertices of that face |
+| sym_bary | FLOAT_VECTOR | their weights |
+| sym_record | INT | the same for all vertices: which record belongs to the map (see `undo`) |
 
 Editing rots such numbers silently, so the record holds a hash of the connectivity and a checksum of the attributes,
 and a map that does not fit its mesh any more is refused.
@@ -24,12 +24,14 @@ import numpy as np
 from . import mesh_data, undo
 from .undo import RECORD
 
-PARTNER, CONFIDENCE, SIDE = "symmetry_partner", "symmetry_confidence", "symmetry_side"
-FACE, BARY = "symmetry_face", "symmetry_bary"
-CORNERS = ("symmetry_corner_0", "symmetry_corner_1", "symmetry_corner_2")
+PARTNER, CONFIDENCE, SIDE = "sym_vertex", "sym_confidence", "sym_side"
+FACE, BARY = "sym_face", "sym_bary"
+CORNERS = ("sym_corner_0", "sym_corner_1", "sym_corner_2")
 KINDS = {PARTNER: "INT", CONFIDENCE: "FLOAT", SIDE: "INT", FACE: "INT", BARY: "FLOAT_VECTOR"}
 KINDS.update(dict.fromkeys((*CORNERS, undo.NUMBER), "INT"))
 _NONE = 2**32 - 1
+#: What says which side is left, where no name does.
+BY_X = "+X"
 #: The least confidence that is told from none.
 LEAST = 1e-6
 
@@ -66,13 +68,13 @@ def why_none(object):
     return None
 
 
-def store(mesh, core_mesh, symmetry, is_doubtful=False):
-    """Keeps a map on its mesh. The side that lies more toward +X becomes 1."""
+def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X)):
+    """Keeps a map on its mesh; `left` is which of its sides is left, 1 or -1, and what says so."""
     points = symmetry.surface_points
     values = {
         PARTNER: symmetry.partner,
         CONFIDENCE: symmetry.confidence,
-        SIDE: symmetry.side.astype(np.int32) * _left(symmetry.side, mesh_data.positions(mesh)),
+        SIDE: symmetry.side.astype(np.int32) * left[0],
         FACE: points.faces.astype(np.int64),
         BARY: points.barycentrics,
     }
@@ -81,15 +83,23 @@ def store(mesh, core_mesh, symmetry, is_doubtful=False):
     for name, array in values.items():
         given = np.where(array == _NONE, -1, array) if KINDS[name] == "INT" else array
         mesh_data.write_attribute(mesh, name, KINDS[name], given)
-    mesh[RECORD] = _record(mesh, core_mesh, symmetry) | {"doubtful": is_doubtful}
+    mesh[RECORD] = _record(mesh, core_mesh, symmetry) | {"doubtful": is_doubtful, "left_from": left[1]}
     _number(mesh)
 
 
-def _left(side, positions):
-    """1 or -1: which of the core's sides lies more toward +X."""
-    if not (np.any(side > 0) and np.any(side < 0)):
-        return 1
-    return 1 if positions[side > 0, 0].mean() >= positions[side < 0, 0].mean() else -1
+def store_share(mesh, whole, members):
+    """Keeps, beside the attributes that are there, the record of one of several objects that share a map: that of all
+    of them, `whole`, and their names."""
+    undo.remember(mesh)
+    own = {"checksum": _checksum(mesh), "vertices": len(mesh.vertices), "triangles": _triangles(mesh)}
+    shared = {key: value for key, value in whole.items() if not key.startswith("line_")}
+    numbered = {str(number): name for number, name in enumerate(members)}
+    mesh[RECORD] = shared | own | {"members": numbered, "whole": whole}
+    _number(mesh)
+
+
+def _triangles(mesh):
+    return len(mesh.loops) - 2 * len(mesh.polygons)
 
 
 def _record(mesh, core_mesh, symmetry):
@@ -97,7 +107,7 @@ def _record(mesh, core_mesh, symmetry):
         "connectivity": f"{core_mesh.connectivity_hash:016x}",
         "checksum": _checksum(mesh),
         "vertices": core_mesh.vertex_count,
-        "triangles": len(mesh.loops) - 2 * len(mesh.polygons),
+        "triangles": _triangles(mesh),
         "kind": int(symmetry.kind),
         "mean_confidence": float(symmetry.mean_confidence),
         "exact_share": float(symmetry.exact_share),
@@ -134,6 +144,8 @@ def load(mesh, only=None):
     record = mesh.get(RECORD)
     if record is None or any(_attribute(mesh, name) is None for name in KINDS):
         raise StaleMap("This mesh has no stored symmetry: Detect first")
+    if "members" in record:
+        raise StaleMap("The symmetry spans several objects, and this tool works on one: Detect on this one alone")
     core_mesh = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
     if record["connectivity"] != f"{core_mesh.connectivity_hash:016x}":
         raise StaleMap("The mesh has other vertices or faces than when its symmetry was found: Detect again")
@@ -164,11 +176,11 @@ def fixed_lines(mesh):
     return found
 
 
-def exchange_sides(mesh):
-    """Left becomes right."""
+def name_sides(mesh, sign, left_from):
+    """Keeps the sides, 1, or exchanges them, -1, and what says so."""
     undo.remember(mesh)
-    mesh_data.update_attribute(mesh.attributes[SIDE], -mesh_data.read_attribute(mesh.attributes[SIDE]))
-    mesh[RECORD]["checksum"] = _checksum(mesh)
+    mesh_data.update_attribute(mesh.attributes[SIDE], sign * mesh_data.read_attribute(mesh.attributes[SIDE]))
+    mesh[RECORD].update({"checksum": _checksum(mesh), "left_from": left_from})
     _number(mesh)
 
 

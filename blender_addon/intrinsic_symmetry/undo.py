@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Undo in edit mode: Blender brings back the attributes of a mesh, but not its custom properties.
 
-So the attribute `symmetry_record`, one number all over the mesh, says which record belongs to the map that is there,
+So the attribute `sym_record`, one number all over the mesh, says which record belongs to the map that is there,
 and after each undo and redo that record is put back. Records are kept for this session, the last ones.
 """
 
@@ -9,7 +9,7 @@ import bmesh
 import bpy
 
 RECORD = "intrinsic_symmetry"
-NUMBER = "symmetry_record"
+NUMBER = "sym_record"
 _MOST_RECORDS = 64
 
 #: Number of a record: the record.

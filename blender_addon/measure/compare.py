@@ -260,7 +260,7 @@ def row(body, case):
     start = time.perf_counter()
     found = bpy.ops.intrinsic_symmetry.detect() == {"FINISHED"}
     seconds = time.perf_counter() - start
-    partner = attribute(object.data, "symmetry_partner") if found else np.zeros(len(points), int)
+    partner = attribute(object.data, "sym_vertex") if found else np.zeros(len(points), int)
     error = np.linalg.norm(points[partner] - wanted, axis=1)
     near = error <= reach
     size = np.sqrt(sum(face.area for face in object.data.polygons))
@@ -286,7 +286,7 @@ def by_stretch(body, case):
     tree = _tree(points)
     best = np.array([tree.find(place)[2] for place in wanted.tolist()])
     bpy.ops.intrinsic_symmetry.detect()
-    error = np.linalg.norm(points[attribute(object.data, "symmetry_partner")] - wanted, axis=1)
+    error = np.linalg.norm(points[attribute(object.data, "sym_vertex")] - wanted, axis=1)
     bpy.data.objects.remove(object)
     rows = []
     for low, high in zip(BANDS, BANDS[1:]):
@@ -311,7 +311,7 @@ def weights_round_trip(body, case):
                 group.add((vertex,), float(true[name][vertex]), "REPLACE")
     bpy.ops.intrinsic_symmetry.detect()
     bpy.ops.intrinsic_symmetry.mirror_vertex_groups(direction="LEFT_TO_RIGHT")
-    found = module("ops_vertex_groups").read_weights(object)
+    found = module("weights").read_weights(object)
     right = [name for name in names if name.endswith(".R")]
     found = np.stack([found[:, object.vertex_groups[name].index] for name in right], axis=1)
     wanted = np.stack([true[name] for name in right], axis=1)

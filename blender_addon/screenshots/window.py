@@ -104,14 +104,14 @@ def escape():
 def was_cancelled():
     if running():
         return AGAIN
-    assert "symmetry_partner" not in bpy.context.object.data.attributes, "Esc did not cancel"
+    assert "sym_vertex" not in bpy.context.object.data.attributes, "Esc did not cancel"
     (PICTURES / "esc.txt").write_text("Esc cancelled the modal run\n")
 
 
 def detected():
     if running():
         return AGAIN
-    assert "symmetry_partner" in bpy.context.object.data.attributes, "the modal run kept nothing"
+    assert "sym_vertex" in bpy.context.object.data.attributes, "the modal run kept nothing"
 
 
 def click(x, y):
@@ -135,9 +135,9 @@ def show(**values):
 def undo_and_redo():
     """The modal run left one undo step."""
     in_view(bpy.ops.ed.undo)
-    assert "symmetry_partner" not in bpy.context.object.data.attributes, "the modal run cannot be undone"
+    assert "sym_vertex" not in bpy.context.object.data.attributes, "the modal run cannot be undone"
     in_view(bpy.ops.ed.redo)
-    assert "symmetry_partner" in bpy.context.object.data.attributes, "the modal run cannot be redone"
+    assert "sym_vertex" in bpy.context.object.data.attributes, "the modal run cannot be redone"
 
 
 #: What is done, and the seconds to wait after it.

@@ -147,3 +147,10 @@ def mode(request):
 def enter(mode):
     if bpy.context.object.mode != mode:
         bpy.ops.object.mode_set(mode=mode)
+
+
+def said(capfd, operator, **settings):
+    """What an operator reports, beside finishing."""
+    capfd.readouterr()
+    assert operator(**settings) == {"FINISHED"}
+    return "".join(capfd.readouterr())

@@ -13,9 +13,9 @@ detect = bpy.ops.intrinsic_symmetry.detect
 
 def test_the_posed_human_is_paired_exactly(human, truth):
     mesh = human.data
-    assert np.array_equal(attribute(mesh, "symmetry_partner"), truth)
-    assert attribute(mesh, "symmetry_confidence").mean() > 0.9
-    side = attribute(mesh, "symmetry_side")
+    assert np.array_equal(attribute(mesh, "sym_vertex"), truth)
+    assert attribute(mesh, "sym_confidence").mean() > 0.9
+    side = attribute(mesh, "sym_side")
     assert np.array_equal(side[truth], -side)
     assert positions(mesh)[side == 1, 0].mean() > positions(mesh)[side == -1, 0].mean()
 
@@ -30,8 +30,8 @@ def test_a_symmetry_that_is_not_sure_is_called_so():
 
 def test_exact_points_lie_on_the_faces_that_are_named(quadruped):
     mesh = quadruped.data
-    faces, bary = attribute(mesh, "symmetry_face"), attribute(mesh, "symmetry_bary")
-    corners = np.stack([attribute(mesh, f"symmetry_corner_{k}") for k in range(3)], axis=1)
+    faces, bary = attribute(mesh, "sym_face"), attribute(mesh, "sym_bary")
+    corners = np.stack([attribute(mesh, f"sym_corner_{k}") for k in range(3)], axis=1)
     assert np.allclose(bary.sum(axis=1), 1, atol=1e-5)
     for vertex in range(0, len(faces), 97):
         assert set(corners[vertex]) <= set(mesh.polygons[faces[vertex]].vertices)
@@ -43,7 +43,7 @@ def test_it_runs_in_both_modes_and_comes_back(mode):
     assert detect() == {"FINISHED"}
     assert object.mode == mode
     enter("OBJECT")
-    assert attribute(object.data, "symmetry_partner").min() >= 0
+    assert attribute(object.data, "sym_vertex").min() >= 0
 
 
 def test_every_source_of_positions():
@@ -71,7 +71,7 @@ def test_no_symmetry_is_an_answer_and_leaves_the_mesh_alone():
     mesh.from_pydata(points.tolist(), [], np.arange(600).reshape(-1, 3).tolist())
     object = new_object(mesh)
     assert detect() == {"CANCELLED"}
-    assert "symmetry_partner" not in object.data.attributes
+    assert "sym_vertex" not in object.data.attributes
 
 
 def test_a_doubtful_symmetry_is_kept_and_called_so():
@@ -82,11 +82,14 @@ def test_a_doubtful_symmetry_is_kept_and_called_so():
         assert detect() == {"FINISHED"}
     finally:
         preferences.property_unset("plausibility")
-    assert attribute(object.data, "symmetry_partner").min() >= 0
+    assert attribute(object.data, "sym_vertex").min() >= 0
     _, found = module("detection").remembered(object.data)
     said = module("ops_detect").in_words(found)
     assert said.startswith("Doubtful: Reflection") and "100 % of the surface has a partner" in said
     assert object.data[module("undo").RECORD]["doubtful"]
+    show = module("overlay").settings(bpy.context)
+    assert show.colours == "CONFIDENCE"
+    show.colours = "NONE"
 
 
 def test_poll_says_what_is_missing():
@@ -137,24 +140,24 @@ def test_one_of_several_symmetries_can_be_chosen():
         assert detect() == {"FINISHED"}
     finally:
         preferences.property_unset("symmetries")
-    first = attribute(object.data, "symmetry_partner")
+    first = attribute(object.data, "sym_vertex")
     assert bpy.ops.intrinsic_symmetry.choose(index=2) == {"FINISHED"}
-    assert not np.array_equal(first, attribute(object.data, "symmetry_partner"))
+    assert not np.array_equal(first, attribute(object.data, "sym_vertex"))
     with pytest.raises(RuntimeError, match="no symmetry 16"):
         bpy.ops.intrinsic_symmetry.choose(index=16)
 
 
 def test_sides_can_be_exchanged_and_the_map_removed(human, mode):
-    before = attribute(human.data, "symmetry_side")
+    before = attribute(human.data, "sym_side")
     enter(mode)
     assert bpy.ops.intrinsic_symmetry.exchange_sides() == {"FINISHED"}
     enter("OBJECT")
-    assert np.array_equal(attribute(human.data, "symmetry_side"), -before)
+    assert np.array_equal(attribute(human.data, "sym_side"), -before)
     enter(mode)
     assert bpy.ops.intrinsic_symmetry.select_line() == {"FINISHED"}  # the map is still accepted
     assert bpy.ops.intrinsic_symmetry.clear() == {"FINISHED"}
     enter("OBJECT")
-    assert not [a.name for a in human.data.attributes if a.name.startswith("symmetry_")]
+    assert not [a.name for a in human.data.attributes if a.name.startswith("sym_")]
     assert not bpy.ops.intrinsic_symmetry.clear.poll()
 
 

@@ -60,7 +60,7 @@ def test_wrong_signs_spoil_the_map_and_right_ones_rescue_it(studied, truth):
         mesh.intrinsic_symmetry_eigenfunction = number
         ops.judge(judgement=judgement)
     assert ops.detect() == {"FINISHED"}
-    assert np.array_equal(attribute(mesh, "symmetry_partner"), truth)
+    assert np.array_equal(attribute(mesh, "sym_vertex"), truth)
     assert ops.forget_judgements() == {"FINISHED"}
     assert module("labels").known_signs(mesh) == []
 

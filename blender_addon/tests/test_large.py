@@ -33,7 +33,7 @@ def test_a_large_mesh():
     assert count > 100_000
     before = _megabytes()
     assert ops.detect() == {"FINISHED"}
-    partner = attribute(object.data, "symmetry_partner")
+    partner = attribute(object.data, "sym_vertex")
     assert np.array_equal(partner[partner], np.arange(count))  # the connectivity is mirrored
     object.vertex_groups.new(name="Arm.L").add(np.flatnonzero(_side(object) == 1).tolist(), 1, "ADD")
     start = time.perf_counter()
@@ -46,8 +46,8 @@ def test_a_large_mesh():
 
 
 def _weights(object, name):
-    return module("ops_vertex_groups").read_weights(object)[:, object.vertex_groups[name].index]
+    return module("weights").read_weights(object)[:, object.vertex_groups[name].index]
 
 
 def _side(object):
-    return attribute(object.data, "symmetry_side")
+    return attribute(object.data, "sym_side")

@@ -14,17 +14,17 @@ def test_undo_and_redo():
     new_object(read_example("quadruped"), "undone")
     bpy.ops.ed.undo_push(message="before")
     detect("EXEC_DEFAULT", True)
-    assert "symmetry_partner" in bpy.data.objects["undone"].data.attributes
+    assert "sym_vertex" in bpy.data.objects["undone"].data.attributes
     bpy.ops.ed.undo()
     mesh = bpy.data.objects["undone"].data
-    assert "symmetry_partner" not in mesh.attributes and module("stored_map").RECORD not in mesh
+    assert "sym_vertex" not in mesh.attributes and module("stored_map").RECORD not in mesh
     bpy.ops.ed.redo()
     mesh = bpy.data.objects["undone"].data
     assert module("stored_map").load(mesh).partner.min() >= 0
 
 
 def test_undo_in_edit_mode(human):
-    side = attribute(human.data, "symmetry_side")
+    side = attribute(human.data, "sym_side")
     left = np.flatnonzero(side == 1)[:20]
     select(human, left)
     enter("EDIT")
@@ -131,10 +131,10 @@ def test_a_flipped_diagonal_is_noticed(quadruped):
 
 
 def test_changed_attributes_are_noticed(quadruped):
-    quadruped.data.attributes["symmetry_partner"].data[0].value = 1
+    quadruped.data.attributes["sym_vertex"].data[0].value = 1
     with pytest.raises(RuntimeError, match="changed by an edit"):
         bpy.ops.intrinsic_symmetry.select_line()
-    quadruped.data.attributes.remove(quadruped.data.attributes["symmetry_bary"])
+    quadruped.data.attributes.remove(quadruped.data.attributes["sym_bary"])
     with pytest.raises(RuntimeError, match="Detect first"):
         bpy.ops.intrinsic_symmetry.select_line()
 
@@ -164,7 +164,7 @@ def test_the_stored_map_is_the_detected_one(quadruped):
 
 def test_it_survives_saving(quadruped, tmp_path):
     file = str(tmp_path / "saved.blend")
-    before = attribute(quadruped.data, "symmetry_partner")
+    before = attribute(quadruped.data, "sym_vertex")
     lines = len(module("stored_map").fixed_lines(quadruped.data))
     name = quadruped.name
     bpy.ops.wm.save_as_mainfile(filepath=file)

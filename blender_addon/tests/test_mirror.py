@@ -18,13 +18,13 @@ def _add_group(object, name, weights):
 
 def _weights(object, name):
     column = object.vertex_groups[name].index
-    return module("ops_vertex_groups").read_weights(object)[:, column]
+    return module("weights").read_weights(object)[:, column]
 
 
 @pytest.fixture
 def bump(human):
     """(vertices,) a smooth bump on the left side, 0..1."""
-    points, side = positions(human.data), attribute(human.data, "symmetry_side")
+    points, side = positions(human.data), attribute(human.data, "sym_side")
     far = np.argmax(np.where(side == 1, points[:, 0], -np.inf))
     distance = np.linalg.norm(points - points[far], axis=1) / np.ptp(points[:, 0])
     return np.where(side == 1, np.maximum(1 - 3 * distance, 0), 0).astype(np.float32)
@@ -194,7 +194,7 @@ def test_point_attributes(human, truth, mode, kind, columns):
     enter(mode)
     assert ops.mirror_attribute(name="mine", direction="LEFT_TO_RIGHT") == {"FINISHED"}
     enter("OBJECT")
-    right = attribute(human.data, "symmetry_side") == -1
+    right = attribute(human.data, "sym_side") == -1
     after = attribute(human.data, "mine")
     assert np.allclose(after[right], before[truth][right], atol=1e-5)
     assert np.array_equal(after[~right], before[~right])
@@ -235,7 +235,7 @@ def test_face_sets_and_corner_colours(human, truth):
 def test_attributes_of_an_irregular_mesh(quadruped):
     """Exact images are points inside faces: a smooth function that is symmetric stays what it is."""
     mesh = quadruped.data
-    side = attribute(mesh, "symmetry_side")
+    side = attribute(mesh, "sym_side")
     height = positions(mesh)[:, 2]
     for domain, values in (("POINT", height), ("CORNER", height[[loop.vertex_index for loop in mesh.loops]])):
         mesh.attributes.new(domain, "FLOAT", domain)
@@ -252,6 +252,6 @@ def test_vectors_turn_with_the_surface(human, truth):
 
 
 def test_attributes_that_cannot_be_mirrored(human):
-    for name in ("position", "symmetry_partner", "nowhere"):
+    for name in ("position", "sym_vertex", "nowhere"):
         with pytest.raises(RuntimeError, match=name):
             ops.mirror_attribute(name=name)

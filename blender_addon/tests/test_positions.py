@@ -12,7 +12,7 @@ ops = bpy.ops.intrinsic_symmetry
 def _dent(object, side, depth=0.005, middle=None):
     """Pushes a patch of a side in along its normals, on the back or around a vertex; (vertices, 3) displacement."""
     mesh = object.data
-    points, sides = positions(mesh), attribute(mesh, "symmetry_side")
+    points, sides = positions(mesh), attribute(mesh, "sym_side")
     if middle is None:
         middle = np.argmax(np.where(sides == side, points[:, 1], -np.inf))
     distance = np.linalg.norm(points - points[middle], axis=1) / np.ptp(points[:, 2])
@@ -39,14 +39,14 @@ def test_symmetrize_removes_a_dent_of_the_losing_side(human, mode):
     left_over = np.linalg.norm(positions(human.data) - wanted, axis=1)
     deep = np.linalg.norm(dent, axis=1) > 0.002
     assert left_over[deep].mean() < 0.25 * np.linalg.norm(dent[deep], axis=1).mean()
-    winning = attribute(human.data, "symmetry_side") == 1
+    winning = attribute(human.data, "sym_side") == 1
     assert np.abs(positions(human.data) - whole)[winning].max() < 1e-5
 
 
 def test_symmetrize_of_a_selection_leaves_no_step_at_its_border(human):
     """A dent in a calf: the rest of the leg holds the border of what is made symmetric."""
     whole, middle = positions(human.data), 11367
-    losing = attribute(human.data, "symmetry_side")[middle]
+    losing = attribute(human.data, "sym_side")[middle]
     dent = _dent(human, losing, middle=middle)
     _move(human, dent)
     dented, size = positions(human.data), np.linalg.norm(dent, axis=1)
@@ -74,7 +74,7 @@ def test_symmetrize_works_on_the_active_shape_key(human):
     ops.symmetrize(direction="LEFT_TO_RIGHT")
     assert np.array_equal(positions(human.data), base)
     after = module("mesh_data").key_positions(human.data.shape_keys.key_blocks["Dented"])
-    right = attribute(human.data, "symmetry_side") == -1
+    right = attribute(human.data, "sym_side") == -1
     assert np.abs(after - dented)[right].max() > 0.002 and np.abs(after - dented)[~right].max() < 1e-5
 
 
@@ -88,7 +88,7 @@ def test_an_edit_is_mirrored(human, truth, mode):
     assert ops.mirror_edit() == {"FINISHED"}
     enter("OBJECT")
     moved = positions(human.data) - before
-    left = attribute(human.data, "symmetry_side") == 1
+    left = attribute(human.data, "sym_side") == 1
     assert np.abs(moved - dent)[left].max() < 1e-5
     sizes = np.linalg.norm(dent, axis=1)
     assert np.abs(np.linalg.norm(moved, axis=1)[truth] - sizes)[left].max() < 0.15 * sizes.max()
@@ -101,7 +101,7 @@ def test_an_edit_is_mirrored(human, truth, mode):
 def test_an_edit_of_uncertain_vertices_is_not_carried(quadruped):
     """Above every confidence there is nothing to change; softly, less arrives than wholly."""
     before, dent = positions(quadruped.data), _dent(quadruped, 1)
-    right = attribute(quadruped.data, "symmetry_side") == -1
+    right = attribute(quadruped.data, "sym_side") == -1
     arrived = []
     for settings in ({}, {"soft": True}, {"minimum_confidence": 1.0}):
         module("mesh_data").set_shown_positions(quadruped, before)
@@ -114,7 +114,7 @@ def test_an_edit_of_uncertain_vertices_is_not_carried(quadruped):
 
 def test_a_whole_edit_mode_session(human, truth):
     """Remember, move selected vertices with Blender's own operator, mirror: all without leaving edit mode."""
-    side = attribute(human.data, "symmetry_side")
+    side = attribute(human.data, "sym_side")
     left = np.flatnonzero(side == 1)[:30]
     select(human, left)
     enter("EDIT")
@@ -122,7 +122,7 @@ def test_a_whole_edit_mode_session(human, truth):
     bpy.ops.transform.translate(value=(0, 0, 0.01))
     assert ops.mirror_edit(direction="LEFT_TO_RIGHT") == {"FINISHED"}
     enter("OBJECT")
-    before = attribute(human.data, "symmetry_remembered")
+    before = attribute(human.data, "sym_remembered")
     assert np.allclose(before, positions(human.data), atol=1e-5)
 
 

@@ -11,7 +11,7 @@ ops = bpy.ops.intrinsic_symmetry
 
 def _patch(object, count=200):
     """Vertices of the left side, a connected patch around the outermost one."""
-    side = attribute(object.data, "symmetry_side")
+    side = attribute(object.data, "sym_side")
     points = module("mesh_data").positions(object.data)
     far = int(np.argmax(np.where(side == 1, points[:, 0], -np.inf)))
     return np.argsort(np.linalg.norm(points - points[far], axis=1))[:count]
@@ -97,7 +97,7 @@ def test_uvs_of_an_irregular_mesh(quadruped):
     mesh = quadruped.data
     mesh.uv_layers.new(name="UVMap")
     bpy.context.tool_settings.use_uv_select_sync = False
-    side = attribute(mesh, "symmetry_side")
+    side = attribute(mesh, "sym_side")
     left = [face.index for face in mesh.polygons if (side[list(face.vertices)] == 1).all()]
     _select_uvs(mesh, left)
     ops.select_uv()
@@ -121,7 +121,7 @@ def test_uvs_need_a_map_and_a_selection(human):
 def test_confidence(human):
     select(human, _patch(human))
     ops.select(minimum_confidence=1.0)
-    confidence = attribute(human.data, "symmetry_confidence")
+    confidence = attribute(human.data, "sym_confidence")
     assert (confidence[selected(human)] >= 1.0).all()
 
 
@@ -163,7 +163,7 @@ def test_a_line_has_no_faces(human):
 
 
 def test_growing_to_the_line(human, mode):
-    side = attribute(human.data, "symmetry_side")
+    side = attribute(human.data, "sym_side")
     select(human, _patch(human, 10))
     enter(mode)
     assert ops.select_to_line() == {"FINISHED"}

@@ -43,7 +43,7 @@ def test_colours(human, mode):
     enter(mode)
     shape = _shape(human)
     colours = module("overlay_data").surface_colours(shape, human, "SIDE")
-    side = shape.attributes["symmetry_side"]
+    side = shape.attributes["sym_side"]
     assert len(np.unique(colours, axis=0)) == 3 and (colours[side == 1] == colours[side == 1][0]).all()
     confidence = module("overlay_data").confidence_colours(np.array([0.0, 1.0]))
     assert confidence[0, 0] > confidence[0, 2] and confidence[1, 2] > confidence[1, 0]

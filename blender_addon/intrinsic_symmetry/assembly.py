@@ -1,0 +1,217 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A character of several objects, with one map over all of them.
+
+The tools work on one mesh. So the objects are joined into a temporary one, the tool works on that, and what it changed
+is given back to each object: attributes (the map and the selection among them), weights, shape keys, positions. Each
+object keeps its own share of the map, in the numbers of the joined mesh; its record names all the objects.
+"""
+
+from contextlib import contextmanager
+
+import bpy
+import numpy as np
+
+from . import made_key, mesh_data, stored_map
+from .stored_map import RECORD
+from .weights import SMALLEST, read_weights, write_weights
+
+#: INT attribute of each domain of the joined mesh: number of the element, counted through all objects.
+_NUMBER = "sym_number"
+_DOMAINS = {"POINT": "vertices", "EDGE": "edges", "FACE": "polygons", "CORNER": "loops"}
+#: Displacement below which a key does not move a vertex, as a share of the size.
+_STILL = 1e-6
+#: Not given back: positions are by themselves, and the joined mesh has other materials.
+_NOT_GIVEN = {"position", ".edge_verts", ".corner_vert", ".corner_edge", "material_index"}
+
+
+def members_of(object):
+    """The objects that share the object's map: itself alone, if it has a map of its own or none. Raises MeshProblem
+    where one is missing."""
+    record = object.data.get(RECORD)
+    if record is None or "members" not in record:
+        return [object]
+    names, there = list(record["members"].values()), bpy.context.view_layer.objects
+    missing = [name for name in names if name not in there]
+    if missing:
+        raise mesh_data.MeshProblem(f'The symmetry spans several objects, and "{missing[0]}" is missing: Detect again')
+    if object.name not in names:
+        raise mesh_data.MeshProblem("The symmetry is that of the objects this one was copied from: Detect again")
+    return [there[name] for name in names]
+
+
+def selected(context):
+    """The selected meshes, the active one first. Raises MeshProblem."""
+    others = [other for other in context.selected_objects if other.type == "MESH" and other != context.active_object]
+    members = [context.active_object, *others]
+    if len({member.data for member in members}) < len(members):
+        raise mesh_data.MeshProblem("Some of the selected objects share a mesh: make it single-user first")
+    if any(member.data.library for member in members):
+        raise mesh_data.MeshProblem("Some of the meshes are linked from another file: make them local first")
+    return members
+
+
+@contextmanager
+def whole(members, edited=None):
+    """One object for a tool to work on, in object mode: the object itself, or the joined ones. What was changed is
+    given back at the end, if nothing was raised. Of those not in `edited`, if that is given, nothing is selected."""
+    with joined(members, edited) as body:
+        if len(members) == 1:
+            yield body
+            return
+        before = _State(body)
+        yield body
+        after = _State(body)
+        for number, member in enumerate(members):
+            _give_back(member, _Place(body, members, number), before, after)
+        _keep_records(members, body)
+
+
+@contextmanager
+def joined(members, edited=None):
+    """The object itself, or a temporary one of all."""
+    if len(members) == 1:
+        yield members[0]
+        return
+    copies = [_numbered_copy(members, number, edited) for number in range(len(members))]
+    meshes, body = [copy.data for copy in copies], copies[0]
+    try:
+        chosen = {"selected_objects": copies, "selected_editable_objects": copies}
+        with bpy.context.temp_override(active_object=body, object=body, **chosen):
+            bpy.ops.object.join()
+        record = members[0].data.get(RECORD)
+        if record is not None:
+            body.data[RECORD] = (record["whole"] if "whole" in record else record).to_dict()
+        _choose_as(body, bpy.context.active_object)
+        yield body
+    finally:
+        for object in [object for object in bpy.data.objects if object.data in meshes]:
+            bpy.data.objects.remove(object)
+        for mesh in meshes:
+            bpy.data.meshes.remove(mesh)
+
+
+def _numbered_copy(members, number, edited):
+    copy = members[number].copy()
+    copy.data = mesh = members[number].data.copy()
+    bpy.context.scene.collection.objects.link(copy)
+    for domain, elements in _DOMAINS.items():
+        numbers = _offset(members, number, elements) + np.arange(len(getattr(mesh, elements)))
+        mesh_data.write_attribute(mesh, f"{_NUMBER}_{domain.lower()}", "INT", numbers, domain)
+    if (members[0].matrix_world.inverted() @ copy.matrix_world).determinant() < 0:
+        mesh.flip_normals()  # a mirrored object would be inside out in the joined one
+    if edited is not None and members[number] not in edited:
+        for name in [name for name in mesh.attributes.keys() if name.startswith(".select_")]:
+            mesh.attributes.remove(mesh.attributes[name])
+    return copy
+
+
+def _offset(members, number, elements):
+    return sum(len(getattr(member.data, elements)) for member in members[:number])
+
+
+def _choose_as(body, active):
+    """Makes active on the joined object what is so on the active one."""
+    key, group, attribute = active.active_shape_key, active.vertex_groups.active, active.data.attributes.active
+    if key is not None:
+        body.active_shape_key_index = body.data.shape_keys.key_blocks.find(key.name)
+    if group is not None:
+        body.vertex_groups.active_index = body.vertex_groups[group.name].index
+    if attribute is not None and attribute.name in body.data.attributes:
+        body.data.attributes.active = body.data.attributes[attribute.name]
+
+
+class _Place:
+    """Where one of the objects is in the joined one."""
+
+    def __init__(self, body, members, number):
+        self.body, self.members, self._number = body, members, number
+        self._turn = np.array((members[number].matrix_world.inverted() @ body.matrix_world).to_3x3())
+
+    def rows(self, domain="POINT"):
+        """Its elements, in its own order, in the joined mesh."""
+        elements = _DOMAINS[domain]
+        order = np.argsort(mesh_data.read_attribute(self.body.data.attributes[f"{_NUMBER}_{domain.lower()}"]))
+        first = _offset(self.members, self._number, elements)
+        return order[first : first + len(getattr(self.members[self._number].data, elements))]
+
+    def turned(self, vectors):
+        """(own vertices, 3) vectors of the joined mesh in the object's own space."""
+        return vectors[self.rows()] @ self._turn.T
+
+
+class _State:
+    """What a tool may change, by name."""
+
+    def __init__(self, object):
+        self.attributes = {
+            attribute.name: (attribute.data_type, attribute.domain, mesh_data.read_attribute(attribute))
+            for attribute in object.data.attributes
+            if attribute.data_type in mesh_data.LAYOUTS and attribute.name not in _NOT_GIVEN
+        }
+        self.positions = mesh_data.positions(object.data)
+        columns = read_weights(object).T
+        self.weights = {group.name: columns[group.index] for group in object.vertex_groups}
+        keys = object.data.shape_keys
+        self.keys = {key.name: mesh_data.key_positions(key) for key in keys.key_blocks} if keys else {}
+
+
+def _give_back(member, place, before, after):
+    mesh = member.data
+    _give_attributes(mesh, place, before.attributes, after.attributes)
+    _give_weights(member, place.rows(), before.weights, after.weights)
+    moved = place.turned(after.positions - before.positions)
+    if moved.any():
+        points = mesh_data.positions(mesh) + moved
+        mesh.vertices.foreach_set("co", np.ascontiguousarray(points, np.float32).ravel())
+    for name in after.keys:
+        _give_key(member, place, name, before, after)
+    mesh.update()
+
+
+def _give_attributes(mesh, place, before, after):
+    for name in before.keys() - after.keys():
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
+    for name, (kind, domain, values) in after.items():
+        if name not in before or not np.array_equal(before[name][2], values):
+            own = values[place.rows(domain)]
+            if name in mesh.attributes or name.startswith("sym_") or own.any():
+                mesh_data.write_attribute(mesh, name, kind, own, domain)
+
+
+def _give_weights(member, rows, before, after):
+    moved = {name: (column - before.get(name, 0))[rows] for name, column in after.items()}
+    moved = {name: change for name, change in moved.items() if (np.abs(change) > SMALLEST).any()}
+    for name in moved:
+        if name not in member.vertex_groups:
+            member.vertex_groups.new(name=name)
+    old = read_weights(member)
+    new = old.copy()
+    for name, change in moved.items():
+        new[:, member.vertex_groups[name].index] += change
+    write_weights(member, old, new)
+
+
+def _give_key(member, place, name, before, after):
+    """Moves a key by as much as it was moved, or makes it, if it moves anything of the object."""
+    keys, points = member.data.shape_keys, after.keys[name]
+    if keys is not None and name in keys.key_blocks:
+        key, moved = keys.key_blocks[name], place.turned(points - before.keys[name])
+        if moved.any():
+            mesh_data.set_key_positions(key, mesh_data.key_positions(key) + moved)
+        return
+    model = place.body.data.shape_keys.key_blocks[name]
+    moved = place.turned(points - after.keys[model.relative_key.name])
+    if np.abs(moved).max(initial=0) > _STILL * np.abs(after.positions).max():
+        if keys is None:
+            member.shape_key_add(name=place.body.data.shape_keys.reference_key.name, from_mix=False)
+        made_key.like_another(member, model, moved, place.members)
+
+
+def _keep_records(members, body):
+    """Gives each object its record; where the tool removed the map, it is removed."""
+    for member in members:
+        if RECORD in body.data:
+            stored_map.store_share(member.data, body.data[RECORD].to_dict(), [each.name for each in members])
+        else:
+            stored_map.clear(member.data)

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A shape key that is made as the mirror image of another has its settings too: range, value, mute, relative key,
+vertex group and drivers, with left and right exchanged in names."""
+
+import re
+
+import bpy
+from intrinsym import Merge
+
+from . import mesh_data, side_names
+from .weights import read_weights, write_weights
+
+_NAMED = re.compile(r'(?<=\[")[^"]+(?="\])')
+
+
+def make(object, symmetry, name, like):
+    """The key at rest, with the settings of `like`."""
+    key = object.shape_key_add(name=name, from_mix=False)
+    keys = object.data.shape_keys
+    key.relative_key = keys.key_blocks.get(side_names.flip(like.relative_key.name), like.relative_key)
+    _copy_numbers(key, like)
+    key.vertex_group = _group(object, symmetry, like.vertex_group)
+    mesh_data.set_key_positions(key, mesh_data.key_positions(key.relative_key))
+    _copy_drivers(keys, like, key)
+    return key
+
+
+def like_another(object, like, moved, objects):
+    """A key with the settings of a key of another object, that moves each vertex by `moved`. Its drivers are those of
+    its mirror image in the first of the objects that has it."""
+    key = object.shape_key_add(name=like.name, from_mix=False)
+    blocks = object.data.shape_keys.key_blocks
+    key.relative_key = blocks.get(like.relative_key.name, object.data.shape_keys.reference_key)
+    _copy_numbers(key, like)
+    key.vertex_group = like.vertex_group
+    mesh_data.set_key_positions(key, mesh_data.key_positions(key.relative_key) + moved)
+    other = side_names.flip(like.name)
+    owners = (each.data.shape_keys for each in objects if each.data.shape_keys)
+    keys = next((keys for keys in owners if other in keys.key_blocks), None)
+    if keys is not None and other != like.name:
+        _copy_drivers(keys, keys.key_blocks[other], key)
+
+
+def _copy_numbers(key, like):
+    key.slider_max = like.slider_max
+    key.slider_min = like.slider_min
+    key.slider_max = like.slider_max  # again: the range never turns over
+    key.value, key.mute, key.interpolation = like.value, like.mute, like.interpolation
+
+
+def _group(object, symmetry, name):
+    """Name of the mirror image of a group, which is made if there is none."""
+    groups = object.vertex_groups
+    other = side_names.counterpart(name, groups.keys())
+    if name not in groups or other in groups:
+        return other if name in groups else name
+    active = groups.active_index
+    groups.new(name=other)
+    groups.active_index = active
+    before = read_weights(object)
+    after = before.copy()
+    column = before[:, [groups[name].index]]
+    after[:, groups[other].index] = symmetry.mirror_values(column, Merge.SWAP)[:, 0] * (symmetry.partner >= 0)
+    write_weights(object, before, after)
+    return other
+
+
+def _copy_drivers(keys, like, key):
+    data, owner = keys.animation_data, key.id_data
+    old, new = (f'key_blocks["{bpy.utils.escape_identifier(block.name)}"].' for block in (like, key))
+    for curve in [curve for curve in data.drivers if curve.data_path.startswith(old)] if data else []:
+        made = (owner.animation_data or owner.animation_data_create()).drivers.from_existing(src_driver=curve)
+        made.data_path = curve.data_path.replace(old, new, 1)
+        for target in (target for variable in made.driver.variables for target in variable.targets):
+            _flip(target)
+
+
+def _flip(target):
+    """Turns a driver's target to the bone or the property of the other side, where there is one."""
+    pose, other = getattr(target.id, "pose", None), side_names.flip(target.bone_target)
+    if pose is not None and other in pose.bones:
+        target.bone_target = other
+    path = _NAMED.sub(lambda match: side_names.flip(match[0]), target.data_path)
+    if path != target.data_path and target.id is not None and _leads_somewhere(target.id, path):
+        target.data_path = path
+
+
+def _leads_somewhere(owner, path):
+    try:
+        owner.path_resolve(path)
+    except ValueError:
+        return False
+    return True

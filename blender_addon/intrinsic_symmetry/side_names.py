@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Left and right in names of vertex groups, bones and shape keys, as the common rigs and programs write them.
+
+A name that speaks of both sides, such as `Eyes_L_R`, has none.
+"""
+
+import re
+
+from . import preferences
+
+#: The words of the left, and those of the right in the same place.
+_LEFT, _RIGHT = ("left", "l", "左"), ("right", "r", "右")
+
+#: How each convention writes a side; what surrounds the word tells it from the same letters elsewhere.
+_CONVENTIONS = (
+    # A word or a letter between separators, or at an end. Blender: Arm.L, l_arm, arm-Right.001. Rigify:
+    # DEF-upper_arm.L.001. Auto-Rig Pro: arm_stretch.l. Unreal: upperarm_l. VRM and VRoid: J_Bip_L_UpperArm.
+    # Source: ValveBiped.Bip01_L_UpperArm. 3ds Max: Bip01 L UpperArm. Daz Genesis 9: l_upperarm.
+    r"(?<![^\W_])(?i:left|right|[lr])(?![^\W_])",
+    # A word with a capital. Mixamo: mixamorig:LeftArm. MotionBuilder: Character1_LeftArm. ARKit: eyeBlinkLeft.
+    r"(?<![A-Z])(?:Left|Right)(?![a-z])",
+    # The beginning or the end of the whole name. Blender: leftarm, armright, ARMLEFT; not cleft, bright, upright.
+    r"^(?i:left|right)",
+    r"(?i:(?<!c)left|(?<![bf])(?<!up)right)$",
+    # A small letter before a word. Daz and Poser: lShldr, rThighBend.
+    r"(?<![^\W_])[lr](?=[A-Z])",
+    # A capital before or after a word. CAT: CATRigLArm. Others: LArm, EyeBlinkL, HandR_01.
+    r"(?<![A-Z])[LR](?=[A-Z][a-z])",
+    r"(?<=[a-z])[LR](?![A-Za-z])",
+    # A capital after a number, where an exporter took the dot away or spelt it. three.js: Palm1L. FBX: LegFBXASC046L.
+    r"(?<=\d)[LR](?![^\W_])",
+    # Japanese, as in MMD, and Chinese: 左腕, ウィンク右.
+    r"[左右]",
+)
+_ANY = re.compile("|".join(_CONVENTIONS))
+
+
+def side(name):
+    """1 for a name of the left, -1 for one of the right, 0 for one without a side."""
+    return _read(name)[0]
+
+
+def flip(name):
+    """The name of the other side; the same name where it has no side."""
+    return _read(name)[1]
+
+
+def counterpart(name, names):
+    """The name of the other side as it stands among `names`: exporters number every name (Leg_L_019 and Leg_R_022), so
+    one that differs in the last number will do, if it is the only one."""
+    other = flip(name)
+    if other == name or other in names:
+        return other
+    there, own = ([each for each in names if _plain(each) == _plain(given)] for given in (other, name))
+    return there[0] if len(there) == len(own) == 1 else other
+
+
+def _plain(name):
+    return re.sub(r"_\d+$", "", name)
+
+
+def _read(name):
+    """(side, flipped name): by the user's own words, or else by the conventions."""
+    left, right = preferences.own_side_words()
+    found = 0, name
+    if left and right:
+        found = _flipped(re.compile(f"{re.escape(left)}|{re.escape(right)}"), (left,), (right,), name)
+    return found if found[0] else _flipped(_ANY, _LEFT, _RIGHT, name)
+
+
+def _flipped(pattern, lefts, rights, name):
+    other = dict(zip(lefts + rights, rights + lefts))
+    sides = set()
+
+    def exchange(match):
+        word = match[0] if match[0] in other else match[0].lower()
+        sides.add(1 if word in lefts else -1)
+        return other[word] if word == match[0] else _with_capitals_of(match[0], other[word])
+
+    flipped = pattern.sub(exchange, name)
+    return (sides.pop(), flipped) if len(sides) == 1 else (0, name)
+
+
+def _with_capitals_of(model, word):
+    return word.upper() if model.isupper() else word.capitalize()

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What shape keys keep when others, or their basis, are mirrored."""
+
+import bpy
+import numpy as np
+import pytest
+from conftest import attribute, module, positions, said
+
+ops = bpy.ops.intrinsic_symmetry
+
+
+def _normals(mesh):
+    normals = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("normal", normals)
+    return normals.reshape(-1, 3)
+
+
+@pytest.fixture
+def swelling(human):
+    """(vertices, 3) a swelling of the outermost part of the left side."""
+    points, side = positions(human.data), attribute(human.data, "sym_side")
+    far = np.argmax(np.where(side == 1, points[:, 0], -np.inf))
+    distance = np.linalg.norm(points - points[far], axis=1) / np.ptp(points[:, 0])
+    return 0.01 * np.where(side == 1, np.maximum(1 - 3 * distance, 0), 0)[:, None] * _normals(human.data)
+
+
+def _key(object, name, displacement, relative_to=None):
+    if object.data.shape_keys is None:
+        object.shape_key_add(name="Basis")
+    key = object.shape_key_add(name=name)
+    if relative_to:
+        key.relative_key = object.data.shape_keys.key_blocks[relative_to]
+    base = module("mesh_data").key_positions(key.relative_key)
+    module("mesh_data").set_key_positions(key, base + displacement)
+    object.active_shape_key_index = object.data.shape_keys.key_blocks.find(name)
+    return key
+
+
+def _moved(object, name):
+    """(vertices, 3) displacement of a key; nothing without such a key."""
+    key = object.data.shape_keys.key_blocks[name]
+    base = module("mesh_data").key_positions(key.relative_key)
+    return module("mesh_data").key_positions(key).astype(float) - base
+
+
+def _size(object, name):
+    return np.abs(_moved(object, name)).max()
+
+
+@pytest.mark.parametrize("tool", ["symmetrize", "mirror_edit"])
+def test_other_keys_keep_their_offsets_when_the_basis_is_edited(human, swelling, tool):
+    random = 0.01 * np.random.default_rng(0).normal(size=swelling.shape)
+    _key(human, "Smile", random)
+    _key(human, "More", random, relative_to="Smile")
+    human.active_shape_key_index = 0
+    ops.remember()
+    basis = module("mesh_data").shown_positions(human)
+    module("mesh_data").set_shown_positions(human, basis + swelling)
+    getattr(ops, tool)(direction="LEFT_TO_RIGHT")
+    right = attribute(human.data, "sym_side") == -1
+    assert np.abs(module("mesh_data").shown_positions(human) - basis)[right].max() > 0.005
+    for name in ("Smile", "More"):
+        assert np.abs(_moved(human, name) - random).max() < 2e-6
+    assert np.abs(positions(human.data) - module("mesh_data").shown_positions(human)).max() == 0
+
+
+def test_what_is_remembered_on_one_key_is_not_mirrored_on_another(human, swelling):
+    _key(human, "Smile", swelling)
+    _key(human, "Frown", -swelling)
+    ops.remember()
+    human.active_shape_key_index = 1
+    with pytest.raises(RuntimeError, match="Remember Shape"):
+        ops.mirror_edit()
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(RuntimeError, match="another shape key"):
+        ops.mirror_edit()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    human.active_shape_key_index = 2
+    assert ops.mirror_edit() == {"FINISHED"}
+    ops.clear()
+    assert not [name for name in human.data.attributes.keys() if name.startswith("sym_")]
+
+
+@pytest.mark.parametrize("active", ["Smile.L", "Smile.R"])
+@pytest.mark.parametrize("direction", ["LEFT_TO_RIGHT", "RIGHT_TO_LEFT", "AVERAGE"])
+def test_an_empty_key_does_not_erase_its_counterpart(human, swelling, active, direction):
+    for name, displacement in (("Smile.L", swelling), ("Smile.R", 0 * swelling)):
+        _key(human, name, displacement)
+    human.active_shape_key_index = human.data.shape_keys.key_blocks.find(active)
+    ops.mirror_shape_keys(direction=direction)
+    assert np.abs(_moved(human, "Smile.L") - swelling).max() < 1e-6 and _size(human, "Smile.R") > 0.005
+
+
+@pytest.mark.parametrize("direction, left, right", [("LEFT_TO_RIGHT", 1, 1), ("RIGHT_TO_LEFT", 3, 3), ("AVERAGE", 2, 2),
+                                                    ("SWAP", 3, 1)])
+def test_the_direction_counts_for_pairs(human, swelling, direction, left, right):
+    _key(human, "Smile.L", swelling)
+    ops.mirror_shape_keys()
+    image = _moved(human, "Smile.R")
+    right_key = human.data.shape_keys.key_blocks["Smile.R"]
+    module("mesh_data").set_key_positions(right_key, positions(human.data) + 3 * image)
+    ops.mirror_shape_keys(direction=direction)
+    for name, wanted in (("Smile.L", left * swelling), ("Smile.R", right * image)):
+        assert np.abs(_moved(human, name) - wanted).max() < 0.15 * 0.01 * 3
+
+
+def test_keys_without_a_known_side_are_left_alone(human, swelling, capfd):
+    _key(human, "Sonrisa_izq", swelling)
+    ops.mirror_shape_keys(direction="SWAP", exchange_names=False)
+    image = _moved(human, "Sonrisa_izq")
+    _key(human, "Sonrisa_der", swelling)
+    text = said(capfd, ops.mirror_shape_keys, all_keys=True, direction="LEFT_TO_RIGHT")
+    assert "Sonrisa_izq" in text and "Sonrisa_der" in text
+    assert np.array_equal(_moved(human, "Sonrisa_izq"), image)
+    assert np.abs(_moved(human, "Sonrisa_der") - swelling).max() < 1e-6
+
+
+def _rig():
+    rig = bpy.data.objects.new("rig", bpy.data.armatures.new("rig"))
+    bpy.context.scene.collection.objects.link(rig)
+    active = bpy.context.view_layer.objects.active
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    for name in ("jaw.L", "jaw.R"):
+        rig.data.edit_bones.new(name).tail = (0, 0, 1)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.objects.active = active
+    for name in ("smile_L", "smile_R"):
+        rig[name] = 0.5
+    return rig
+
+
+def _drive(key, rig):
+    driver = key.driver_add("value").driver
+    driver.expression = "bone + own"
+    bone, own = driver.variables.new(), driver.variables.new()
+    bone.name, bone.type = "bone", "TRANSFORMS"
+    bone.targets[0].id, bone.targets[0].bone_target = rig, "jaw.L"
+    own.name, own.targets[0].id, own.targets[0].data_path = "own", rig, '["smile_L"]'
+
+
+def test_a_made_key_has_the_settings_of_its_model(human, swelling, truth):
+    _key(human, "Base.L", swelling)
+    _key(human, "Base.R", 0 * swelling)
+    key = _key(human, "Smile.L", swelling, relative_to="Base.L")
+    key.slider_max, key.slider_min, key.mute, key.value = 3, 2, True, 2.5
+    group = human.vertex_groups.new(name="Mouth.L")
+    inside = np.flatnonzero(np.abs(swelling).max(axis=1))
+    group.add(inside.tolist(), 0.5, "REPLACE")
+    key.vertex_group = "Mouth.L"
+    _drive(key, _rig())
+    ops.mirror_shape_keys()
+    made = human.data.shape_keys.key_blocks["Smile.R"]
+    assert (made.slider_min, made.slider_max, made.mute) == (2, 3, True)
+    assert made.vertex_group == "Mouth.R" and made.relative_key.name == "Base.R"
+    weights = module("weights").read_weights(human)[:, human.vertex_groups["Mouth.R"].index]
+    assert np.array_equal(np.flatnonzero(weights), np.sort(truth[inside]))
+    driver = {curve.data_path: curve.driver for curve in human.data.shape_keys.animation_data.drivers}[
+        'key_blocks["Smile.R"].value'
+    ]
+    assert driver.expression == "bone + own"
+    assert driver.variables["bone"].targets[0].bone_target == "jaw.R"
+    assert driver.variables["own"].targets[0].data_path == '["smile_R"]'
+    assert _size(human, "Smile.R") > 0.005
+
+
+def test_a_made_key_has_the_value_of_its_model(human, swelling):
+    _key(human, "Smile.L", swelling).value = 0.75
+    ops.mirror_shape_keys()
+    assert human.data.shape_keys.key_blocks["Smile.R"].value == 0.75
+
+
+def test_locked_keys_stay(human, swelling, capfd):
+    _key(human, "Smile.L", swelling)
+    _key(human, "Smile.R", 0 * swelling).lock_shape = True
+    assert "locked" in said(capfd, ops.mirror_shape_keys)
+    assert _size(human, "Smile.R") == 0
+    with pytest.raises(RuntimeError, match="locked"):
+        ops.symmetrize()

@@ -1,0 +1,294 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""No tool destroys work: names that are not understood, sides, the middle, masks."""
+
+import bpy
+import numpy as np
+import pytest
+from conftest import attribute, enter, module, new_object, positions, read_example, said, select, selected
+
+ops = bpy.ops.intrinsic_symmetry
+
+
+def _add(object, name, weights):
+    group = object.vertex_groups.new(name=name)
+    for vertex in np.flatnonzero(weights).tolist():
+        group.add((vertex,), float(weights[vertex]), "REPLACE")
+
+
+def _weights(object, name):
+    return module("weights").read_weights(object)[:, object.vertex_groups[name].index]
+
+
+def _patch(object, side, reach=0.3, beyond=False):
+    """(vertices,) 0..1 around the outermost vertex of a side; beyond the middle too, around a vertex near it."""
+    points, sides = positions(object.data), attribute(object.data, "sym_side")
+    outward = np.where(sides == side, side * points[:, 0], -np.inf)
+    middle = np.argmin(np.where(outward > 0, outward - 10 * points[:, 2], np.inf)) if beyond else outward.argmax()
+    distance = np.linalg.norm(points - points[middle], axis=1) / np.ptp(points[:, 2])
+    weights = np.maximum(reach - distance, 0) / reach
+    return np.where((sides == side) | beyond, weights, 0).astype(np.float32)
+
+
+@pytest.fixture
+def arms(human, truth):
+    """Weights of a left arm and of a right one, each another's mirror image but for a factor."""
+    left = _patch(human, 1)
+    return left, 0.5 * left[truth]
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("mixamorig:LeftArm", "mixamorig:RightArm"),
+        ("Bip01 L UpperArm", "Bip01 R UpperArm"),
+        ("J_Bip_L_UpperArm", "J_Bip_R_UpperArm"),
+        ("左腕", "右腕"),
+        ("b_LeftArm_09", "b_RightArm_012"),
+        ("lShldr", "rShldr"),
+    ],
+)
+def test_names_of_other_programs(human, truth, arms, names):
+    for name, weights in zip(names, arms):
+        _add(human, name, weights)
+    assert ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    assert np.allclose(_weights(human, names[0]), arms[0], atol=1e-6)
+    assert np.allclose(_weights(human, names[1]), arms[0][truth], atol=1e-6)
+
+
+@pytest.mark.parametrize("direction", ["LEFT_TO_RIGHT", "RIGHT_TO_LEFT", "AVERAGE", "SWAP"])
+def test_a_side_that_no_pattern_knows_is_left_alone_and_named(human, arms, direction, capfd):
+    for name, weights in zip(("brazo_izq", "brazo_der"), arms):
+        _add(human, name, weights)
+    text = said(capfd, ops.mirror_vertex_groups, direction=direction)
+    assert "brazo_izq" in text and "brazo_der" in text and "Warning" in text
+    for name, weights in zip(("brazo_izq", "brazo_der"), arms):
+        assert np.array_equal(_weights(human, name), weights)
+
+
+def test_a_lone_group_without_a_side_is_filled_but_not_emptied(human, truth, arms, capfd):
+    _add(human, "Mask", arms[0])
+    assert "Mask" in said(capfd, ops.mirror_vertex_groups, direction="RIGHT_TO_LEFT")
+    assert np.array_equal(_weights(human, "Mask"), arms[0])
+    ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT")
+    assert np.allclose(_weights(human, "Mask"), arms[0] + arms[0][truth], atol=1e-6)
+
+
+def test_a_central_group_with_a_side_in_its_name_is_left_alone(human, capfd):
+    spine = np.ones(len(human.data.vertices), np.float32)
+    _add(human, "Lumbar_L", spine)
+    assert "Lumbar_L" in said(capfd, ops.mirror_vertex_groups)
+    assert np.array_equal(_weights(human, "Lumbar_L"), spine) and len(human.vertex_groups) == 1
+
+
+@pytest.mark.parametrize("direction", ["LEFT_TO_RIGHT", "RIGHT_TO_LEFT", "AVERAGE"])
+def test_the_only_one_of_a_pair_is_never_erased(human, truth, arms, direction):
+    _add(human, "Arm.L", arms[0])
+    human.vertex_groups.new(name="Arm.R")  # as an armature with empty groups makes it
+    ops.mirror_vertex_groups(direction=direction)
+    assert np.array_equal(_weights(human, "Arm.L"), arms[0])
+    assert np.allclose(_weights(human, "Arm.R"), arms[0][truth], atol=1e-6)
+
+
+def test_both_groups_on_the_losing_arm_are_left_alone(human, truth, arms, capfd):
+    for name in ("Arm.L", "Arm.R"):
+        _add(human, name, arms[1])
+    assert "Arm.L" in said(capfd, ops.mirror_vertex_groups, direction="LEFT_TO_RIGHT")
+    assert np.array_equal(_weights(human, "Arm.L"), arms[1])
+    assert ops.mirror_vertex_groups(direction="RIGHT_TO_LEFT") == {"FINISHED"}
+    assert np.allclose(_weights(human, "Arm.L"), arms[1] + arms[1][truth], atol=1e-6)
+
+
+def test_the_line_takes_the_mean_and_what_spills_over_the_middle_stays(human, truth):
+    leg, line = _patch(human, 1, reach=0.1, beyond=True), attribute(human.data, "sym_side") == 0
+    right = attribute(human.data, "sym_side") == -1
+    assert (leg[line] > 0).sum() > 5 and (leg[right] > 0).sum() > 20
+    _add(human, "Leg.L", leg)
+    ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT")
+    found = _weights(human, "Leg.L"), _weights(human, "Leg.R")
+    assert np.allclose(found[0][~line], leg[~line], atol=1e-6)
+    assert np.allclose(found[1][~line], leg[truth][~line], atol=1e-6)
+    assert np.allclose(found[0][line], leg[line] / 2, atol=1e-6) and np.allclose(found[0][line], found[1][line])
+
+
+def test_where_both_groups_spill_over_each_side_s_vertices_decide(human, truth):
+    leg, side = _patch(human, 1, reach=0.1, beyond=True), attribute(human.data, "sym_side")
+    other = 0.5 * leg[truth]
+    _add(human, "Leg.L", leg)
+    _add(human, "Leg.R", other)
+    ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT")
+    left, right = side == 1, side == -1
+    assert np.array_equal(_weights(human, "Leg.R")[left], other[left])
+    assert np.allclose(_weights(human, "Leg.L")[right], other[truth][right], atol=1e-6)
+    assert np.allclose(_weights(human, "Leg.R")[right], leg[truth][right], atol=1e-6)
+    mean = (leg + other)[side == 0] / 2
+    assert np.allclose(_weights(human, "Leg.L")[side == 0], mean, atol=1e-6)
+
+
+def test_normalize(human):
+    leg = _patch(human, 1, reach=0.1, beyond=True)
+    _add(human, "Leg.L", leg)
+    _add(human, "Hips", np.maximum(1 - leg, 0))
+    _add(human, "Locked", np.full(len(leg), 0.25, np.float32))
+    human.vertex_groups["Locked"].lock_weight = True
+    before = module("weights").read_weights(human)
+    ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT", normalize=True)
+    after = module("weights").read_weights(human)
+    changed = np.abs(after[:, :2] - before[:, :2]).max(axis=1) > 1e-5
+    assert changed.any() and np.allclose(after[changed].sum(axis=1), 1, atol=1e-5)
+    assert np.array_equal(after[:, 2], before[:, 2])
+
+
+@pytest.fixture
+def facing_away():
+    """The human turned half round: its left arm is at -X, and only that is painted, or named otherwise."""
+    object = new_object(read_example("human"))
+    for vertex in object.data.vertices:
+        vertex.co.x, vertex.co.y = -vertex.co.x, -vertex.co.y
+    object.data.update()
+    points = positions(object.data)
+    return object, np.where(points[:, 0] < -0.1 * np.ptp(points[:, 0]), 1.0, 0.0).astype(np.float32)
+
+
+def _left_at_minus_x(object):
+    points, side = positions(object.data), attribute(object.data, "sym_side")
+    return points[side == 1, 0].mean() < points[side == -1, 0].mean()
+
+
+@pytest.mark.parametrize("what", ["vertex groups", "bones", "shape keys"])
+def test_left_is_where_names_say(facing_away, what):
+    object, weights = facing_away
+    if what == "vertex groups":
+        _add(object, "Arm.L", weights)
+    elif what == "shape keys":
+        object.shape_key_add(name="Basis")
+        object.shape_key_add(name="Swell.L")
+        moved = positions(object.data) + 0.01 * weights[:, None]
+        module("mesh_data").set_key_positions(object.data.shape_keys.key_blocks["Swell.L"], moved)
+    else:
+        _armature(object, weights)
+    ops.detect()
+    assert _left_at_minus_x(object)
+    assert object.data["intrinsic_symmetry"]["left_from"] == f"names of {what}"
+
+
+def _armature(object, weights):
+    armature = bpy.data.objects.new("rig", bpy.data.armatures.new("rig"))
+    bpy.context.scene.collection.objects.link(armature)
+    bpy.context.view_layer.objects.active = armature
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = armature.data.edit_bones.new("Arm.L")
+    bone.head = positions(object.data)[weights == 1].mean(axis=0)
+    bone.tail = bone.head + bone.head.normalized() * 0.01
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.objects.active = object
+    object.modifiers.new("rig", "ARMATURE").object = armature
+
+
+def test_left_is_plus_x_without_names(facing_away):
+    object, _ = facing_away
+    ops.detect()
+    assert not _left_at_minus_x(object) and object.data["intrinsic_symmetry"]["left_from"] == "+X"
+    ops.exchange_sides()
+    assert _left_at_minus_x(object) and object.data["intrinsic_symmetry"]["left_from"] == "Exchange Sides"
+
+
+def test_names_that_come_after_the_detection_count(facing_away, capfd):
+    object, weights = facing_away
+    ops.detect()
+    _add(object, "Arm.L", weights)
+    _add(object, "Arm.R", 0.1 * weights[attribute(object.data, "sym_vertex")])
+    assert "Left is now" in said(capfd, ops.mirror_vertex_groups, direction="LEFT_TO_RIGHT")
+    assert _left_at_minus_x(object)
+    left = attribute(object.data, "sym_side") == 1
+    assert np.array_equal(_weights(object, "Arm.L")[left], weights[left])
+
+
+def test_hidden_vertices_stay(human):
+    side = attribute(human.data, "sym_side")
+    hidden = np.flatnonzero(side == -1)[::2]
+    _add(human, "Spine", np.where(side == 1, 1, 0))
+    before = positions(human.data)
+    module("mesh_data").set_shown_positions(human, before + 0.01 * (side == 1)[:, None])
+    dented = positions(human.data)
+    enter("EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    enter("OBJECT")
+    module("mesh_data").write_attribute(human.data, ".hide_vert", "BOOLEAN", np.isin(np.arange(len(side)), hidden))
+    enter("EDIT")
+    ops.remember()
+    enter("OBJECT")
+    module("mesh_data").set_shown_positions(human, dented + 0.01 * (side == 1)[:, None])
+    edited = positions(human.data)
+    enter("EDIT")
+    ops.mirror_edit()
+    ops.symmetrize(direction="LEFT_TO_RIGHT")
+    ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT")
+    ops.select_line()
+    enter("OBJECT")
+    after = positions(human.data)
+    assert np.array_equal(after[hidden], edited[hidden])
+    assert np.abs(after - edited)[side == -1].max() > 0.005
+    weights = _weights(human, "Spine")
+    assert (weights[hidden] == 0).all() and weights[side == -1].max() == 1
+
+
+def test_hidden_vertices_are_not_selected(human, truth, capfd):
+    left = np.flatnonzero(attribute(human.data, "sym_side") == 1)[:500]
+    select(human, left)
+    hidden = np.isin(np.arange(len(truth)), truth[left[:250]])
+    module("mesh_data").write_attribute(human.data, ".hide_vert", "BOOLEAN", hidden)
+    enter("EDIT")
+    assert "250 vertices selected" in said(capfd, ops.select)
+    assert set(selected(human)) == set(truth[left[250:]])
+
+
+@pytest.mark.parametrize("mask", ["faces", "vertices", "sculpt"])
+def test_masks_are_respected(human, mask):
+    mesh_data, mesh = module("mesh_data"), human.data
+    side = attribute(mesh, "sym_side")
+    _add(human, "Spine", np.where(side == 1, 1, 0))
+    free = np.zeros(len(side), bool)
+    free[np.flatnonzero(side == -1)[:200]] = True
+    select(human, free)
+    if mask == "sculpt":
+        mesh_data.write_attribute(mesh, ".sculpt_mask", "FLOAT", 1.0 - free)
+    mesh.use_paint_mask, mesh.use_paint_mask_vertex = mask == "faces", mask == "vertices"
+    if mask == "faces":
+        chosen = np.array([face.select for face in mesh.polygons])
+        free[:] = False
+        free[[v for face, on in zip(mesh.polygons, chosen) if on for v in face.vertices]] = True
+    enter("SCULPT" if mask == "sculpt" else "WEIGHT_PAINT")
+    assert ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    enter("OBJECT")
+    assert np.array_equal(_weights(human, "Spine") > 0, (side == 1) | free & (side == -1))
+
+
+def test_a_sculpt_mask_lets_every_tool_do_its_share(human):
+    """Half masked: positions, attributes and keys go half the way."""
+    mesh_data, mesh, side = module("mesh_data"), human.data, attribute(human.data, "sym_side")
+    mesh_data.write_attribute(mesh, ".sculpt_mask", "FLOAT", np.full(len(side), 0.5))
+    before, results = positions(mesh), {}
+    for mode in ("OBJECT", "SCULPT"):
+        mesh_data.set_shown_positions(human, before)
+        enter(mode)
+        ops.symmetrize(direction="LEFT_TO_RIGHT")
+        enter("OBJECT")
+        results[mode] = positions(mesh) - before
+    assert np.allclose(results["SCULPT"], results["OBJECT"] / 2, atol=1e-5)
+    mesh_data.write_attribute(mesh, "mine", "FLOAT", (side == 1).astype(float))
+    enter("SCULPT")
+    ops.mirror_attribute(name="mine", direction="LEFT_TO_RIGHT")
+    enter("OBJECT")
+    assert np.allclose(attribute(mesh, "mine"), np.where(side == -1, 0.5, side == 1), atol=1e-5)
+    human.shape_key_add(name="Basis")
+    key = human.shape_key_add(name="Swell.L")
+    mesh_data.set_key_positions(key, mesh_data.key_positions(key) + 0.01 * _patch(human, 1)[:, None])
+    human.active_shape_key_index = 1
+    for name in ("OBJECT", "SCULPT"):
+        enter(name)
+        ops.mirror_shape_keys()
+        enter("OBJECT")
+        made = human.data.shape_keys.key_blocks["Swell.R"]
+        results[name] = mesh_data.key_positions(made) - positions(mesh)
+        mesh_data.set_key_positions(made, positions(mesh))
+    assert np.abs(results["OBJECT"]).max() > 0.005 and np.allclose(results["SCULPT"], results["OBJECT"] / 2, atol=1e-5)

@@ -1,0 +1,241 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Objects that are in edit mode together, and what is said of what a tool does not touch."""
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from conftest import attribute, enter, module, new_object, positions, read_example, said, select, truth_of
+from mathutils import Matrix
+
+ops = bpy.ops.intrinsic_symmetry
+
+
+def _copy_of(object, name):
+    """Another object with a mesh and a map of its own, in the selection too."""
+    other = bpy.data.objects.new(name, object.data.copy())
+    bpy.context.scene.collection.objects.link(other)
+    other.select_set(True)
+    return other
+
+
+def test_objects_in_edit_mode_are_all_worked_on(human, truth):
+    other = _copy_of(human, "other")
+    left = np.flatnonzero(attribute(human.data, "sym_side") == 1)
+    chosen = {human: left[:20], other: left[40:70]}
+    for object, vertices in chosen.items():
+        select(object, vertices)
+    enter("EDIT")
+    assert ops.select() == {"FINISHED"}
+    assert human.mode == other.mode == "EDIT"
+    enter("OBJECT")
+    for object, vertices in chosen.items():
+        assert set(np.flatnonzero(module("mesh_data").selected_vertices(object.data))) == set(truth[vertices])
+
+
+def select_again(object, vertices):
+    enter("OBJECT")
+    select(object, vertices)
+    enter("EDIT")
+
+
+def test_a_selection_in_one_object_spares_the_others(human, capfd):
+    other = _copy_of(human, "other")
+    for object in (human, other):
+        left = np.flatnonzero(attribute(object.data, "sym_side") == 1)
+        object.vertex_groups.new(name="Arm.L").add(left.tolist(), 1, "ADD")
+        select(object, [])
+    left = np.flatnonzero(attribute(human.data, "sym_side") == 1)[:30]
+    select(human, left)
+    enter("EDIT")
+    assert "Nothing is selected" not in said(capfd, ops.select_to_line)
+    select_again(human, left)
+    ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT")
+    enter("OBJECT")
+    counts = [np.count_nonzero(module("weights").read_weights(object)[:, 1]) for object in (human, other)]
+    assert counts == [30, 0]
+
+
+def test_an_object_without_a_map_is_named_and_the_others_are_done(human, capfd):
+    bare = new_object(read_example("quadruped"), "bare")
+    human.select_set(True)
+    bpy.context.view_layer.objects.active = human
+    select(human, [0])
+    select(bare, [0])
+    enter("EDIT")
+    text = said(capfd, ops.select)
+    assert "bare: Detect the symmetry first" in text and f"{human.name}: 1 vertices selected" in text
+    assert human.mode == bare.mode == "EDIT"
+
+
+def test_what_is_not_touched_is_said(quadruped, capfd):
+    text = said(capfd, ops.symmetrize, minimum_confidence=0.9)
+    share = (attribute(quadruped.data, "sym_confidence") < 0.9).mean()
+    assert 0.01 < share < 1
+    assert f"{share:.1%} of the vertices have no mirror image, or none certain enough, and are not touched" in text
+    assert "not touched" not in said(capfd, ops.symmetrize)
+
+
+def _shell_numbers(mesh):
+    """(vertices,) a number of each vertex's shell."""
+    numbers, ends = np.arange(len(mesh.vertices)), module("mesh_data").edges(mesh)
+    while True:
+        least = numbers[ends].min(axis=1)
+        before = numbers.copy()
+        np.minimum.at(numbers, ends[:, 0], least)
+        np.minimum.at(numbers, ends[:, 1], least)
+        if np.array_equal(before, numbers):
+            return numbers
+
+
+def _part(mesh, name, kept):
+    """An object of some of the vertices."""
+    object = bpy.data.objects.new(name, mesh.copy())
+    bpy.context.scene.collection.objects.link(object)
+    data = bmesh.new()
+    data.from_mesh(object.data)
+    data.verts.ensure_lookup_table()
+    bmesh.ops.delete(data, geom=[data.verts[index] for index in np.flatnonzero(~kept)], context="VERTS")
+    data.to_mesh(object.data)
+    data.free()
+    return object
+
+
+@pytest.fixture
+def parts():
+    """A head's paired shells, eyes and lashes, as objects of their own, the left ones a mirrored and moved object; with
+    the body, which is active, they share one map. Also the true mirror image of each left vertex among the right ones.
+    """
+    mesh, truth = read_example("human_shells"), truth_of("human_shells")
+    shells = _shell_numbers(mesh)
+    paired = shells != shells[truth]
+    is_left = shells < shells[truth]
+    is_right = paired & ~is_left
+    body, left, right = (_part(mesh, *part) for part in (("body", ~paired), ("left", is_left), ("right", is_right)))
+    turn = Matrix.Translation((3, 0, 0)) @ Matrix.Rotation(0.5, 4, "Z") @ Matrix.Scale(-1, 4, (1, 0, 0))
+    left.data.transform(turn.inverted())
+    left.data.flip_normals()
+    left.matrix_world = turn
+    for object in (body, left, right):
+        object.select_set(True)
+    bpy.context.view_layer.objects.active = body
+    bpy.context.view_layer.update()
+    assert ops.detect(together=True) == {"FINISHED"}
+    return body, left, right, np.cumsum(is_right)[truth[is_left]] - 1
+
+
+def test_several_objects_share_one_map(parts):
+    body, left, right, partner = parts
+    assert len(bpy.data.objects) == 3 and bpy.context.active_object == body
+    first = len(body.data.vertices) + len(left.data.vertices)
+    assert np.array_equal(attribute(left.data, "sym_vertex") - first, partner)
+    assert list(left.data["intrinsic_symmetry"]["members"].values()) == ["body", "left", "right"]
+
+
+def test_selections_go_across_objects(parts):
+    body, left, right, partner = parts
+    for object, vertices in ((body, []), (left, np.arange(20)), (right, np.arange(len(partner)))):
+        select(object, vertices)
+    right.select_set(False)  # what is selected in an object that is not edited does not count
+    enter("EDIT")
+    assert ops.select() == {"FINISHED"}
+    assert body.mode == left.mode == "EDIT" and right.mode == "OBJECT"
+    enter("OBJECT")
+    found = [np.flatnonzero(module("mesh_data").selected_vertices(object.data)) for object in (body, left, right)]
+    assert not len(found[0]) and not len(found[1]) and set(found[2]) == set(partner[:20])
+
+
+def test_weights_go_across_objects_and_materials_stay(parts):
+    body, left, right, partner = parts
+    for object, count in ((body, 1), (left, 3), (right, 2)):
+        for number in range(count):
+            object.data.materials.append(bpy.data.materials.new(f"{object.name}{number}"))
+        object.data.polygons.foreach_set("material_index", np.full(len(object.data.polygons), count - 1))
+    left.vertex_groups.new(name="Eye.L").add(list(range(100)), 0.5, "ADD")
+    bpy.context.view_layer.objects.active = left
+    assert ops.mirror_vertex_groups() == {"FINISHED"}
+    assert [group.name for group in right.vertex_groups] == ["Eye.R"] and not body.vertex_groups
+    assert set(np.flatnonzero(module("weights").read_weights(right)[:, 0])) == set(partner[:100])
+    assert [group.name for group in left.vertex_groups] == ["Eye.L"]
+    for object, count in ((body, 1), (left, 3), (right, 2)):
+        assert {face.material_index for face in object.data.polygons} == {count - 1}
+        assert len(object.data.materials) == count
+
+
+def _normals(object):
+    return np.array([vertex.normal for vertex in object.data.vertices])
+
+
+def _swell(object, name, vertices, size):
+    """A key that moves vertices along their normals."""
+    if object.data.shape_keys is None:
+        object.shape_key_add(name="Basis")
+    key = object.shape_key_add(name=name)
+    inside = np.isin(np.arange(len(object.data.vertices)), vertices)[:, None]
+    swollen = positions(object.data) + size * np.where(inside, _normals(object), 0)
+    module("mesh_data").set_key_positions(key, swollen)
+    object.active_shape_key_index = object.data.shape_keys.key_blocks.find(name)
+    bpy.context.view_layer.objects.active = object
+    return key
+
+
+def _outward(object, name):
+    """(vertices,) how far a key moves each vertex along its normal."""
+    moved = module("mesh_data").key_positions(object.data.shape_keys.key_blocks[name]) - positions(object.data)
+    return np.einsum("vx,vx->v", moved, _normals(object))
+
+
+def test_keys_go_across_objects_both_ways(parts):
+    body, left, right, partner = parts
+    before, size = positions(right.data), 0.1 * np.ptp(positions(left.data)[:100], axis=0).max()
+    swell = _swell(left, "Swell.L", np.arange(100), size)
+    swell.slider_max = 2
+    swell.driver_add("value").driver.expression = "0.5"
+    assert ops.mirror_shape_keys() == {"FINISHED"}
+    outward = _outward(right, "Swell.R")
+    assert np.allclose(outward[partner[:100]], size, rtol=0.1) and np.abs(outward[partner[100:]]).max() < 0.01 * size
+    made = right.data.shape_keys.key_blocks["Swell.R"]
+    assert made.slider_max == 2 and np.array_equal(positions(right.data), before)
+    drivers = right.data.shape_keys.animation_data.drivers
+    assert [(curve.data_path, curve.driver.expression) for curve in drivers] == [('key_blocks["Swell.R"].value', "0.5")]
+    assert "Swell.R" not in left.data.shape_keys.key_blocks and body.data.shape_keys is None
+    _swell(right, "Frown.R", partner[:100], size)
+    assert ops.mirror_shape_keys() == {"FINISHED"}
+    assert np.allclose(_outward(left, "Frown.L")[:100], size, rtol=0.1)
+
+
+def test_positions_go_across_objects_and_the_map_can_be_removed(parts):
+    body, left, right, partner = parts
+    before = [positions(object.data) for object in (body, left, right)]
+    ops.remember()
+    moved = before[1] + 0.01 * (np.arange(len(before[1])) < 100)[:, None]
+    module("mesh_data").set_shown_positions(left, moved)
+    assert ops.mirror_edit() == {"FINISHED"}
+    change = np.linalg.norm(positions(right.data) - before[2], axis=1)
+    assert np.allclose(change[partner[:50]], 0.01 * 3**0.5, rtol=0.1)
+    assert np.array_equal(positions(body.data), before[0])
+    bpy.context.view_layer.objects.active = right
+    assert ops.exchange_sides() == {"FINISHED"}
+    assert left.data["intrinsic_symmetry"]["left_from"] == "Exchange Sides"
+    assert ops.clear() == {"FINISHED"}
+    assert not [name for part in parts[:3] for name in part.data.attributes.keys() if name.startswith("sym_")]
+
+
+def test_a_missing_object_is_named(parts):
+    body, left, right, _ = parts
+    right.name = "elsewhere"
+    with pytest.raises(RuntimeError, match='"right" is missing: Detect again'):
+        ops.exchange_sides()
+    assert len(bpy.data.objects) == 3
+    assert ops.detect() == {"FINISHED"}  # of the one alone
+    assert ops.exchange_sides() == {"FINISHED"}
+
+
+def test_a_copy_does_not_change_its_originals(parts):
+    body, left, right, _ = parts
+    copy = _copy_of(left, "copy")
+    bpy.context.view_layer.objects.active = copy
+    before = attribute(left.data, "sym_side")
+    with pytest.raises(RuntimeError, match="copied from: Detect again"):
+        ops.exchange_sides()
+    assert np.array_equal(attribute(left.data, "sym_side"), before)

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Left and right in names."""
+
+import bpy
+import pytest
+from conftest import module
+
+PAIRS = {
+    "Blender": [("Arm.L", "Arm.R"), ("l_arm", "r_arm"), ("arm-Left.001", "arm-Right.001"), ("leftarm", "rightarm"),
+                ("ARMLEFT", "ARMRIGHT"), ("arm.l.003", "arm.r.003"), ("L arm", "R arm")],
+    "Mixamo": [("mixamorig:LeftArm", "mixamorig:RightArm"), ("mixamorig1:LeftHand", "mixamorig1:RightHand")],
+    "VRM": [("J_Bip_L_UpperArm", "J_Bip_R_UpperArm"), ("Fcl_EYE_Close_L", "Fcl_EYE_Close_R")],
+    "Unreal": [("upperarm_twist_01_l", "upperarm_twist_01_r"), ("ik_hand_l", "ik_hand_r")],
+    "Source": [("ValveBiped.Bip01_L_UpperArm", "ValveBiped.Bip01_R_UpperArm")],
+    "3ds Max": [("Bip01 L UpperArm", "Bip01 R UpperArm"), ("CATRigLArmPalm", "CATRigRArmPalm")],
+    "Daz": [("lShldr", "rShldr"), ("lThighBend", "rThighBend"), ("l_upperarm", "r_upperarm")],
+    "Rigify": [("DEF-upper_arm.L.001", "DEF-upper_arm.R.001"), ("DEF-ear.L_master", "DEF-ear.R_master"),
+               ("DEF-lid.B.L", "DEF-lid.B.R")],
+    "Auto-Rig Pro": [("arm_stretch.l", "arm_stretch.r"), ("c_index1_base.l", "c_index1_base.r")],
+    "MMD": [("左腕", "右腕"), ("左足ＩＫ", "右足ＩＫ"), ("腕.L", "腕.R"), ("左ひじ.L", "右ひじ.R"),
+            ("まばたき左", "まばたき右")],
+    "others": [("eyeBlinkLeft", "eyeBlinkRight"), ("EyeBlinkL", "EyeBlinkR"), ("LArm", "RArm"), ("left", "right"),
+               ("Palm1L", "Palm1R"), ("f_indexFBXASC04601FBXASC046L", "f_indexFBXASC04601FBXASC046R")],
+}
+WITHOUT = ["Spine", "Eyes_L_R", "LeftRight", "左右", "chin_cleft", "Bright", "upright", "Control", "RGB", "LOD0",
+           "IKLeg", "root.x", "roll", "RealLife", "lip", "Tail", "ball", "L1", "Fur"]
+
+
+@pytest.mark.parametrize("convention", PAIRS)
+def test_both_ways(convention):
+    side_names = module("side_names")
+    for left, right in PAIRS[convention]:
+        assert (side_names.flip(left), side_names.flip(right)) == (right, left)
+        assert (side_names.side(left), side_names.side(right)) == (1, -1)
+
+
+@pytest.mark.parametrize("pair", PAIRS["Blender"])
+def test_blender_says_the_same(pair):
+    assert bpy.utils.flip_name(pair[0]) == pair[1] == module("side_names").flip(pair[0])
+
+
+def test_names_without_a_side():
+    side_names = module("side_names")
+    assert [name for name in WITHOUT if side_names.side(name) or side_names.flip(name) != name] == []
+
+
+def test_words_of_one_s_own():
+    side_names = module("side_names")
+    preferences = bpy.context.preferences.addons[module("preferences").__package__].preferences
+    assert side_names.flip("brazo_izq") == "brazo_izq"
+    preferences.left_word, preferences.right_word = "_izq", "_der"
+    try:
+        assert (side_names.flip("brazo_izq"), side_names.flip("mano_der.001")) == ("brazo_der", "mano_izq.001")
+        assert side_names.side("brazo_izq") == 1 and side_names.flip("Arm.L") == "Arm.R"
+    finally:
+        preferences.left_word = preferences.right_word = ""
+
+
+def test_numbers_of_exporters_do_not_part_a_pair():
+    counterpart = module("side_names").counterpart
+    names = ["Leg_L_019", "Leg_R_022", "Arm_L_01", "Arm_L_02", "Arm_R_01", "Spine_03"]
+    found = [counterpart(name, names) for name in names]
+    assert found == ["Leg_R_022", "Leg_L_019", "Arm_R_01", "Arm_R_02", "Arm_L_01", "Spine_03"]
