@@ -22,10 +22,12 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     mirroring       which way values go, and how far
     ops_*           operators, one file for each thing that a user does
     panels          the sidebar tab Symmetry
+    menus           the tools in Blender's own menus, and a pie menu
 """
 
 from . import (
     labels,
+    menus,
     ops_attributes,
     ops_detect,
     ops_label,
@@ -56,6 +58,7 @@ _MODULES = (
     ops_attributes,
     ops_positions,
     panels,
+    menus,
 )
 
 

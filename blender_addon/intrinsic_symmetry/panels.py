@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import detection, eigenfunctions, labels, ops_detect, overlay, stored_map
+from . import detection, eigenfunctions, labels, ops_detect, overlay, preferences, stored_map
 
 
 class SymmetryPanel:
@@ -27,6 +27,9 @@ class INTRINSIC_SYMMETRY_PT_detect(SymmetryPanel, bpy.types.Panel):
             job = ops_detect.running[0]
             layout.progress(factor=job.fraction, text=f"{job.stage.capitalize()}   (Esc to cancel)")
             return
+        options = preferences.of(context)
+        if options is not None:
+            layout.row().prop(options, "effort", expand=True)
         row = layout.row(align=True)
         row.operator("intrinsic_symmetry.detect", icon="MOD_MIRROR").source = "BASE"
         row.operator_menu_enum("intrinsic_symmetry.detect", "source", text="", icon="DOWNARROW_HLT")
