@@ -20,6 +20,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     made_key        settings of a shape key that is made
     assembly        several objects with one map
     mirroring       which way values go, and how far
+    asymmetry       where the mirror image of each vertex should be
     ops_*           operators, one file for each thing that a user does
     panels          the sidebar tab Symmetry
     menus           the tools in Blender's own menus, and a pie menu
@@ -35,6 +36,7 @@ from . import (
     ops_positions,
     ops_select,
     ops_shape_keys,
+    ops_symmetrize_exact,
     ops_uv,
     ops_vertex_groups,
     overlay,
@@ -57,6 +59,7 @@ _MODULES = (
     ops_shape_keys,
     ops_attributes,
     ops_positions,
+    ops_symmetrize_exact,
     panels,
     menus,
 )
