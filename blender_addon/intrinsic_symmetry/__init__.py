@@ -20,6 +20,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     made_key        settings of a shape key that is made
     assembly        several objects with one map
     mirroring       which way values go, and how far
+    line_distance   distance from the line between left and right
     asymmetry       where the mirror image of each vertex should be
     ops_*           operators, one file for each thing that a user does
     panels          the sidebar tab Symmetry
@@ -30,12 +31,14 @@ from . import (
     labels,
     menus,
     ops_attributes,
+    ops_check,
     ops_detect,
     ops_label,
     ops_nodes,
     ops_positions,
     ops_select,
     ops_shape_keys,
+    ops_split_key,
     ops_symmetrize_exact,
     ops_uv,
     ops_vertex_groups,
@@ -54,12 +57,14 @@ _MODULES = (
     ops_label,
     ops_nodes,
     ops_select,
+    ops_check,
     ops_uv,
     ops_vertex_groups,
     ops_shape_keys,
     ops_attributes,
     ops_positions,
     ops_symmetrize_exact,
+    ops_split_key,
     panels,
     menus,
 )

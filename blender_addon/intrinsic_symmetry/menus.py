@@ -9,6 +9,8 @@ _SELECT = (
     ("select", f"Extend to Mirror Image {_POSE}", {"extend": True}),
     ("select_line", "Select Symmetry Line", {}),
     ("select_to_line", "Grow to Symmetry Line", {}),
+    ("select_unmatched", "Select Without Mirror Image", {}),
+    ("select_asymmetric", "Select Asymmetric", {}),
 )
 _SHAPE = (
     ("symmetrize_exactly", "Symmetrize Exactly", {}),
@@ -23,6 +25,8 @@ _GROUPS = (
 _KEYS = (
     ("mirror_shape_keys", f"Mirror Active Shape Key {_POSE}", {"all_keys": False}),
     ("mirror_shape_keys", f"Mirror All Shape Keys {_POSE}", {"all_keys": True}),
+    ("split_shape_key", "Split Shape Key into Left and Right", {}),
+    ("join_shape_keys", "Join Left and Right Shape Keys", {}),
 )
 _MAP = (
     ("detect", "Detect Symmetry", {}),

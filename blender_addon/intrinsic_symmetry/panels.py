@@ -82,6 +82,8 @@ class INTRINSIC_SYMMETRY_PT_select(SymmetryPanel, bpy.types.Panel):
         column.operator("intrinsic_symmetry.select", text="Extend to Both Sides").extend = True
         column.operator("intrinsic_symmetry.select_line")
         column.operator("intrinsic_symmetry.select_to_line")
+        column.operator("intrinsic_symmetry.select_unmatched")
+        column.operator_menu_enum("intrinsic_symmetry.select_asymmetric", "what")
 
 
 class INTRINSIC_SYMMETRY_PT_uv(bpy.types.Panel):
