@@ -11,6 +11,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     labels          what the network and the user say of each eigenfunction
     eigenfunctions  those that are shown in this session
     label_file      judgements as training data
+    pairs_file      pairs of vertices as files
     overlay         what is drawn over the viewport; overlay_data says what
     elements        mirror images of edges and faces
     side_names      left and right in names
@@ -35,6 +36,7 @@ from . import (
     ops_detect,
     ops_label,
     ops_nodes,
+    ops_pairs_file,
     ops_positions,
     ops_select,
     ops_shape_keys,
@@ -65,6 +67,7 @@ _MODULES = (
     ops_positions,
     ops_symmetrize_exact,
     ops_split_key,
+    ops_pairs_file,
     panels,
     menus,
 )

@@ -33,6 +33,8 @@ _MAP = (
     ("exchange_sides", "Exchange Left and Right", {}),
     ("clear", "Remove Symmetry", {}),
 )
+_EXPORT = ("export_pairs", "Symmetry Pairs (.csv/.json)", {})
+_IMPORT = ("import_pairs", "Symmetry Pairs (.csv/.json/.map)", {})
 #: A menu of Blender's to what is added at its end: operator, text, properties.
 ADDED = {
     "VIEW3D_MT_select_edit_mesh": _SELECT,
@@ -45,6 +47,8 @@ ADDED = {
     "MESH_MT_vertex_group_context_menu": _GROUPS,
     "MESH_MT_shape_key_context_menu": _KEYS,
     "MESH_MT_attribute_context_menu": (("mirror_attribute", f"Mirror Attribute {_POSE}", {}),),
+    "TOPBAR_MT_file_export": (_EXPORT,),
+    "TOPBAR_MT_file_import": (_IMPORT,),
     "IMAGE_MT_select": (
         ("select_uv", f"Select Mirror Image {_POSE}", {}),
         ("select_uv", f"Extend to Mirror Image {_POSE}", {"extend": True}),
