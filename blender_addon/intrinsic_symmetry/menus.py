@@ -47,6 +47,7 @@ ADDED = {
     "MESH_MT_vertex_group_context_menu": _GROUPS,
     "MESH_MT_shape_key_context_menu": _KEYS,
     "MESH_MT_attribute_context_menu": (("mirror_attribute", f"Mirror Attribute {_POSE}", {}),),
+    "IMAGE_MT_uvs": (("mirror_uvs", "Mirror UV Islands to the Other Side", {}),),
     "TOPBAR_MT_file_export": (_EXPORT,),
     "TOPBAR_MT_file_import": (_IMPORT,),
     "IMAGE_MT_select": (

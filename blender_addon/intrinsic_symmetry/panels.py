@@ -100,6 +100,7 @@ class INTRINSIC_SYMMETRY_PT_uv(bpy.types.Panel):
         column = self.layout.column(align=True)
         column.operator("intrinsic_symmetry.select_uv", icon="RESTRICT_SELECT_OFF")
         column.operator("intrinsic_symmetry.select_uv", text="Extend to Both Sides").extend = True
+        self.layout.operator_menu_enum("intrinsic_symmetry.mirror_uvs", "placement", icon="MOD_MIRROR")
 
 
 class INTRINSIC_SYMMETRY_PT_mirror(SymmetryPanel, bpy.types.Panel):
