@@ -30,6 +30,7 @@ _KEYS = (
 )
 _MAP = (
     ("detect", "Detect Symmetry", {}),
+    ("detect_selected", "Detect Symmetry of Selected Objects", {}),
     ("exchange_sides", "Exchange Left and Right", {}),
     ("clear", "Remove Symmetry", {}),
 )

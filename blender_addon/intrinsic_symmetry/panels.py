@@ -33,6 +33,8 @@ class INTRINSIC_SYMMETRY_PT_detect(SymmetryPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("intrinsic_symmetry.detect", icon="MOD_MIRROR").source = "BASE"
         row.operator_menu_enum("intrinsic_symmetry.detect", "source", text="", icon="DOWNARROW_HLT")
+        if len(context.selected_objects) > 1:
+            layout.operator("intrinsic_symmetry.detect_selected")
         object = context.active_object
         if object is None or object.type != "MESH":
             return
