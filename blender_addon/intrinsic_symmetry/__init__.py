@@ -21,6 +21,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     made_key        settings of a shape key that is made
     assembly        several objects with one map
     mirroring       which way values go, and how far
+    vertex_map      maps that are known vertex by vertex
     line_distance   distance from the line between left and right
     asymmetry       where the mirror image of each vertex should be
     ops_*           operators, one file for each thing that a user does
@@ -43,6 +44,7 @@ from . import (
     ops_shape_keys,
     ops_split_key,
     ops_symmetrize_exact,
+    ops_transfer,
     ops_uv,
     ops_uv_mirror,
     ops_vertex_groups,
@@ -72,6 +74,7 @@ _MODULES = (
     ops_symmetrize_exact,
     ops_split_key,
     ops_pairs_file,
+    ops_transfer,
     panels,
     menus,
 )

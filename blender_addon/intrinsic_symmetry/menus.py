@@ -34,6 +34,7 @@ _MAP = (
     ("exchange_sides", "Exchange Left and Right", {}),
     ("clear", "Remove Symmetry", {}),
 )
+_TRANSFER = ("transfer", "Transfer Keys or Weights to Selected Objects", {})
 _EXPORT = ("export_pairs", "Symmetry Pairs (.csv/.json)", {})
 _IMPORT = ("import_pairs", "Symmetry Pairs (.csv/.json/.map)", {})
 #: A menu of Blender's to what is added at its end: operator, text, properties.
@@ -48,6 +49,7 @@ ADDED = {
     "MESH_MT_vertex_group_context_menu": _GROUPS,
     "MESH_MT_shape_key_context_menu": _KEYS,
     "MESH_MT_attribute_context_menu": (("mirror_attribute", f"Mirror Attribute {_POSE}", {}),),
+    "VIEW3D_MT_make_links": (_TRANSFER,),
     "IMAGE_MT_uvs": (("mirror_uvs", "Mirror UV Islands to the Other Side", {}),),
     "TOPBAR_MT_file_export": (_EXPORT,),
     "TOPBAR_MT_file_import": (_IMPORT,),

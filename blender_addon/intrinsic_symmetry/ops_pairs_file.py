@@ -6,10 +6,8 @@ import intrinsym
 import numpy as np
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from . import asymmetry, mesh_data, pairs_file, stored_map
+from . import asymmetry, mesh_data, pairs_file, stored_map, vertex_map
 from .operator_base import MapOperator, MeshOperator
-
-_NONE = 2**32 - 1
 
 
 class INTRINSIC_SYMMETRY_OT_export_pairs(ExportHelper, MapOperator, bpy.types.Operator):
@@ -68,7 +66,7 @@ def _columns(symmetry):
         "partner": symmetry.partner,
         "confidence": symmetry.confidence,
         "side": symmetry.side,
-        **{name: np.where(values == _NONE, -1, values.astype(np.int64)) for name, values in signed.items()},
+        **{name: np.where(values == vertex_map.NONE, -1, values.astype(np.int64)) for name, values in signed.items()},
         **{f"weight_{place}": points.barycentrics[:, place] for place in range(3)},
     }
 
@@ -116,22 +114,8 @@ def _surface_points(core_mesh, columns):
     if all(name in columns for name in pairs_file.COLUMNS):
         corners = np.stack([columns[f"corner_{place}"] for place in range(3)], axis=1)
         weights = np.stack([columns[f"weight_{place}"] for place in range(3)], axis=1)
-        return intrinsym.SurfacePoints(_unsigned(columns["face"]), _unsigned(corners), weights)
-    offsets, corners = (np.asarray(part).astype(np.int64) for part in core_mesh.polygons)
-    first = np.full(core_mesh.vertex_count, -1)
-    first[corners[::-1]] = np.arange(len(corners))[::-1]
-    partner = columns["partner"]
-    place = np.where(partner < 0, -1, first[partner])
-    face = np.searchsorted(offsets, place, side="right") - 1
-    step = place - offsets[face]
-    around = [offsets[face] + (step + by) % (offsets[face + 1] - offsets[face]) for by in range(3)]
-    triangles = np.where(place[:, None] < 0, -1, np.stack([corners[one] for one in around], axis=1))
-    weights = np.where(place[:, None] < 0, 0.0, (1.0, 0.0, 0.0))
-    return intrinsym.SurfacePoints(_unsigned(np.where(place < 0, -1, face)), _unsigned(triangles), weights)
-
-
-def _unsigned(numbers):
-    return np.where(numbers < 0, _NONE, numbers).astype(np.uint32)
+        return intrinsym.SurfacePoints(vertex_map.unsigned(columns["face"]), vertex_map.unsigned(corners), weights)
+    return vertex_map.at_vertices(core_mesh, columns["partner"])
 
 
 def _sides(mesh, partner):

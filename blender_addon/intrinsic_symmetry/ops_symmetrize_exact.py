@@ -31,13 +31,13 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
     def run_with(self, symmetry, _context, object, mode):
         before = mesh_data.shown_positions(object).astype(float)
         reference = asymmetry.reference(self.about, symmetry, object.data, before)
-        inside = self.may_change(object, mode, symmetry)
+        inside = self.may_change(object, mode, symmetry).astype(float)
         after = before
         for _ in range(self.repeat):
             new = self._once(symmetry, reference, after)
-            after = np.where(inside[:, None], blend(after, new, np.full(len(after), self.strength)), after)
+            after = blend(after, new, self.strength * inside)
         mesh_data.set_shown_positions(object, after)
-        old, now = (reference.asymmetry(symmetry, points)[inside] for points in (before, after))
+        old, now = (reference.asymmetry(symmetry, points)[inside > 0] for points in (before, after))
         return f"Asymmetry {reference.in_words()}: {_mean(old)}, now {_mean(now)} of the object's size"
 
     def _once(self, symmetry, reference, positions):
