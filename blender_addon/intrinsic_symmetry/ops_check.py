@@ -8,7 +8,7 @@ from intrinsym import Merge
 from . import asymmetry, mesh_data, side_names
 from .operator_base import MapOperator
 from .ops_select import write_selection
-from .ops_vertex_groups import read_weights
+from .weights import read_weights
 
 #: So many groups are named in a report.
 _MOST_NAMES = 3

@@ -4,7 +4,7 @@
 import bpy
 import intrinsym
 
-from . import detection, mesh_data, ops_detect, preferences, stored_map
+from . import detection, left_side, mesh_data, ops_detect, preferences, stored_map
 from .operator_base import MeshOperator, sentence
 
 #: So many objects are named in the report.
@@ -137,7 +137,8 @@ class _Batch:
             self._job = detection.Job(core_mesh, self._arguments)
             return True
         symmetry, is_doubtful = known
-        stored_map.store(object.data, core_mesh, symmetry, is_doubtful)
+        left = left_side.left_of(object, symmetry.side)
+        stored_map.store(object.data, core_mesh, symmetry, is_doubtful, left)
         self.shared.append(self.left.pop(0))
         return False
 

@@ -6,7 +6,7 @@ import intrinsym
 import numpy as np
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from . import asymmetry, mesh_data, pairs_file, stored_map, vertex_map
+from . import asymmetry, left_side, mesh_data, pairs_file, stored_map, vertex_map
 from .operator_base import MapOperator, MeshOperator
 
 
@@ -53,7 +53,8 @@ class INTRINSIC_SYMMETRY_OT_import_pairs(ImportHelper, MeshOperator, bpy.types.O
         core_mesh = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
         _check(columns, about, core_mesh)
         symmetry = _restored(core_mesh, mesh, columns, about)
-        stored_map.store(mesh, core_mesh, symmetry)
+        left = (1, "the file") if "side" in columns else left_side.left_of(object, symmetry.side)
+        stored_map.store(mesh, core_mesh, symmetry, left=left)
         mesh.update()
         more = "" if "side" in columns else "; left and right are those of the mirror plane that fits best"
         return f"{np.count_nonzero(symmetry.partner >= 0):,} of {len(mesh.vertices):,} vertices have a mirror image{more}"

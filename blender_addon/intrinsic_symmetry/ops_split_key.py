@@ -3,9 +3,8 @@
 
 import bpy
 
-from . import asymmetry, line_distance, mesh_data, side_names, stored_map
+from . import asymmetry, left_side, line_distance, mesh_data, side_names, stored_map
 from .operator_base import MapOperator, MeshOperator
-from .ops_shape_keys import _new_key as new_key
 
 
 class INTRINSIC_SYMMETRY_OT_split_shape_key(MapOperator, bpy.types.Operator):
@@ -26,6 +25,7 @@ class INTRINSIC_SYMMETRY_OT_split_shape_key(MapOperator, bpy.types.Operator):
         return super().poll(context) and _has_active_key(cls, context)
 
     def run_with(self, symmetry, _context, object, _mode):
+        symmetry = left_side.agreed(self, object, symmetry)
         mesh, key = object.data, object.active_shape_key
         lines = stored_map.fixed_lines(mesh)
         if not lines:
@@ -39,7 +39,7 @@ class INTRINSIC_SYMMETRY_OT_split_shape_key(MapOperator, bpy.types.Operator):
         distance = line_distance.line_distances(mesh, lines, base, 0.5 * width)
         left = line_distance.left_shares(symmetry, distance, width)
         for suffix, share in ((".R", 1 - left), (".L", left)):
-            made = new_key(object, key.name + suffix, key)
+            made = _new_key(object, key.name + suffix, key)
             mesh_data.set_key_positions(made, base + share[:, None] * moved)
         object.active_shape_key_index = mesh.shape_keys.key_blocks.find(made.name)
         soft = int(((left > 0) & (left < 1) & moved.any(axis=1)).sum())
@@ -63,10 +63,20 @@ class INTRINSIC_SYMMETRY_OT_join_shape_keys(MeshOperator, bpy.types.Operator):
             raise mesh_data.MeshProblem(f'"{key.name}" has no key of the other side')
         _must_be_free(keys, name)
         moved = [mesh_data.key_positions(one) - mesh_data.key_positions(one.relative_key) for one in (key, other)]
-        made = new_key(object, name, key)
+        made = _new_key(object, name, key)
         mesh_data.set_key_positions(made, mesh_data.key_positions(key.relative_key) + sum(moved))
         object.active_shape_key_index = keys.key_blocks.find(made.name)
         return f"{made.name} is {key.name} and {other.name} together"
+
+
+def _new_key(object, name, like):
+    """A key with the settings of another, its value 0, since that one stays."""
+    made = object.shape_key_add(name=name, from_mix=False)
+    made.relative_key, made.interpolation, made.vertex_group = like.relative_key, like.interpolation, like.vertex_group
+    made.slider_max, made.slider_min = max(like.slider_max, made.slider_min), like.slider_min
+    made.slider_max = like.slider_max  # again: the range never turns over
+    made.value = 0
+    return made
 
 
 def _has_active_key(operator, context):

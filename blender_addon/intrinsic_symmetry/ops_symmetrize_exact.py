@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from . import asymmetry, mesh_data
+from . import asymmetry, left_side, mesh_data
 from .mirroring import MirrorProperties, blend
 from .operator_base import MapOperator
 
@@ -29,9 +29,10 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
     )
 
     def run_with(self, symmetry, _context, object, mode):
+        symmetry = left_side.agreed(self, object, symmetry)
         before = mesh_data.shown_positions(object).astype(float)
         reference = asymmetry.reference(self.about, symmetry, object.data, before)
-        inside = self.may_change(object, mode, symmetry).astype(float)
+        inside = self.may_change(object, mode, symmetry)
         after = before
         for _ in range(self.repeat):
             new = self._once(symmetry, reference, after)

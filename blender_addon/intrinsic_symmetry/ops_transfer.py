@@ -8,7 +8,7 @@ from intrinsym import Merge, SymmetryKind
 
 from . import asymmetry, mesh_data, side_names, stored_map, vertex_map
 from .operator_base import MeshOperator
-from .ops_vertex_groups import read_weights, write_weights
+from .weights import read_weights, write_weights
 
 
 class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):

@@ -6,7 +6,7 @@ import numpy as np
 from bpy_extras.mesh_utils import mesh_linked_uv_islands
 from intrinsym import Merge
 
-from . import mesh_data
+from . import left_side, mesh_data
 from .elements import corner_partners, face_partners
 from .mirroring import DIRECTIONS, MirrorProperties
 from .operator_base import MapOperator
@@ -48,6 +48,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_uvs(MirrorProperties, MapOperator, bpy.types.
         return True
 
     def run_with(self, symmetry, _context, object, mode):
+        symmetry = left_side.agreed(self, object, symmetry)
         mesh = object.data
         attribute = mesh.attributes[mesh.uv_layers.active.name]
         uvs = mesh_data.read_attribute(attribute).astype(float)

@@ -59,7 +59,7 @@ def test_weights(pair, across):
     human, other, _ = pair
     ops.transfer(what="WEIGHTS", across=across)
     side = attribute(human.data, "sym_side")
-    column = module("ops_vertex_groups").read_weights(other)[:, 0]
+    column = module("weights").read_weights(other)[:, 0]
     assert other.vertex_groups[0].name == ("Arm.R" if across else "Arm.L")
     assert np.allclose(column, np.where(side == (-1 if across else 1), 0.75, 0))
 
@@ -68,7 +68,7 @@ def test_what_is_there_stays(pair):
     human, other, _ = pair
     group = other.vertex_groups.new(name="Arm.L")
     ops.transfer(what="WEIGHTS")
-    read = module("ops_vertex_groups").read_weights
+    read = module("weights").read_weights
     assert not read(other).any()
     ops.transfer(what="KEYS")
     before = _moved(other, "Puff.L")
