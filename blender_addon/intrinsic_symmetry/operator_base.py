@@ -12,6 +12,8 @@ class MeshOperator:
     own words."""
 
     bl_options = {"REGISTER", "UNDO"}
+    #: Whether it works on the active object alone, whatever is in edit mode with it.
+    one_object = False
 
     @classmethod
     def poll(cls, context):
@@ -27,7 +29,7 @@ class MeshOperator:
 
     def execute(self, context):
         mode = context.active_object.mode
-        self.objects, self.warnings = mesh_data.worked_on(context), []
+        self.objects, self.warnings = mesh_data.worked_on(context)[: 1 if self.one_object else None], []
         done, problems = [], []
         with mesh_data.object_mode(context):
             for object in self.objects:

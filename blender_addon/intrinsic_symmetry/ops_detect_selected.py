@@ -17,6 +17,7 @@ class INTRINSIC_SYMMETRY_OT_detect_selected(preferences.DetectOptions, MeshOpera
 
     bl_idname = "intrinsic_symmetry.detect_selected"
     bl_label = "Detect on Selected Objects"
+    one_object = True
 
     again: bpy.props.BoolProperty(
         name="Detect Again", description="Do not use the maps that are there already", default=False

@@ -15,6 +15,7 @@ class INTRINSIC_SYMMETRY_OT_export_pairs(ExportHelper, MapOperator, bpy.types.Op
 
     bl_idname = "intrinsic_symmetry.export_pairs"
     bl_label = "Export Symmetry Pairs"
+    one_object = True
 
     file_type: bpy.props.EnumProperty(
         name="Format",
@@ -41,6 +42,7 @@ class INTRINSIC_SYMMETRY_OT_import_pairs(ImportHelper, MeshOperator, bpy.types.O
 
     bl_idname = "intrinsic_symmetry.import_pairs"
     bl_label = "Import Symmetry Pairs"
+    one_object = True
 
     filter_glob: bpy.props.StringProperty(default="*.csv;*.json;*.map", options={"HIDDEN"})
 

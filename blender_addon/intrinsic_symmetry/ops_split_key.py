@@ -21,8 +21,8 @@ class INTRINSIC_SYMMETRY_OT_split_shape_key(MapOperator, bpy.types.Operator):
     )
 
     @classmethod
-    def poll(cls, context):
-        return super().poll(context) and _has_active_key(cls, context)
+    def lacks(cls, context, object):
+        return super().lacks(context, object) or _without_active_key(object)
 
     def run_with(self, symmetry, _context, object, _mode):
         symmetry = left_side.agreed(self, object, symmetry)
@@ -53,8 +53,8 @@ class INTRINSIC_SYMMETRY_OT_join_shape_keys(MeshOperator, bpy.types.Operator):
     bl_label = "Join Left and Right Shape Keys"
 
     @classmethod
-    def poll(cls, context):
-        return super().poll(context) and _has_active_key(cls, context)
+    def lacks(cls, context, object):
+        return super().lacks(context, object) or _without_active_key(object)
 
     def run(self, _context, object, _mode):
         keys, key = object.data.shape_keys, object.active_shape_key
@@ -79,13 +79,11 @@ def _new_key(object, name, like):
     return made
 
 
-def _has_active_key(operator, context):
-    object = context.active_object
+def _without_active_key(object):
+    """Why no shape key can be worked on, or nothing."""
     keys = object.data.shape_keys
     found = keys is not None and object.active_shape_key not in (None, keys.reference_key)
-    if not found:
-        operator.poll_message_set("Choose a shape key that is not the basis")
-    return found
+    return None if found else "Choose a shape key that is not the basis"
 
 
 def _must_be_free(keys, *names):

@@ -17,6 +17,7 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
 
     bl_idname = "intrinsic_symmetry.transfer"
     bl_label = "Transfer to Selected Objects"
+    one_object = True
 
     what: bpy.props.EnumProperty(
         name="What",

@@ -39,13 +39,9 @@ class INTRINSIC_SYMMETRY_OT_mirror_uvs(MirrorProperties, MapOperator, bpy.types.
     )
 
     @classmethod
-    def poll(cls, context):
-        if not super().poll(context):
-            return False
-        if not context.active_object.data.uv_layers:
-            cls.poll_message_set("The mesh has no UV map")
-            return False
-        return True
+    def lacks(cls, context, object):
+        missing = None if object.data.uv_layers else "The mesh has no UV map"
+        return super().lacks(context, object) or missing
 
     def run_with(self, symmetry, _context, object, mode):
         symmetry = left_side.agreed(self, object, symmetry)
