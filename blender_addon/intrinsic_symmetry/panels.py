@@ -78,14 +78,16 @@ class INTRINSIC_SYMMETRY_PT_select(SymmetryPanel, bpy.types.Panel):
     bl_label = "Select"
     bl_parent_id = "INTRINSIC_SYMMETRY_PT_detect"
 
-    def draw(self, _context):
+    def draw(self, context):
         column = self.layout.column(align=True)
         column.operator("intrinsic_symmetry.select", icon="RESTRICT_SELECT_OFF")
         column.operator("intrinsic_symmetry.select", text="Extend to Both Sides").extend = True
         column.operator("intrinsic_symmetry.select_line")
         column.operator("intrinsic_symmetry.select_to_line")
         column.operator("intrinsic_symmetry.select_unmatched")
-        column.operator_menu_enum("intrinsic_symmetry.select_asymmetric", "what")
+        row = column.row()
+        row.enabled = _has_map(context)
+        row.operator_menu_enum("intrinsic_symmetry.select_asymmetric", "what")
 
 
 class INTRINSIC_SYMMETRY_PT_uv(bpy.types.Panel):
