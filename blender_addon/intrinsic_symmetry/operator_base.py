@@ -12,7 +12,7 @@ class MeshOperator:
     own words."""
 
     bl_options = {"REGISTER", "UNDO"}
-    #: Whether it works on the active object alone, whatever is in edit mode with it.
+    #: Whether it works on the active object alone, whatever is in edit mode with it or shares its map.
     one_object = False
 
     @classmethod
@@ -53,6 +53,8 @@ class MeshOperator:
         missing = self.lacks(context, object) if object != self.objects[0] else None  # `poll` saw the active one
         if missing:
             raise mesh_data.MeshProblem(missing)
+        if self.one_object:
+            return self.run(context, object, mode)
         members = assembly.members_of(object)
         if any(earlier in members for earlier in self.objects[: self.objects.index(object)]):
             return ""
