@@ -3,7 +3,6 @@
 
 import bpy
 import numpy as np
-from bpy_extras.mesh_utils import mesh_linked_uv_islands
 from intrinsym import Merge
 
 from . import left_side, mesh_data
@@ -69,10 +68,22 @@ class _Layout:
         self.mesh, self.symmetry, self.uvs = mesh, symmetry, uvs
         self.offsets, self.vertex = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
         self.face = np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
-        island_of_face = np.empty(len(mesh.polygons), np.int64)
-        for number, faces in enumerate(mesh_linked_uv_islands(mesh)):
-            island_of_face[faces] = number
-        self.island_of_face, self.island = island_of_face, island_of_face[self.face]
+        self.island = self._islands()
+        self.island_of_face = self.island[self.offsets[:-1]]
+
+    def _islands(self):
+        """(corners,) number of the UV island: faces are joined where a vertex of both has one place in the UV map."""
+        places = np.column_stack([self.vertex, np.round(self.uvs / _SAME)]).astype(np.int64)
+        point = np.unique(places, axis=0, return_inverse=True)[1].ravel()
+        island = np.arange(point.max(initial=-1) + 1)
+        while True:
+            of_face = np.minimum.reduceat(island[point], self.offsets[:-1])[self.face]
+            joined = island.copy()
+            np.minimum.at(joined, point, of_face)
+            joined = joined[joined]
+            if np.array_equal(joined, island):
+                return island[point]
+            island = joined
 
     def sources(self, losing, loser):
         """Corners of the losing side, and the UV at the mirror image of each: at the corner there, or else inside the
@@ -108,13 +119,13 @@ class _Layout:
 
     def in_place(self, corners, source):
         """The sources mirrored, each island about the line that it shares with the other side or at its old centre."""
-        placed = source.copy()
-        for island in np.unique(self.island[corners]):
-            mine = self.island[corners] == island
+        placed, islands = source.copy(), self.island[corners]
+        order = np.argsort(islands, kind="stable")
+        for mine in np.split(order, np.flatnonzero(np.diff(islands[order])) + 1):
             old, new = self.uvs[corners[mine]], source[mine]
             fixed = (self.symmetry.side[self.vertex[corners[mine]]] == 0) & (np.abs(old - new).max(axis=1) < _SAME)
             placed[mine] = _about_line(new, new[fixed]) if fixed.sum() > 1 else _about_centre(new, old)
-            placed[np.flatnonzero(mine)[fixed]] = new[fixed]
+            placed[mine[fixed]] = new[fixed]
         return placed
 
 
