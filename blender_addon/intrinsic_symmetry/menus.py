@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tools in Blender's own menus, where F3 finds them, and a pie menu. `INVOKE_DEFAULT` and the redo panel do the rest."""
+"""The tools in Blender's own menus, where F3 finds them, and a pie menu. Their options are in the redo panel."""
 
 import bpy
 

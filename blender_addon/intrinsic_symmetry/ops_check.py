@@ -73,7 +73,8 @@ class INTRINSIC_SYMMETRY_OT_select_asymmetric(MapOperator, bpy.types.Operator):
         write_selection(context, object.data, chosen.any(axis=1))
         scale = "{:.3f}" if self.what == "WEIGHTS" else "{:.2%} of the size"
         largest = scale.format(differences.max(initial=0))
-        return f"{chosen.any(axis=1).sum():,} of {len(chosen):,} vertices {of_what(chosen.sum(axis=0))}; at most {largest}"
+        counts = f"{chosen.any(axis=1).sum():,} of {len(chosen):,} vertices"
+        return f"{counts} {of_what(chosen.sum(axis=0))}; at most {largest}"
 
     def _positions(self, symmetry, object):
         points = mesh_data.shown_positions(object).astype(float)
@@ -96,7 +97,8 @@ class INTRINSIC_SYMMETRY_OT_select_asymmetric(MapOperator, bpy.types.Operator):
             raise mesh_data.MeshProblem("Choose a shape key that is not the basis")
         other = keys.key_blocks.get(side_names.flip(key.name)) or key
         base = mesh_data.key_positions(key.relative_key).astype(float)
-        moved, image = (mesh_data.key_positions(one) - mesh_data.key_positions(one.relative_key) for one in (key, other))
+        ends = ((mesh_data.key_positions(one), mesh_data.key_positions(one.relative_key)) for one in (key, other))
+        moved, image = (there - rest for there, rest in ends)
         differences = np.linalg.norm(moved - symmetry.carry_displacement(base, image, Merge.SWAP), axis=1)
         return differences / asymmetry.size(base), lambda _: f"are moved otherwise by {other.name} than by {key.name}"
 

@@ -59,7 +59,8 @@ class INTRINSIC_SYMMETRY_OT_import_pairs(ImportHelper, MeshOperator, bpy.types.O
         stored_map.store(mesh, core_mesh, symmetry, left=left)
         mesh.update()
         more = "" if "side" in columns else "; left and right are those of the mirror plane that fits best"
-        return f"{np.count_nonzero(symmetry.partner >= 0):,} of {len(mesh.vertices):,} vertices have a mirror image{more}"
+        paired = np.count_nonzero(symmetry.partner >= 0)
+        return f"{paired:,} of {len(mesh.vertices):,} vertices have a mirror image{more}"
 
 
 def _columns(symmetry):

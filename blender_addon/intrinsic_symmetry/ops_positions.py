@@ -114,7 +114,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
             raise mesh_data.MeshProblem("The shape of another shape key is remembered: Remember Shape again, then edit")
         entered = self._entered.get(object.name)
         if entered is None or np.array_equal(entered, mesh_data.shown_positions(object)):
-            raise mesh_data.MeshProblem("Nothing was edited in this mode that is remembered: Remember Shape first, then edit")
+            raise mesh_data.MeshProblem("Nothing is remembered or edited in this mode: Remember Shape first, then edit")
         return entered.astype(float)
 
 

@@ -32,7 +32,8 @@ def with_a_sword(human):
     mesh.vertices.add(3)
     mesh.vertices.foreach_set("co", np.vstack([positions(mesh)[:count], np.eye(3) + 2]).astype(np.float32).ravel())
     mesh.loops.add(3)
-    mesh.loops.foreach_set("vertex_index", [*[loop.vertex_index for loop in mesh.loops][:-3], count, count + 1, count + 2])
+    corners = [loop.vertex_index for loop in mesh.loops][:-3]
+    mesh.loops.foreach_set("vertex_index", [*corners, count, count + 1, count + 2])
     mesh.polygons.add(1)
     mesh.polygons[-1].loop_start = len(mesh.loops) - 3
     mesh.update(calc_edges=True)

@@ -19,7 +19,8 @@ def test_every_entry_is_an_operator_with_its_properties():
 def test_every_operator_is_in_a_menu_or_shows_its_own_panel():
     menus = module("menus")
     listed = {name for entries in (*menus.ADDED.values(), menus._MAP) for name, _, _ in entries}
-    found = {name[len("INTRINSIC_SYMMETRY_OT_"):] for name in dir(bpy.types) if name.startswith("INTRINSIC_SYMMETRY_OT_")}
+    begin = "INTRINSIC_SYMMETRY_OT_"
+    found = {name[len(begin) :] for name in dir(bpy.types) if name.startswith(begin)}
     of_panel = {"choose", "study", "step", "judge", "forget_judgements", "save_labels", "add_node_group"}
     assert found - of_panel <= listed
 

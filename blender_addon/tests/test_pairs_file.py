@@ -82,7 +82,8 @@ def test_files_that_are_refused(human, tmp_path, name, text, problem):
 def test_a_mesh_with_other_faces_is_refused(human, tmp_path):
     ops.export_pairs(filepath=str(tmp_path / "pairs.json"), file_type=".json")
     stored = json.loads((tmp_path / "pairs.json").read_text())
-    for changed, problem in (({"connectivity": "0" * 16}, "other faces"), ({"partner": [99999999] * stored["vertices"]}, ".")):
+    past_the_end = {"partner": [99999999] * stored["vertices"]}
+    for changed, problem in (({"connectivity": "0" * 16}, "other faces"), (past_the_end, "99999999")):
         (tmp_path / "pairs.json").write_text(json.dumps(stored | changed))
         with pytest.raises(RuntimeError, match=problem):
             ops.import_pairs(filepath=str(tmp_path / "pairs.json"))
