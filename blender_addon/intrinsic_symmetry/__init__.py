@@ -11,6 +11,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     labels          what the network and the user say of each eigenfunction
     eigenfunctions  those that are shown in this session
     label_file      judgements as training data
+    pairs_file      pairs of vertices as files
     overlay         what is drawn over the viewport; overlay_data says what
     elements        mirror images of edges and faces
     side_names      left and right in names
@@ -20,20 +21,32 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     made_key        settings of a shape key that is made
     assembly        several objects with one map
     mirroring       which way values go, and how far
+    vertex_map      maps that are known vertex by vertex
+    line_distance   distance from the line between left and right
+    asymmetry       where the mirror image of each vertex should be
     ops_*           operators, one file for each thing that a user does
     panels          the sidebar tab Symmetry
+    menus           the tools in Blender's own menus, and a pie menu
 """
 
 from . import (
     labels,
+    menus,
     ops_attributes,
+    ops_check,
     ops_detect,
+    ops_detect_selected,
     ops_label,
     ops_nodes,
+    ops_pairs_file,
     ops_positions,
     ops_select,
     ops_shape_keys,
+    ops_split_key,
+    ops_symmetrize_exact,
+    ops_transfer,
     ops_uv,
+    ops_uv_mirror,
     ops_vertex_groups,
     overlay,
     panels,
@@ -47,15 +60,23 @@ _MODULES = (
     undo,
     overlay,
     ops_detect,
+    ops_detect_selected,
     ops_label,
     ops_nodes,
     ops_select,
+    ops_check,
     ops_uv,
+    ops_uv_mirror,
     ops_vertex_groups,
     ops_shape_keys,
     ops_attributes,
     ops_positions,
+    ops_symmetrize_exact,
+    ops_split_key,
+    ops_pairs_file,
+    ops_transfer,
     panels,
+    menus,
 )
 
 

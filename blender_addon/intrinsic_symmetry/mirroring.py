@@ -8,8 +8,8 @@ from intrinsym import Merge, SymmetryKind
 from . import mesh_data
 
 DIRECTIONS = (
-    ("LEFT_TO_RIGHT", "Left to Right", "The left side wins", Merge.POSITIVE_WINS),
-    ("RIGHT_TO_LEFT", "Right to Left", "The right side wins", Merge.NEGATIVE_WINS),
+    ("LEFT_TO_RIGHT", "Left to Right", "The left side stays, the right one becomes its mirror image", Merge.POSITIVE_WINS),
+    ("RIGHT_TO_LEFT", "Right to Left", "The right side stays, the left one becomes its mirror image", Merge.NEGATIVE_WINS),
     ("AVERAGE", "Average", "Both sides take the mean", Merge.AVERAGE),
     ("SWAP", "Exchange", "Both sides take the other's", Merge.SWAP),
 )

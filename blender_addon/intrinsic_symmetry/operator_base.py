@@ -12,6 +12,8 @@ class MeshOperator:
     own words."""
 
     bl_options = {"REGISTER", "UNDO"}
+    #: Whether it works on the active object alone, whatever is in edit mode with it or shares its map.
+    one_object = False
 
     @classmethod
     def poll(cls, context):
@@ -27,7 +29,7 @@ class MeshOperator:
 
     def execute(self, context):
         mode = context.active_object.mode
-        self.objects, self.warnings = mesh_data.worked_on(context), []
+        self.objects, self.warnings = mesh_data.worked_on(context)[: 1 if self.one_object else None], []
         done, problems = [], []
         with mesh_data.object_mode(context):
             for object in self.objects:
@@ -51,6 +53,8 @@ class MeshOperator:
         missing = self.lacks(context, object) if object != self.objects[0] else None  # `poll` saw the active one
         if missing:
             raise mesh_data.MeshProblem(missing)
+        if self.one_object:
+            return self.run(context, object, mode)
         members = assembly.members_of(object)
         if any(earlier in members for earlier in self.objects[: self.objects.index(object)]):
             return ""

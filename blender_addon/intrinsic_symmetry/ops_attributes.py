@@ -22,7 +22,8 @@ def _can_be_mirrored(attribute):
 
 
 class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.types.Operator):
-    """Mirror an attribute across the symmetry: a colour, a mask, a crease, face sets, or any of your own"""
+    """Mirror an attribute across the symmetry: a color, a mask, a crease, face sets, or your own. The losing side's
+    values are replaced by those at their mirror images"""
 
     bl_idname = "intrinsic_symmetry.mirror_attribute"
     bl_label = "Mirror Attribute"

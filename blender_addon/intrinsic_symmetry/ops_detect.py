@@ -50,7 +50,7 @@ def about(symmetry):
     return f"{kind}, mean confidence {symmetry.mean_confidence:.2f}{exact}{plausible}"
 
 
-class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):
+class INTRINSIC_SYMMETRY_OT_detect(preferences.DetectOptions, MeshOperator, bpy.types.Operator):
     """Find the mirror image of every vertex, in any pose, and keep it on the mesh"""
 
     bl_idname = "intrinsic_symmetry.detect"
@@ -68,6 +68,13 @@ class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):
         description="The selected meshes are one character, with one map over all of them",
         default=False,
     )
+
+    def draw(self, _context):
+        self.layout.use_property_split = True
+        self.layout.prop(self, "source")
+        self.layout.prop(self, "use_labels")
+        self.layout.prop(self, "together")
+        preferences.draw_options(self.layout, self)
 
     def execute(self, context):
         try:
@@ -117,7 +124,7 @@ class INTRINSIC_SYMMETRY_OT_detect(MeshOperator, bpy.types.Operator):
 
     def _start(self, context):
         self._members = assembly.selected(context) if self.together else [context.active_object]
-        arguments = preferences.detect_arguments(context)
+        arguments = self.arguments(context)
         alone = len(self._members) == 1
         signs = labels.known_signs(self._members[0].data) if self.use_labels and alone else []
         if signs:

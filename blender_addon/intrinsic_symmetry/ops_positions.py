@@ -63,7 +63,8 @@ class INTRINSIC_SYMMETRY_OT_remember(MeshOperator, bpy.types.Operator):
 
 
 class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.types.Operator):
-    """Mirror what was edited since Remember Shape, in any pose"""
+    """Mirror what was edited since Remember Shape, or else since edit mode was entered, in any pose. The side that was
+    not edited takes the edit, or each loses its own to the side that wins"""
 
     bl_idname = "intrinsic_symmetry.mirror_edit"
     bl_label = "Mirror Edit"
@@ -83,6 +84,12 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
             problem = "Remember Shape first, then edit"
         return problem
 
+    def execute(self, context):
+        # In edit mode the mesh still has the shape with which that was entered.
+        edited = mesh_data.worked_on(context) if context.active_object.mode == "EDIT" else []
+        self._entered = {object.name: mesh_data.shown_positions(object) for object in edited}
+        return super().execute(context)
+
     def run_with(self, symmetry, _context, object, mode):
         before = self._remembered(object)
         edit = mesh_data.shown_positions(object).astype(float) - before
@@ -94,7 +101,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
         carried = blend(edit, carried, self.may_change(object, mode, symmetry))
         after = before + carried
         mesh_data.set_shown_positions(object, after)
-        mesh_data.update_attribute(object.data.attributes[remembered_name(object)], after)
+        if remembered_name(object) in object.data.attributes:
+            mesh_data.update_attribute(object.data.attributes[remembered_name(object)], after)
         changed = np.abs(carried - edit).max(axis=1) > 1e-7 * np.abs(before).max()
         return f"{int(changed.sum())} vertices moved; the new shape is remembered"
 
@@ -104,7 +112,10 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
             return mesh_data.read_attribute(object.data.attributes[wanted]).astype(float)
         if any(name.startswith(REMEMBERED) for name in names):
             raise mesh_data.MeshProblem("The shape of another shape key is remembered: Remember Shape again, then edit")
-        raise mesh_data.MeshProblem("No shape is remembered: Remember Shape first, then edit")
+        entered = self._entered.get(object.name)
+        if entered is None or np.array_equal(entered, mesh_data.shown_positions(object)):
+            raise mesh_data.MeshProblem("Nothing is remembered or edited in this mode: Remember Shape first, then edit")
+        return entered.astype(float)
 
 
 register, unregister = bpy.utils.register_classes_factory(

@@ -55,7 +55,7 @@ class INTRINSIC_SYMMETRY_OT_select(MapOperator, bpy.types.Operator):
     """Select the mirror image of the selected vertices, edges or faces"""
 
     bl_idname = "intrinsic_symmetry.select"
-    bl_label = "Select Symmetric"
+    bl_label = "Select Mirror Image"
 
     extend: bpy.props.BoolProperty(name="Extend", description="Keep the current selection too", default=False)
     minimum_confidence: bpy.props.FloatProperty(

@@ -18,10 +18,10 @@ def names(mesh):
 
 
 class INTRINSIC_SYMMETRY_OT_select_uv(MapOperator, bpy.types.Operator):
-    """Select the mirror image of the selected UVs (with UV Sync Selection, Select Symmetric does that)"""
+    """Select the mirror image of the selected UVs (with UV Sync Selection, Select Mirror Image does that)"""
 
     bl_idname = "intrinsic_symmetry.select_uv"
-    bl_label = "Select Symmetric UVs"
+    bl_label = "Select Mirror Image of UVs"
 
     extend: bpy.props.BoolProperty(name="Extend", description="Keep the current selection too", default=False)
 
@@ -31,7 +31,7 @@ class INTRINSIC_SYMMETRY_OT_select_uv(MapOperator, bpy.types.Operator):
         if problem is None and not object.data.uv_layers:
             problem = "The mesh has no UV map"
         if problem is None and context.tool_settings.use_uv_select_sync:
-            problem = "UV Sync Selection is on: use Select Symmetric"
+            problem = "UV Sync Selection is on: use Select Mirror Image"
         return problem
 
     def run_with(self, symmetry, _context, object, _mode):

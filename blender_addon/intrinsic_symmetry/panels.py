@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import detection, eigenfunctions, labels, ops_detect, overlay, stored_map
+from . import detection, eigenfunctions, labels, ops_detect, overlay, preferences, stored_map
 
 
 class SymmetryPanel:
@@ -27,6 +27,9 @@ class INTRINSIC_SYMMETRY_PT_detect(SymmetryPanel, bpy.types.Panel):
             job = ops_detect.running[0]
             layout.progress(factor=job.fraction, text=f"{job.stage.capitalize()}   (Esc to cancel)")
             return
+        options = preferences.of(context)
+        if options is not None:
+            layout.row().prop(options, "effort", expand=True)
         row = layout.row(align=True)
         row.operator("intrinsic_symmetry.detect", icon="MOD_MIRROR").source = "BASE"
         row.operator_menu_enum("intrinsic_symmetry.detect", "source", text="", icon="DOWNARROW_HLT")
@@ -35,6 +38,7 @@ class INTRINSIC_SYMMETRY_PT_detect(SymmetryPanel, bpy.types.Panel):
             return
         if object.mode == "OBJECT" and sum(other.type == "MESH" for other in context.selected_objects) > 1:
             layout.operator("intrinsic_symmetry.detect", text="Detect as One Character", icon="GROUP").together = True
+            layout.operator("intrinsic_symmetry.detect_selected", text="Detect Each Selected Object")
         self._status(layout, object)
 
     def _status(self, layout, object):
@@ -73,12 +77,16 @@ class INTRINSIC_SYMMETRY_PT_select(SymmetryPanel, bpy.types.Panel):
     bl_label = "Select"
     bl_parent_id = "INTRINSIC_SYMMETRY_PT_detect"
 
-    def draw(self, _context):
+    def draw(self, context):
         column = self.layout.column(align=True)
         column.operator("intrinsic_symmetry.select", icon="RESTRICT_SELECT_OFF")
         column.operator("intrinsic_symmetry.select", text="Extend to Both Sides").extend = True
         column.operator("intrinsic_symmetry.select_line")
         column.operator("intrinsic_symmetry.select_to_line")
+        column.operator("intrinsic_symmetry.select_unmatched")
+        row = column.row()
+        row.enabled = _has_map(context)
+        row.operator_menu_enum("intrinsic_symmetry.select_asymmetric", "what")
 
 
 class INTRINSIC_SYMMETRY_PT_uv(bpy.types.Panel):
@@ -95,6 +103,7 @@ class INTRINSIC_SYMMETRY_PT_uv(bpy.types.Panel):
         column = self.layout.column(align=True)
         column.operator("intrinsic_symmetry.select_uv", icon="RESTRICT_SELECT_OFF")
         column.operator("intrinsic_symmetry.select_uv", text="Extend to Both Sides").extend = True
+        self.layout.operator_menu_enum("intrinsic_symmetry.mirror_uvs", "placement", icon="MOD_MIRROR")
 
 
 class INTRINSIC_SYMMETRY_PT_mirror(SymmetryPanel, bpy.types.Panel):
@@ -121,6 +130,7 @@ class INTRINSIC_SYMMETRY_PT_shape(SymmetryPanel, bpy.types.Panel):
         row = column.row()
         row.enabled = _has_map(context)
         row.operator_menu_enum("intrinsic_symmetry.symmetrize", "direction", icon="MOD_MIRROR")
+        column.operator("intrinsic_symmetry.symmetrize_exactly", icon="MOD_MIRROR")
         column.operator("intrinsic_symmetry.remember", icon="PINNED")
         column.operator("intrinsic_symmetry.mirror_edit", icon="UV_SYNC_SELECT")
 

@@ -87,7 +87,8 @@ def select_hand():
 
 
 def start_and_press_escape():
-    in_view(ops.detect, "INVOKE_DEFAULT")
+    """Two symmetries are sought, which takes a second: one is told by the mirrored connectivity at once."""
+    in_view(ops.detect, "INVOKE_DEFAULT", symmetries=2)
     assert running(), "no modal run was started"
 
 
@@ -123,8 +124,9 @@ def click(x, y):
 
 
 def open_label_panel():
-    """Its header, closed at first, as the window lies."""
-    click(860, 283)
+    """Its header, closed at first, as the window lies; then that of Select, so that there is room."""
+    click(860, 172)
+    click(860, 677)
 
 
 def show(**values):
@@ -149,7 +151,7 @@ STEPS = [
     (start_and_press_escape, 0.15),
     (escape, 1.5),
     (was_cancelled, 0.1),
-    (lambda: in_view(ops.detect, "INVOKE_DEFAULT"), 0.5),
+    (lambda: in_view(ops.detect, "INVOKE_DEFAULT", symmetries=2), 1.3),
     (lambda: photograph("progress"), 0.5),
     (detected, 0.1),
     (undo_and_redo, 0.5),
@@ -160,6 +162,9 @@ STEPS = [
     (lambda: show(colours="NONE", pairs=True), 0.5),
     (select_hand, 2.0),
     (lambda: photograph("pairs"), 0.1),
+    (lambda: in_view(bpy.ops.wm.call_menu, name="VIEW3D_MT_select_edit_mesh"), 1.0),
+    (lambda: photograph("menu"), 0.1),
+    (escape, 0.5),
     (lambda: (bpy.ops.object.mode_set(mode="OBJECT"), show(pairs=False)), 0.5),
     (lambda: ops.study(), 1.0),
     (open_label_panel, 1.0),

@@ -98,13 +98,15 @@ def selected(object):
 
 @pytest.fixture(autouse=True)
 def clean_scene():
-    """Each test starts in object mode, without objects, in vertex select mode."""
+    """Each test starts in object mode, without objects, in vertex select mode, and shows nothing."""
     yield
     if bpy.context.object and bpy.context.object.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     for object in list(bpy.data.objects):
         bpy.data.objects.remove(object)
     bpy.context.tool_settings.mesh_select_mode = (True, False, False)
+    if hasattr(bpy.types.WindowManager, "intrinsic_symmetry_show"):
+        bpy.context.window_manager.intrinsic_symmetry_show.colours = "NONE"
 
 
 _detected = {}

@@ -20,7 +20,7 @@ def test_the_manifest():
     assert manifest["version"] == cargo
     assert manifest["blender_version_min"] == "4.2.0"
     assert manifest["license"] == ["SPDX:GPL-3.0-or-later"]
-    assert "permissions" not in manifest  # no network, no files
+    assert list(manifest["permissions"]) == ["files"]  # no network
     assert [wheel.removeprefix("./") for wheel in manifest["wheels"]] == [n for n in names if n.endswith(".whl")]
     assert not [name for name in names if "__pycache__" in name or "tests" in name]
 

@@ -132,6 +132,22 @@ def test_nothing_remembered(human, mode):
         ops.mirror_edit()
 
 
+def test_an_edit_since_edit_mode_was_entered(human):
+    """Nothing was remembered: the shape with which edit mode was entered is. Then the mirrored one is."""
+    side, before = attribute(human.data, "sym_side"), positions(human.data)
+    left = np.flatnonzero(side == 1)[:30]
+    select(human, left)
+    enter("EDIT")
+    for moved in (1, 2):
+        bpy.ops.transform.translate(value=(0, 0, 0.01))
+        assert ops.mirror_edit() == {"FINISHED"}
+        enter("OBJECT")
+        far = np.linalg.norm(positions(human.data) - before, axis=1)
+        assert np.abs(far[left] - 0.01 * moved).max() < 1e-5
+        assert far[side == -1].sum() > 0.9 * far[left].sum()
+        enter("EDIT")
+
+
 def test_a_half_turn_has_no_sides(human):
     human.data["intrinsic_symmetry"]["kind"] = 1
     with pytest.raises(RuntimeError, match="(?i)half turn"):

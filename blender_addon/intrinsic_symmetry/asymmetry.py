@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the mirror image of each vertex should be: about a plane in a rest pose, in local frames in any other.
+
+The plane is the one whose reflection brings the images nearest to their vertices. Its normal is an eigenvector of the
+covariance between the two (B. K. P. Horn, "Closed-form solution of absolute orientation using unit quaternions",
+1987, for a reflection). Distances are summed, not squared, by reweighting, so that a wide dent does not turn it.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from intrinsym import Merge, SymmetryKind
+
+from . import mesh_data
+
+ABOUT = (
+    ("AUTO", "Automatic", "The fitted plane in a rest pose, the surface itself in any other"),
+    ("PLANE", "Fitted Plane", "Rest pose: mirrored about the plane that fits best"),
+    ("X", "Own X Axis", "Rest pose: mirrored about the plane X = 0 of the object, as X-mirror has it"),
+    ("POSE", "Pose", "Any pose: each side keeps its pose and takes the other's shape in local frames"),
+)
+#: A body is posed if more than this share of its surface is farther from its place than this share of its size.
+_POSED_SHARE, _POSED_DISTANCE = 0.05, 0.05
+_ROUNDS = 20
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Points x with normal . x = offset."""
+
+    normal: np.ndarray
+    offset: float
+
+    def reflect(self, points):
+        return points - 2 * np.outer(points @ self.normal - self.offset, self.normal)
+
+
+@dataclass(frozen=True)
+class Reference:
+    """What a shape is mirrored about: a plane, or nothing in a pose."""
+
+    plane: Plane | None
+
+    def images(self, symmetry, positions):
+        """(vertices, 3) where each vertex should be, by its mirror image; its own place where it has none."""
+        if self.plane is None:
+            return symmetry.symmetrize_positions(positions, Merge.SWAP)
+        found = self.plane.reflect(symmetry.surface_points.positions(positions))
+        return np.where(np.isfinite(found), found, positions)
+
+    def asymmetry(self, symmetry, positions):
+        """(vertices,) how far each vertex is from there, in the size of the object."""
+        return np.linalg.norm(self.images(symmetry, positions) - positions, axis=1) / size(positions)
+
+    def in_words(self):
+        return "in its pose" if self.plane is None else "about its mirror plane"
+
+
+def size(positions):
+    """The longest side of the bounding box."""
+    return max(float(np.ptp(positions, axis=0).max(initial=0)), 1e-30)
+
+
+def reference(about, symmetry, mesh, positions):
+    """The Reference that one of ABOUT names. Raises MeshProblem."""
+    if about == "POSE" or about == "AUTO" and symmetry.kind == SymmetryKind.HALF_TURN:
+        return Reference(None)
+    if symmetry.kind == SymmetryKind.HALF_TURN:
+        raise mesh_data.MeshProblem("A half turn has no mirror plane: choose Pose")
+    if about == "X":
+        return Reference(Plane(np.array((1.0, 0.0, 0.0)), 0.0))
+    points, images, areas = _paired(symmetry, mesh, positions)
+    plane = fitted_plane(points, images, areas)
+    far = np.linalg.norm(points - plane.reflect(images), axis=1) > _POSED_DISTANCE * size(positions)
+    posed = areas[far].sum() > _POSED_SHARE * areas.sum()
+    return Reference(None if about == "AUTO" and posed else plane)
+
+
+def _paired(symmetry, mesh, positions):
+    """Positions, images and areas of the vertices that have all of them."""
+    images, areas = symmetry.surface_points.positions(positions), vertex_areas(mesh)
+    paired = np.isfinite(images).all(axis=1) & (areas > 0)
+    if not paired.any():
+        raise mesh_data.MeshProblem("No vertex has a mirror image")
+    return positions[paired].astype(float), images[paired], areas[paired]
+
+
+def fitted_plane(points, images, weights):
+    """The Plane whose reflection brings (n, 3) images nearest to (n, 3) points."""
+    least, now = 1e-6 * size(points), weights
+    for _ in range(_ROUNDS):
+        middle = np.average(0.5 * (points + images), axis=0, weights=now)
+        covariance = ((points - middle) * now[:, None]).T @ (images - middle)
+        normal = np.linalg.eigh(covariance + covariance.T)[1][:, 0]
+        plane = Plane(normal, float(normal @ middle))
+        now = weights / np.maximum(np.linalg.norm(points - plane.reflect(images), axis=1), least)
+    return plane
+
+
+def vertex_areas(mesh):
+    """(vertices,) the surface's area, each face's spread over its corners."""
+    offsets, corners = mesh_data.polygons(mesh)
+    areas = np.empty(len(mesh.polygons), np.float32)
+    mesh.polygons.foreach_get("area", areas)
+    counts = np.diff(offsets)
+    return np.bincount(corners, np.repeat(areas / np.maximum(counts, 1), counts), len(mesh.vertices))

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Remove asymmetry of any width: exactly about the mirror plane in a rest pose, step by step in any other."""
+
+import bpy
+import numpy as np
+
+from . import asymmetry, left_side, mesh_data
+from .mirroring import MirrorProperties, blend
+from .operator_base import MapOperator
+
+
+class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bpy.types.Operator):
+    """Make the shape exactly symmetric about its own mirror plane: the losing side takes the mirrored places of the
+    winning side, which stays. A posed body keeps its pose and becomes more symmetric with each repetition"""
+
+    bl_idname = "intrinsic_symmetry.symmetrize_exactly"
+    bl_label = "Symmetrize Exactly"
+
+    about: bpy.props.EnumProperty(name="About", description="What the shape is mirrored about", items=asymmetry.ABOUT)
+    strength: bpy.props.FloatProperty(
+        name="Strength",
+        description="Share of the asymmetry that is removed",
+        min=0.0, max=1.0, default=1.0, subtype="FACTOR",
+    )
+    repeat: bpy.props.IntProperty(
+        name="Repeat",
+        description="How many times; in a pose each time takes away more of what is wide",
+        min=1, max=100, soft_max=30, default=1,
+    )
+
+    def run_with(self, symmetry, _context, object, mode):
+        symmetry = left_side.agreed(self, object, symmetry)
+        before = mesh_data.shown_positions(object).astype(float)
+        reference = asymmetry.reference(self.about, symmetry, object.data, before)
+        inside = self.may_change(object, mode, symmetry)
+        after = before
+        for _ in range(self.repeat):
+            new = self._once(symmetry, reference, after)
+            after = blend(after, new, self.strength * inside)
+        mesh_data.set_shown_positions(object, after)
+        old, now = (reference.asymmetry(symmetry, points)[inside > 0] for points in (before, after))
+        return f"Asymmetry {reference.in_words()}: {_mean(old)}, now {_mean(now)} of the object's size"
+
+    def _once(self, symmetry, reference, positions):
+        """(vertices, 3) wholly symmetric as far as it goes."""
+        if reference.plane is None:
+            return symmetry.symmetrize_positions(positions, self.merge, **self.how())
+        share = self.shares(symmetry)
+        on_line = (symmetry.side == 0) & (symmetry.partner >= 0)
+        share[on_line] = np.where(symmetry.confidence[on_line] < self.minimum_confidence, 0.0, 0.5)
+        return blend(positions, reference.images(symmetry, positions), share)
+
+
+def _mean(values):
+    return f"{values.mean():.3%}" if len(values) else "nothing"
+
+
+register, unregister = bpy.utils.register_classes_factory((INTRINSIC_SYMMETRY_OT_symmetrize_exactly,))

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lay out one side's UVs as the mirror image of the other's: on top of them, or each island in its place."""
+
+import bpy
+import numpy as np
+from intrinsym import Merge
+
+from . import left_side, mesh_data
+from .elements import corner_partners, face_partners
+from .mirroring import DIRECTIONS, MirrorProperties
+from .operator_base import MapOperator
+
+#: UVs that are nearer than this are at one place.
+_SAME = 1e-5
+#: A mirror image is a vertex if its weight is more than this.
+_WHOLE = 0.999
+
+
+class INTRINSIC_SYMMETRY_OT_mirror_uvs(MirrorProperties, MapOperator, bpy.types.Operator):
+    """Give the UVs of one side the layout of the other. The winning side stays; the other side's islands are laid on
+    top of it, or take its mirrored form at the place where they are"""
+
+    bl_idname = "intrinsic_symmetry.mirror_uvs"
+    bl_label = "Mirror UV Islands"
+
+    direction: bpy.props.EnumProperty(
+        name="Direction",
+        description="Which side takes the layout of the other",
+        items=[entry[:3] for entry in DIRECTIONS[:2]],
+    )
+    placement: bpy.props.EnumProperty(
+        name="Placement",
+        description="Where the islands of the losing side go",
+        items=(
+            ("BESIDE", "In Place", "Mirrored, each at its old centre; joined where it joins the other side"),
+            ("OVERLAP", "Overlap", "On top of the winning side's: both sides share one texture"),
+        ),
+    )
+
+    @classmethod
+    def lacks(cls, context, object):
+        missing = None if object.data.uv_layers else "The mesh has no UV map"
+        return super().lacks(context, object) or missing
+
+    def run_with(self, symmetry, _context, object, mode):
+        symmetry = left_side.agreed(self, object, symmetry)
+        mesh = object.data
+        attribute = mesh.attributes[mesh.uv_layers.active.name]
+        uvs = mesh_data.read_attribute(attribute).astype(float)
+        layout = _Layout(mesh, symmetry, uvs)
+        losing = self.shares(symmetry) * self.may_change(object, mode, symmetry) > 0
+        loser = -1 if self.merge == Merge.POSITIVE_WINS else 1
+        corners, source = layout.sources(losing, loser)
+        if not len(corners):
+            raise mesh_data.MeshProblem("No UVs of the losing side have a mirror image")
+        if self.placement == "BESIDE":
+            source = layout.in_place(corners, source)
+        uvs[corners] = source
+        mesh_data.update_attribute(mesh.attributes[attribute.name], uvs)
+        mesh.update()
+        return f"{len(corners):,} UVs in {len(np.unique(layout.island[corners])):,} islands laid out anew"
+
+
+class _Layout:
+    """The UV map of a mesh. Arrays have one row a face corner."""
+
+    def __init__(self, mesh, symmetry, uvs):
+        self.mesh, self.symmetry, self.uvs = mesh, symmetry, uvs
+        self.offsets, self.vertex = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
+        self.face = np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
+        self.island = self._islands()
+        self.island_of_face = self.island[self.offsets[:-1]]
+
+    def _islands(self):
+        """(corners,) number of the UV island: faces are joined where a vertex of both has one place in the UV map."""
+        places = np.column_stack([self.vertex, np.round(self.uvs / _SAME)]).astype(np.int64)
+        point = np.unique(places, axis=0, return_inverse=True)[1].ravel()
+        island = np.arange(point.max(initial=-1) + 1)
+        while True:
+            of_face = np.minimum.reduceat(island[point], self.offsets[:-1])[self.face]
+            joined = island.copy()
+            np.minimum.at(joined, point, of_face)
+            joined = joined[joined]
+            if np.array_equal(joined, island):
+                return island[point]
+            island = joined
+
+    def sources(self, losing, loser):
+        """Corners of the losing side, and the UV at the mirror image of each: at the corner there, or else inside the
+        face that holds it. `losing`: (vertices,) bool, of side `loser`. On the line, corners of the losing side's faces
+        lose, too."""
+        faces = face_partners(self.mesh, self.symmetry)
+        side = self.symmetry.side[self.vertex]
+        wholly = self._any(losing[self.vertex]) & ~self._any(side == -loser)
+        on_line = (side == 0) & (self.symmetry.partner[self.vertex] >= 0)
+        corners = np.flatnonzero((losing[self.vertex] | (on_line & wholly)) & (faces[self.face] >= 0))
+        exact = corner_partners(self.mesh, self.symmetry.partner, faces)[corners]
+        source = self.uvs[np.maximum(exact, 0)]
+        at_vertex = self.symmetry.surface_points.barycentrics.max(axis=1) > _WHOLE
+        lone = (exact < 0) | ~at_vertex[self.vertex[corners]]
+        source[lone] = self._inside(corners[lone], faces)
+        return corners, source
+
+    def _any(self, flags):
+        """(corners,) bool: whether any corner of the same face has the flag."""
+        return np.logical_or.reduceat(flags, self.offsets[:-1])[self.face]
+
+    def _inside(self, corners, faces):
+        """(corners, 2) UVs at the images of the vertices, in the faces that hold them if these are in the island of
+        the partner of the corner's face, and else in that face, extended."""
+        partner, holding = faces[self.face[corners]], self.symmetry.surface_points.faces[self.vertex[corners]]
+        holding = np.where(holding == 2**32 - 1, partner, holding).astype(np.int64)
+        same = self.island_of_face[holding] == self.island_of_face[partner]
+        triangle = self.offsets[np.where(same, holding, partner)][:, None] + np.arange(3)
+        positions = mesh_data.positions(self.mesh).astype(float)
+        images = self.symmetry.surface_points.positions(positions)[self.vertex[corners]]
+        weights = _barycentric(images, positions[self.vertex[triangle]])
+        return np.einsum("ck,cku->cu", weights, self.uvs[triangle])
+
+    def in_place(self, corners, source):
+        """The sources mirrored, each island about the line that it shares with the other side or at its old centre."""
+        placed, islands = source.copy(), self.island[corners]
+        order = np.argsort(islands, kind="stable")
+        for mine in np.split(order, np.flatnonzero(np.diff(islands[order])) + 1):
+            old, new = self.uvs[corners[mine]], source[mine]
+            fixed = (self.symmetry.side[self.vertex[corners[mine]]] == 0) & (np.abs(old - new).max(axis=1) < _SAME)
+            placed[mine] = _about_line(new, new[fixed]) if fixed.sum() > 1 else _about_centre(new, old)
+            placed[mine[fixed]] = new[fixed]
+        return placed
+
+
+def _about_line(points, line):
+    """Points reflected about the straight line that fits best through some."""
+    middle = line.mean(axis=0)
+    normal = np.linalg.eigh((line - middle).T @ (line - middle))[1][:, 0]
+    return points - 2 * np.outer((points - middle) @ normal, normal)
+
+
+def _about_centre(points, old):
+    """Points with U turned round, and the centre of the bounding box where the old points have it."""
+    mirrored = points * (-1, 1)
+    centre, wanted = (0.5 * (one.min(axis=0) + one.max(axis=0)) for one in (mirrored, old))
+    return mirrored + wanted - centre
+
+
+def _barycentric(points, triangles):
+    """(n, 3) weights of the corners of (n, 3, 3) triangles at the points' feet in their planes."""
+    first, second = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    normal = np.cross(first, second)
+    area = np.maximum(np.einsum("nx,nx->n", normal, normal), 1e-30)
+    away = points - triangles[:, 0]
+    one = np.einsum("nx,nx->n", np.cross(away, second), normal) / area
+    two = np.einsum("nx,nx->n", np.cross(first, away), normal) / area
+    return np.stack([1 - one - two, one, two], axis=1)
+
+
+register, unregister = bpy.utils.register_classes_factory((INTRINSIC_SYMMETRY_OT_mirror_uvs,))

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pairs of vertices as files: CSV with one row a vertex, JSON with everything, and the command line's `.map`.
+
+JSON is an object with `format` "intrinsym-pairs", `version` 1, `vertices`, `connectivity` (the library's hash), `kind`,
+one array for each column of the CSV but the first, and `lines`, the line between left and right, which a CSV has not.
+Of the columns only `partner` is needed.
+"""
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+
+from .mesh_data import MeshProblem
+
+#: Column: its kind. -1 stands for none.
+COLUMNS = {"partner": int, "confidence": float, "side": int, "face": int}
+COLUMNS.update({f"corner_{place}": int for place in range(3)})
+COLUMNS.update({f"weight_{place}": float for place in range(3)})
+FORMAT, VERSION = "intrinsym-pairs", 1
+
+
+def write(path, columns, about):
+    """Writes `columns`, arrays by the names of COLUMNS; `about` is what a JSON says besides."""
+    path = Path(path)
+    if path.suffix.lower() == ".json":
+        lists = {name: _plain(values) for name, values in columns.items()}
+        path.write_text(json.dumps({"format": FORMAT, "version": VERSION, **about, **lists}) + "\n")
+        return
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(("vertex", *columns))
+        writer.writerows(zip(range(len(columns["partner"])), *map(_plain, columns.values())))
+
+
+def _plain(values):
+    """Numbers as short as they can be to read back the same."""
+    return [float(str(value)) for value in values] if values.dtype.kind == "f" else values.tolist()
+
+
+def read(path):
+    """(columns, about) as `write` takes them. Raises MeshProblem, OSError."""
+    path = Path(path)
+    readers = {".json": _read_json, ".csv": _read_csv, ".map": _read_map}
+    if path.suffix.lower() not in readers:
+        raise MeshProblem(f"{path.name}: pairs are read from .csv, .json and .map")
+    try:
+        return readers[path.suffix.lower()](path)
+    except (ValueError, KeyError, TypeError, AttributeError) as problem:
+        raise MeshProblem(f"{path.name} holds no pairs of vertices: {problem}") from None
+
+
+def _read_json(path):
+    stored = json.loads(path.read_text())
+    if (stored.get("format"), stored.get("version")) != (FORMAT, VERSION):
+        raise ValueError(f'its format is not "{FORMAT}", version {VERSION}')
+    about = {name: value for name, value in stored.items() if name not in COLUMNS}
+    return _arrays({name: stored[name] for name in COLUMNS if name in stored}), about
+
+
+def _read_csv(path):
+    with path.open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    given = [name for name in COLUMNS if rows and name in rows[0]]
+    if rows and "vertex" in rows[0]:
+        rows.sort(key=lambda row: int(row["vertex"]))
+        if [int(row["vertex"]) for row in rows] != list(range(len(rows))):
+            raise ValueError("the column vertex does not count from 0")
+    return _arrays({name: [row[name] for row in rows] for name in given}), {}
+
+
+def _read_map(path):
+    return _arrays({"partner": path.read_text().split()}), {}
+
+
+def _arrays(columns):
+    if "partner" not in columns:
+        raise ValueError("there is no column partner")
+    arrays = {name: np.array(list(map(COLUMNS[name], values))) for name, values in columns.items()}
+    if len({len(values) for values in arrays.values()}) > 1:
+        raise ValueError("its columns are not equally long")
+    return arrays
