@@ -12,6 +12,7 @@ use capi::eigen::isym_eigen_free;
 use capi::handles::isym_handle_count;
 use capi::mesh::*;
 use capi::options::*;
+use capi::panic_boundary::isym_error_message;
 use capi::progress::*;
 use capi::result::*;
 use capi::status::*;
