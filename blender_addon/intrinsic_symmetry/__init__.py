@@ -24,6 +24,8 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     vertex_map      maps that are known vertex by vertex
     line_distance   distance from the line between left and right
     asymmetry       where the mirror image of each vertex should be
+    live            what changes on one side happens on the other; live_carry says what, live_edit, live_paint and
+                    live_select read and write it
     ops_*           operators, one file for each thing that a user does
     panels          the sidebar tab Symmetry
     menus           the tools in Blender's own menus, and a pie menu
@@ -32,11 +34,13 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
 from . import (
     labels,
     menus,
+    live,
     ops_attributes,
     ops_check,
     ops_detect,
     ops_detect_selected,
     ops_label,
+    ops_live,
     ops_nodes,
     ops_pairs_file,
     ops_positions,
@@ -58,6 +62,7 @@ _MODULES = (
     preferences,
     labels,
     undo,
+    live,
     overlay,
     ops_detect,
     ops_detect_selected,
@@ -75,6 +80,7 @@ _MODULES = (
     ops_split_key,
     ops_pairs_file,
     ops_transfer,
+    ops_live,
     panels,
     menus,
 )

@@ -4,6 +4,7 @@
 import bpy
 
 from . import detection, eigenfunctions, labels, ops_detect, overlay, preferences, stored_map
+from . import detection, eigenfunctions, labels, ops_detect, ops_live, overlay, stored_map
 
 
 class SymmetryPanel:
@@ -62,6 +63,7 @@ class INTRINSIC_SYMMETRY_PT_detect(SymmetryPanel, bpy.types.Panel):
         row.operator("intrinsic_symmetry.exchange_sides", icon="ARROW_LEFTRIGHT")
         row.operator("intrinsic_symmetry.clear", text="", icon="X")
         self._alternatives(layout, object.data)
+        ops_live.draw(layout, object)
 
     def _alternatives(self, layout, mesh):
         remembered = detection.remembered(mesh)

@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Live mirror: what is changed on one side happens on the other, while it is changed.
+
+After each update of the dependency graph the values that the object's mode edits are compared with the last ones, and
+what follows from the difference is written. `live_carry` says what follows; `live_edit` and `live_paint` read and
+write. Nothing is stored on the mesh.
+"""
+
+import bpy
+import intrinsym
+import numpy as np
+
+from . import live_edit, live_paint, live_select, mesh_data, stored_map
+from .live_carry import Carrier, Change, History
+
+#: Objects with Live on, by their number in this session.
+_sessions = {}
+#: Why Live was switched off, for the panel; by the same number.
+reasons = {}
+_undoing = False
+_TOPOLOGY = "Live Mirror is off: the mesh has other vertices, edges or faces now. Detect again"
+
+
+def problem_of(object):
+    return reasons.get(object.session_uid)
+
+
+class Session:
+    """Live mirroring of one object: its map, and what happens in the mode that it is in."""
+
+    def __init__(self, object):
+        mesh = object.data
+        self.mark, self.carrier = mark_of(mesh), Carrier(_load(mesh))
+        self.topology = live_edit.topology(object)
+        self.channel, self.histories, self.lit = None, {}, None
+
+    def enter(self, object, undone=False):
+        """Begins with the values that the mode edits, or goes on with them after an undo."""
+        self.channel = _channel(object)
+        self.key = _key(object)
+        self.operation = self.flags = None
+        if self.channel is None:
+            return
+        values = self.channel.values
+        state, history = self.histories.get(self.key, (None, None))
+        known = state is not None and state.shape == values.shape
+        if known and undone:
+            state = history.find(state, values)
+        if not known or state is None or not (undone or np.array_equal(state, values)):
+            state, history = values.copy(), History(bpy.context.preferences.edit.undo_steps + 1)
+        self.histories[self.key] = state, history
+        differs = np.flatnonzero((state != values).any(axis=1))
+        if len(differs):
+            self.channel.write(differs, state[differs])
+        if self.channel.turns:
+            self.carrier.fit(state)
+        self.change = Change(self.channel.carrier_of(self.carrier), state, self.channel.turns)
+
+    def is_entered(self, object):
+        """Whether the values at hand are those that the mode edits now."""
+        return self.key == _key(object) and (self.channel is None or self.channel.is_alive())
+
+    def update(self):
+        """Somebody may have changed something."""
+        if self.channel is None or self.channel.is_busy():
+            return
+        operation = self.channel.operation()
+        if operation != self.operation:
+            self.settle()
+            self.operation = operation
+        vertices, values = self.channel.read(self.change.moved() | self.change.written)
+        if len(vertices):
+            self.change.take(vertices, values)
+            if self.flags is None:
+                self.flags = self.channel.flags(self.lit)
+            self._write()
+        if operation is None:
+            self.settle()
+
+    def _write(self):
+        changed = self.change.follow(*self.flags)
+        if len(changed):
+            self.channel.write(changed, self.change.current[changed])
+
+    def settle(self):
+        """The operation is over: its result is what the next one begins with."""
+        self.flags = None
+        step = self.change.settle()
+        if step is None:
+            return
+        self.channel.rest()
+        self.histories[self.key][0][step.vertices] = step.after
+        self.histories[self.key][1].add(step)
+
+
+def _channel(object):
+    """What reads and writes the values that the mode of an object edits; nothing where Live does nothing."""
+    if object.mode == "EDIT":
+        return live_edit.EditChannel(object)
+    return live_paint.channel_of(object)
+
+
+def _key(object):
+    """Tells one array of values from another: the mode's kind, and the shape key, group or attribute."""
+    return (object.active_shape_key_index, *live_paint.key_of(object))
+
+
+def mark_of(mesh):
+    """What changes with the stored map; nothing without one."""
+    record = mesh.get(stored_map.RECORD)
+    return None if record is None else record["checksum"]
+
+
+def _load(mesh):
+    """The stored map, in any mode."""
+    if not mesh.is_editmode:
+        return stored_map.load(mesh)
+    copy = bpy.data.meshes.new("live")
+    try:
+        live_edit.EditVertices(mesh).bm.to_mesh(copy)
+        if stored_map.RECORD in mesh:
+            copy[stored_map.RECORD] = mesh[stored_map.RECORD].to_dict()
+        return stored_map.load(copy)
+    finally:
+        bpy.data.meshes.remove(copy)
+
+
+def switch_on(object):
+    """Raises mesh_data.MeshProblem if there is no map to follow."""
+    reasons.pop(object.session_uid, None)
+    session = Session(object)
+    session.enter(object)
+    _sessions[object.session_uid] = session
+
+
+def switch_off(object, reason=None):
+    """`reason` is told to the user, in the status bar and in the panel."""
+    _sessions.pop(object.session_uid, None)
+    if reason is None:
+        return
+    object.intrinsic_symmetry_live = object.intrinsic_symmetry_live_select = False
+    reasons[object.session_uid] = reason
+    if not bpy.app.background:
+        bpy.app.timers.register(lambda: _say(reason), first_interval=0)
+
+
+def _say(reason):
+    bpy.ops.intrinsic_symmetry.say("INVOKE_DEFAULT", text=reason)
+
+
+def wanted(object):
+    return object.type == "MESH" and (object.intrinsic_symmetry_live or object.intrinsic_symmetry_live_select)
+
+
+def _session(object):
+    """That of an object with Live on, made if there is none that fits its map; nothing if there cannot be one."""
+    session = _sessions.get(object.session_uid)
+    if session is None or session.mark != mark_of(object.data):
+        try:
+            switch_on(object)
+        except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
+            switch_off(object, f"Live Mirror is off: {problem}")
+    return _sessions.get(object.session_uid)
+
+
+def _fits(session, object):
+    """Whether the mesh is still the one that the map is of. In the middle of a transformation it must be."""
+    mesh, channel = object.data, session.channel
+    if mesh.is_editmode and channel is not None and channel.is_alive() and channel.operation() is not None:
+        return True
+    return live_edit.is_same(session.topology, live_edit.topology(object, session.topology))
+
+
+def _follow(object, moved, undone=False):
+    session = _session(object)
+    if session is None:
+        return
+    if moved and not _fits(session, object):
+        switch_off(object, _TOPOLOGY)
+        return
+    if undone or not session.is_entered(object):
+        session.enter(object, undone)
+    elif moved and object.intrinsic_symmetry_live:
+        session.update()
+    if object.mode == "EDIT" and object.intrinsic_symmetry_live_select:
+        live_select.follow(session, object, undone)
+
+
+@bpy.app.handlers.persistent
+def _on_update(_scene, depsgraph):
+    if _undoing or depsgraph.mode != "VIEWPORT":
+        return
+    for update in depsgraph.updates:
+        if isinstance(update.id, bpy.types.Object):
+            object = update.id.original
+            if wanted(object):
+                _follow(object, update.is_updated_geometry or object.mode != "EDIT")
+
+
+@bpy.app.handlers.persistent
+def _before_undo(*_):
+    global _undoing
+    _undoing = True
+
+
+@bpy.app.handlers.persistent
+def _after_undo(*_):
+    global _undoing
+    _undoing = False
+    for object in bpy.context.view_layer.objects:
+        if wanted(object):
+            _follow(object, True, undone=True)
+
+
+@bpy.app.handlers.persistent
+def _on_load(*_):
+    _sessions.clear()
+    reasons.clear()
+
+
+def _toggled(object, _context):
+    _sessions.pop(object.session_uid, None)
+    if wanted(object):
+        _session(object)
+    else:
+        switch_off(object)
+
+
+#: Handlers and the lists they are in.
+_HANDLERS = (
+    ("depsgraph_update_post", _on_update),
+    ("undo_pre", _before_undo),
+    ("redo_pre", _before_undo),
+    ("undo_post", _after_undo),
+    ("redo_post", _after_undo),
+    ("load_post", _on_load),
+)
+
+
+def register():
+    bpy.types.Object.intrinsic_symmetry_live = bpy.props.BoolProperty(
+        name="Live Mirror",
+        description="What you move, sculpt or paint on one side happens on the other, in any pose",
+        update=_toggled,
+    )
+    bpy.types.Object.intrinsic_symmetry_live_select = bpy.props.BoolProperty(
+        name="Live Selection", description="In edit mode, what you select lights up on the other side", update=_toggled
+    )
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister():
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).remove(handler)
+    _sessions.clear()
+    del bpy.types.Object.intrinsic_symmetry_live_select
+    del bpy.types.Object.intrinsic_symmetry_live

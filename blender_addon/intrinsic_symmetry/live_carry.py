@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What live mirroring does to arrays: which vertices follow which, and where they go.
+
+Values are (vertices, components): positions, weights, colours. A change of positions turns on its way, by one matrix a
+vertex; those are three displacements of `intrinsym.Symmetry.carry_displacement`, one along each axis. No bpy here.
+"""
+
+import numpy as np
+from intrinsym import Merge, SymmetryKind
+
+
+class Carrier:
+    """The map of a mesh, ready to carry the change of some vertices."""
+
+    def __init__(self, symmetry):
+        points = symmetry.surface_points
+        self.symmetry, self.side = symmetry, symmetry.side
+        self.has_image = symmetry.partner >= 0
+        self.corners = np.where(self.has_image[:, None], points.corners, 0).astype(np.intp)
+        self.weights = np.where(self.has_image[:, None], points.barycentrics, 0).astype(float)
+        self.on_line = self.has_image & (self.side == 0)
+        if symmetry.kind == SymmetryKind.HALF_TURN:
+            self.on_line[:] = False
+        self.turn = self.fitted_to = None
+
+    def fit(self, positions):
+        """Fits the matrices to a pose, (vertices, 3) float32; nothing is done if they fit it already."""
+        if self.fitted_to is not None and np.array_equal(self.fitted_to, positions):
+            return
+        carried = [self._carry_unit(positions, axis) for axis in range(3)]
+        self.turn, self.fitted_to = np.stack(carried, axis=2), positions.copy()
+        self._fit_line()
+
+    def _carry_unit(self, positions, axis):
+        unit = np.zeros((len(positions), 3))
+        unit[:, axis] = 1
+        return self.symmetry.carry_displacement(positions, unit, Merge.SWAP)
+
+    def _fit_line(self):
+        """Normals of the plane that a vertex on the line stays in: the direction that its matrix reverses best."""
+        turn = self.turn[self.on_line]
+        self.normals = np.zeros((len(self.side), 3))
+        self.normals[self.on_line] = np.linalg.eigh(turn + turn.transpose(0, 2, 1))[1][:, :, 0]
+
+    def clamped(self, vertices, change):
+        """The part of a change, (given vertices, 3), that stays on the line; vertices elsewhere keep all of it."""
+        normals = self.normals[vertices]
+        return change - normals * (normals * change).sum(axis=1, keepdims=True)
+
+    def followers(self, moved):
+        """(vertices,) bool: those whose image is touched by the moved ones, (vertices,) bool."""
+        touched = moved[self.corners]
+        touched &= self.weights > 0
+        return touched.any(axis=1) & ~self.on_line
+
+    def carry(self, vertices, change, turns):
+        """(given vertices, components) the change that arrives at vertices; `change` is of all, float64. The sums are
+        in the library's order, so that the result is the same to the last bit."""
+        corners, weights = self.corners[vertices], self.weights[vertices]
+        total = weights[:, 0] + weights[:, 1] + weights[:, 2]
+        there = sum(weights[:, corner, None] * change[corners[:, corner]] for corner in range(3))
+        there /= total[:, None]
+        if not turns:
+            return there
+        turn = self.turn[vertices]
+        return sum(turn[:, :, axis] * there[:, axis, None] for axis in range(3))
+
+
+class Change:
+    """What one operation has done to one array so far: `base` before it, `current` now, `written` by us.
+
+    Every update starts from `base` again, so that an operation that is cancelled leaves nothing behind.
+    """
+
+    def __init__(self, carrier, values, turns):
+        self.carrier, self.turns = carrier, turns
+        self.base, self.current = values.copy(), values.copy()
+        self.written = np.zeros(len(values), bool)
+        self.touched = np.zeros(len(values), bool)  # written at some time of this operation
+
+    def take(self, vertices, values):
+        """Keeps what somebody else has done to vertices."""
+        self.current[vertices] = values
+        self.written[vertices] = False
+
+    def moved(self):
+        """(vertices,) bool: changed, and not by us."""
+        return (self.current != self.base).any(axis=1) & ~self.written
+
+    def follow(self, selected, fixed, share=None):
+        """Brings the other side after what was moved. Returns the vertices to write, their values in `current`.
+
+        selected  (vertices,) bool: moved by the user's own will; never overwritten
+        fixed     (vertices,) bool: never written at all
+        share     (vertices,) float, how much of a change arrives; or nothing for all of it
+        """
+        before, moved = self.current.copy(), self.moved()
+        if self.turns:
+            self._clamp(moved & ~fixed)
+        side = self._winning_side(moved, selected)
+        losing = self.carrier.side == -side if side else np.zeros(len(moved), bool)
+        sources = moved & ~(losing & ~selected)
+        targets = self.carrier.followers(sources) & self.carrier.has_image
+        if side:
+            targets = (targets | moved) & losing
+        targets &= ~(selected & moved) & ~fixed & (losing | ~moved)
+        self._write(sources, targets, share)
+        changed = np.flatnonzero((self.current != before).any(axis=1))
+        self.touched[changed] = True
+        return changed
+
+    def _write(self, sources, targets, share):
+        vertices = np.flatnonzero(targets)
+        change = np.zeros(self.base.shape)
+        change[sources] = self.current[sources].astype(float) - self.base[sources]
+        carried = self.carrier.carry(vertices, change, self.turns)
+        if share is not None:
+            carried *= share[vertices, None]
+        self.current[self.written] = self.base[self.written]
+        self.current[vertices] = self.base[vertices] + carried
+        self.written = targets
+
+    def _clamp(self, moved):
+        vertices = np.flatnonzero(moved & self.carrier.on_line)
+        change = self.current[vertices].astype(float) - self.base[vertices]
+        self.current[vertices] = self.base[vertices] + self.carrier.clamped(vertices, change)
+
+    def _winning_side(self, moved, selected):
+        """The side whose change is carried, or 0 for both: the one with selected vertices; without a selection, as in
+        sculpt mode, the one with more change."""
+        side, chosen = self.carrier.side, moved & selected
+        if chosen.any():
+            left, right = (chosen & (side == 1)).any(), (chosen & (side == -1)).any()
+            return int(left) - int(right)
+        size = np.zeros(len(moved))
+        size[moved] = np.linalg.norm(self.current[moved].astype(float) - self.base[moved], axis=1)
+        return int(np.sign(size[side == 1].sum() - size[side == -1].sum()))
+
+    def settle(self):
+        """Ends the operation. Returns the step for the history, or nothing if all is as before."""
+        changed = np.flatnonzero((self.current != self.base).any(axis=1) | self.touched)
+        step = None
+        if (self.current[changed] != self.base[changed]).any():
+            step = Step(changed, self.base[changed], self.current[changed], self.touched[changed])
+        self.base[changed] = self.current[changed]
+        self.written[:] = self.touched[:] = False
+        return step
+
+
+class Step:
+    """One operation: what it changed, and which of that was written by us."""
+
+    def __init__(self, vertices, before, after, ours):
+        self.vertices, self.before, self.after, self.ours = vertices, before, after, ours
+
+
+class History:
+    """The operations of this session. Blender keeps its undo step before ours is written; so what an undo or redo brings
+    back may lack our part, and is completed from here."""
+
+    def __init__(self, most):
+        self.steps, self.done, self._most = [], 0, most
+
+    def add(self, step):
+        del self.steps[self.done:]
+        self.steps.append(step)
+        del self.steps[: -self._most]
+        self.done = len(self.steps)
+
+    def find(self, state, found):
+        """The state, (vertices, components), that `found` is or lacks our part of; nothing if there is none. `state` is
+        the one that was last there."""
+        numbers = [*range(self.done, -1, -1), *range(self.done + 1, len(self.steps) + 1)]
+        state, at = state.copy(), self.done
+        for number in numbers:
+            at = self._go(state, at, number)
+            differs = (state != found).any(axis=1)
+            if number:
+                step = self.steps[number - 1]
+                differs[step.vertices[step.ours]] = False
+            if not differs.any():
+                self.done = number
+                return state
+        return None
+
+    def _go(self, state, at, number):
+        for step in reversed(self.steps[number:at]):
+            state[step.vertices] = step.before
+        for step in self.steps[at:number]:
+            state[step.vertices] = step.after
+        return number
