@@ -43,6 +43,7 @@ class EditVertices:
     def __init__(self, mesh):
         self._mesh, self.bm = mesh, bmesh.from_edit_mesh(mesh)
         self.bm.verts.ensure_lookup_table()
+        self.bm.verts.index_update()
         self.vertices = list(self.bm.verts)
         self._views = [vertex.co for vertex in self.vertices]
         self._copies = None

@@ -27,28 +27,36 @@ def follow(session, object, undone):
 
 
 def _taken_away(symmetry, before, selected):
-    """Partners of what the user took out of the selection, if he did that on one side of a selection of both."""
+    """What the user took out of the selection, and its partners, if he did that on one side of a selection of both."""
     removed = before & ~selected
     partners = symmetry.mirror_selection(removed)
     if not removed.any() or (partners & ~selected).any() or not (selected & ~partners).any():
         return np.zeros_like(selected)
-    return partners
+    return partners | removed
 
 
 def _write(mesh, channel, symmetry, selected, wanted):
+    """Selects and deselects as the select mode has it."""
     vertex_mode, edge_mode, _ = bpy.context.tool_settings.mesh_select_mode
-    bm = channel.bm
-    if not vertex_mode and not edge_mode:
-        faces = np.fromiter((face.select for face in bm.faces), bool, len(bm.faces))
-        mirrored = symmetry.mirror_face_selection(faces) & ~faces
-        bm.faces.ensure_lookup_table()
-        for face in np.flatnonzero(mirrored).tolist():
-            if not bm.faces[face].hide:
-                bm.faces[face].select_set(True)
+    on, off = np.flatnonzero(wanted & ~selected), np.flatnonzero(selected & ~wanted)
+    vertices = channel.vertices
+    if vertex_mode:
+        chosen = [(vertices[vertex], bool(wanted[vertex])) for vertex in (*on.tolist(), *off.tolist())]
+    elif edge_mode:
+        edges = {edge for vertex in (*on.tolist(), *off.tolist()) for edge in vertices[vertex].link_edges}
+        chosen = [(edge, all(wanted[vertex.index] for vertex in edge.verts)) for edge in edges]
     else:
-        for vertex in np.flatnonzero(wanted & ~selected).tolist():
-            channel.vertices[vertex].select_set(True)
-        for vertex in np.flatnonzero(selected & ~wanted).tolist():
-            channel.vertices[vertex].select_set(False)
-        bm.select_flush(True)
+        chosen = _mirrored_faces(channel.bm, symmetry, wanted)
+    for element, is_selected in chosen:
+        if not element.hide:
+            element.select_set(is_selected)
+    channel.bm.select_flush_mode()
     bmesh.update_edit_mesh(mesh, loop_triangles=False, destructive=False)
+
+
+def _mirrored_faces(bm, symmetry, wanted):
+    selected = np.fromiter((face.select for face in bm.faces), bool, len(bm.faces))
+    both = selected | symmetry.mirror_face_selection(selected)
+    bm.faces.ensure_lookup_table()
+    inside = (bm.faces[face] for face in np.flatnonzero(both).tolist())
+    return [(face, all(wanted[vertex.index] for vertex in face.verts)) for face in inside]

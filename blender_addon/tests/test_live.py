@@ -77,3 +77,193 @@ def test_an_edit_is_carried_as_the_library_does(symmetry, live, call):
     moved = np.any(after != before, axis=1)
     assert moved[sides == -1].sum() > 50
     assert np.array_equal(after[sides == -1], wanted[sides == -1])
+
+
+
+
+def test_undo_and_redo_take_both_sides_in_one_step(live):
+    """The undo step of an operator is kept before the other side follows; it is completed when it comes back."""
+    states = [places(live)]
+    for value in ((0, 0.02, 0), (0, 0, 0.03)):
+        ops.transform.translate("EXEC_DEFAULT", True, value=value)
+        states.append(places(live))
+    assert np.any(states[0] != states[1], axis=1).sum() > 200
+    for state in (states[1], states[0]):
+        ops.ed.undo()
+        assert np.array_equal(places(live), state)
+    for state in states[1:]:
+        ops.ed.redo()
+        assert np.array_equal(places(live), state)
+    ops.ed.undo()
+    ops.transform.translate("EXEC_DEFAULT", True, value=(0.03, 0, 0))
+    state = places(live)
+    ops.mesh.select_all("EXEC_DEFAULT", True, action="DESELECT")
+    ops.ed.undo()
+    ops.ed.undo()
+    assert np.array_equal(places(live), states[1])
+    ops.ed.redo()
+    assert np.array_equal(places(live), state)
+
+
+def test_undo_after_the_object_was_in_object_mode(live):
+    ops.transform.translate("EXEC_DEFAULT", True, value=(0, 0.02, 0))
+    state = places(live)
+    ops.object.mode_set("EXEC_DEFAULT", True, mode="OBJECT")
+    ops.object.mode_set("EXEC_DEFAULT", True, mode="EDIT")
+    ops.transform.translate("EXEC_DEFAULT", True, value=(0, 0.02, 0))
+    for _ in range(3):
+        ops.ed.undo()
+    assert bpy.context.object.mode == "EDIT" and np.array_equal(places(bpy.context.object), state)
+
+
+def test_what_is_selected_on_both_sides_stays_as_the_user_has_it(human, truth):
+    left = a_hand(human, 1)
+    select(human, np.r_[left, truth[left[:40]]])
+    enter("EDIT")
+    switch(human)
+    before = places(human)
+    ops.transform.translate(value=(0, 0.02, 0))
+    moved = places(human) - before
+    assert np.allclose(moved[truth[left[:40]]], (0, 0.02, 0), atol=1e-6)
+    assert np.allclose(moved[left], (0, 0.02, 0), atol=1e-6)
+    assert (np.abs(moved[truth[left[40:]]]).max(axis=1) > 0.01).all()
+
+
+def test_hidden_vertices_do_not_move(live, truth):
+    if live.name.startswith("quadruped"):
+        pytest.skip("its connectivity has no counterparts")
+    mesh, hidden = bmesh.from_edit_mesh(live.data), truth[a_hand_of(live)[:30]]
+    vertices = list(mesh.verts)
+    for vertex in hidden.tolist():
+        vertices[vertex].hide_set(True)
+    before = places(live)
+    ops.transform.translate(value=(0, 0.02, 0))
+    moved = np.abs(places(live) - before).max(axis=1)
+    assert not moved[hidden].any() and moved[truth[a_hand_of(live)[30:]]].all()
+
+
+def a_hand_of(object):
+    """The selected vertices, in edit mode."""
+    return np.flatnonzero([vertex.select for vertex in bmesh.from_edit_mesh(object.data).verts])
+
+
+def test_the_line_stays_on_the_line(human, truth):
+    """A vertex of the line does not move across it: the direction between its neighbours on both sides."""
+    line = np.flatnonzero((attribute(human.data, "symmetry_side") == 0) & (attribute(human.data, "symmetry_partner") >= 0))
+    top = line[np.argsort(-positions(human.data)[line, 2])[:10]]
+    select(human, top)
+    ends = module("mesh_data").edges(human.data)
+    enter("EDIT")
+    switch(human)
+    before = places(human).astype(float)
+    ops.transform.translate(value=(0.03, 0.03, 0.02))
+    moved = places(human) - before
+    for vertex in top:
+        around = np.unique(ends[(ends == vertex).any(axis=1)])
+        across = before[around] - before[truth[around]]
+        across = max(across, key=np.linalg.norm)
+        assert 0.01 < np.linalg.norm(moved[vertex]) < 0.046
+        assert abs(moved[vertex] @ across) < 0.03 * np.linalg.norm(moved[vertex]) * np.linalg.norm(across)
+
+
+@pytest.mark.parametrize("call", [
+    lambda: ops.mesh.subdivide(),
+    lambda: ops.mesh.delete(type="VERT"),
+    lambda: ops.mesh.flip_normals(),
+    lambda: ops.mesh.sort_elements(type="REVERSE", elements={"VERT"}),
+], ids=["subdivide", "delete", "flip", "sort"])
+def test_a_topology_edit_switches_it_off_with_a_word(live, call):
+    assert call() == {"FINISHED"}
+    assert not live.intrinsic_symmetry_live
+    assert "Detect again" in module("live").problem_of(live)
+    before = places(live)
+    ops.transform.translate(value=(0, 0.02, 0))
+    assert not np.any(places(live) != before, axis=1)[~np.isin(np.arange(len(before)), a_hand_of(live))].any()
+
+
+def test_without_a_map_it_does_not_go_on(human):
+    ops.intrinsic_symmetry.clear()
+    human.intrinsic_symmetry_live = True
+    assert not human.intrinsic_symmetry_live
+    assert "Detect" in module("live").problem_of(human)
+
+
+def test_what_happened_while_it_was_off_is_not_carried(live):
+    switch(live, False)
+    ops.transform.translate("EXEC_DEFAULT", True, value=(0, 0.02, 0))
+    before = places(live)
+    switch(live)
+    assert np.array_equal(places(live), before)
+    ops.transform.translate("EXEC_DEFAULT", True, value=(0, 0.01, 0))
+    moved = np.any(places(live) != before, axis=1)
+    assert moved.sum() > 200
+    ops.ed.undo()
+    assert np.array_equal(places(live), before)
+
+
+def test_other_modes_do_not_confuse_it(live):
+    """What an operator did in object mode is not carried, and Live goes on after it."""
+    before = places(live)
+    enter("OBJECT")
+    points = positions(live.data)
+    points[:5] += 0.01
+    module("mesh_data").set_shown_positions(live, points)
+    enter("EDIT")
+    assert np.any(places(live) != before, axis=1).sum() == 5
+    before = places(live)
+    ops.transform.translate(value=(0, 0.02, 0))
+    assert np.any(places(live) != before, axis=1).sum() > 200
+
+
+def test_it_works_on_the_active_shape_key(human):
+    human.shape_key_add(name="Basis")
+    human.shape_key_add(name="Key")
+    human.active_shape_key_index = 1
+    select(human, a_hand(human, 1))
+    enter("EDIT")
+    switch(human)
+    base = positions(human.data)
+    ops.transform.translate(value=(0, 0.02, 0))
+    enter("OBJECT")
+    moved = np.any(module("mesh_data").key_positions(human.data.shape_keys.key_blocks["Key"]) != base, axis=1)
+    assert moved.sum() > 200 and np.array_equal(positions(human.data), base)
+
+
+def test_live_selection_lights_up_the_other_side(human, truth):
+    left = a_hand(human, 1, 30)
+    select(human, [])
+    enter("EDIT")
+    switch(human, name="intrinsic_symmetry_live_select")
+    choose(human, left)
+    assert set(a_hand_of(human)) == set(left) | set(truth[left])
+    choose(human, left[:10], False)  # taken out on one side: so is its mirror image
+    assert set(a_hand_of(human)) == set(left[10:]) | set(truth[left[10:]])
+    ops.mesh.select_all(action="DESELECT")
+    assert not len(a_hand_of(human))
+
+
+def test_what_lights_up_is_still_carried_to(human, truth):
+    left = a_hand(human, 1, 30)
+    select(human, [])
+    enter("EDIT")
+    switch(human, name="intrinsic_symmetry_live_select")
+    switch(human)
+    choose(human, left)
+    symmetry_side = module("live")._sessions[human.session_uid].carrier
+    before = places(human)
+    ops.transform.translate(value=(0, 0.02, 0.01))
+    after = places(human)
+    moved = (after - before).astype(float)
+    turned = (symmetry_side.turn[truth[left]] @ moved[left][:, :, None])[:, :, 0]
+    assert np.allclose(moved[left], (0, 0.02, 0.01), atol=1e-6)
+    assert np.abs(moved[truth[left]] - turned).max() < 1e-6
+
+
+def choose(object, vertices, on=True):
+    mesh = bmesh.from_edit_mesh(object.data)
+    chosen = list(mesh.verts)
+    for vertex in np.asarray(vertices).tolist():
+        chosen[vertex].select_set(on)
+    mesh.select_flush_mode()
+    bmesh.update_edit_mesh(object.data, loop_triangles=False, destructive=False)
+    bpy.context.view_layer.update()
