@@ -25,84 +25,113 @@ def problem_of(object):
     return reasons.get(object.session_uid)
 
 
-class Session:
-    """Live mirroring of one object: its map, and what happens in the mode that it is in."""
+class Track:
+    """One array of values that the mode of an object edits, and what has happened to it."""
 
-    def __init__(self, object):
-        mesh = object.data
-        self.mark, self.carrier = mark_of(mesh), Carrier(_load(mesh))
-        self.topology = live_edit.topology(object)
-        self.channel, self.histories, self.lit = None, {}, None
-
-    def enter(self, object, undone=False):
-        """Begins with the values that the mode edits, or goes on with them after an undo."""
-        self.channel = _channel(object)
-        self.key = _key(object)
-        self.operation = self.flags = None
-        if self.channel is None:
-            return
-        values = self.channel.values
-        state, history = self.histories.get(self.key, (None, None))
-        known = state is not None and state.shape == values.shape
-        if known and undone:
+    def __init__(self, channel, carrier, kept, undone):
+        """`kept`: state and history when it was edited last, or nothing. After an undo the state is looked for in the
+        history; else it is only gone on with if it is still there."""
+        self.channel, values = channel, channel.values
+        state, history = kept or (values, None)
+        if state.shape != values.shape:
+            state = None
+        elif undone and history is not None:
             state = history.find(state, values)
-        if not known or state is None or not (undone or np.array_equal(state, values)):
-            state, history = values.copy(), History(bpy.context.preferences.edit.undo_steps + 1)
-        self.histories[self.key] = state, history
-        differs = np.flatnonzero((state != values).any(axis=1))
+        elif not np.array_equal(state, values):
+            state = None
+        if state is None or history is None:
+            state, history = values, History(bpy.context.preferences.edit.undo_steps + 1)
+        self.state, self.history = state.copy(), history
+        differs = np.flatnonzero((self.state != values).any(axis=1))
         if len(differs):
-            self.channel.write(differs, state[differs])
-        if self.channel.turns:
-            self.carrier.fit(state)
-        self.change = Change(self.channel.carrier_of(self.carrier), state, self.channel.turns)
+            self.state[differs] = channel.write(differs, self.state[differs])
+        if channel.turns:
+            carrier.fit(self.state)
+        self.change, self.operation, self.flags = Change(carrier, self.state, channel), None, None
 
-    def is_entered(self, object):
-        """Whether the values at hand are those that the mode edits now."""
-        return self.key == _key(object) and (self.channel is None or self.channel.is_alive())
-
-    def update(self):
-        """Somebody may have changed something."""
-        if self.channel is None or self.channel.is_busy():
-            return
+    def update(self, lit):
+        """Somebody may have changed something. `lit` are vertices that only Live Selection selected, or nothing."""
         operation = self.channel.operation()
-        if operation != self.operation:
+        if operation is not None and operation != self.operation:
             self.settle()
-            self.operation = operation
+        self.operation = operation
         vertices, values = self.channel.read(self.change.moved() | self.change.written)
         if len(vertices):
             self.change.take(vertices, values)
             if self.flags is None:
-                self.flags = self.channel.flags(self.lit)
-            self._write()
+                self.flags = self.channel.flags(lit)
+            changed = self.change.follow(*self.flags)
+            if len(changed):
+                self.change.current[changed] = self.channel.write(changed, self.change.current[changed])
         if operation is None:
             self.settle()
-
-    def _write(self):
-        changed = self.change.follow(*self.flags)
-        if len(changed):
-            self.channel.write(changed, self.change.current[changed])
 
     def settle(self):
         """The operation is over: its result is what the next one begins with."""
         self.flags = None
         step = self.change.settle()
-        if step is None:
-            return
-        self.channel.rest()
-        self.histories[self.key][0][step.vertices] = step.after
-        self.histories[self.key][1].add(step)
+        if step is not None:
+            self.channel.rest()
+            self.state[step.vertices] = step.after
+            self.history.add(step)
 
 
-def _channel(object):
-    """What reads and writes the values that the mode of an object edits; nothing where Live does nothing."""
-    if object.mode == "EDIT":
-        return live_edit.EditChannel(object)
-    return live_paint.channel_of(object)
+class Session:
+    """Live mirroring of one object: its map, and what happens in the mode that it is in."""
+
+    def __init__(self, object):
+        self.mark, self.carrier = mark_of(object.data), Carrier(_load(object.data))
+        self.topology = live_edit.topology(object)
+        self.tracks, self.lit, self._kept, self._waits = [], None, {}, False
+
+    def enter(self, object, undone=False):
+        """Begins with the values that the mode edits, or goes on with them after an undo."""
+        self._kept.update((track.channel.key, (track.state, track.history)) for track in self.tracks)
+        self.tracks = [
+            Track(channel, self.carrier, self._kept.get(channel.key), undone) for channel in _channels(object)
+        ]
+        self.keys = _keys(object)
+
+    def is_entered(self, object):
+        """Whether the values at hand are those that the mode edits now."""
+        return self.keys == _keys(object) and all(track.channel.is_alive() for track in self.tracks)
+
+    def update(self):
+        """Somebody may have changed something."""
+        for track in self.tracks:
+            if not track.channel.is_busy():
+                track.update(self.lit)
+        if self._is_in_the_middle() and not self._waits and not bpy.app.background:
+            self._waits = True
+            bpy.app.timers.register(self._wait_for_the_end, first_interval=0.05)
+
+    def _is_in_the_middle(self):
+        channels = [track.channel for track in self.tracks]
+        return any(channel.is_busy() or channel.operation() is not None for channel in channels)
+
+    def _wait_for_the_end(self):
+        """An operation that is confirmed where it is changes nothing more: no update tells of its end."""
+        if self not in _sessions.values() or not all(track.channel.is_alive() for track in self.tracks):
+            self._waits = False
+        elif not self._is_in_the_middle():
+            self._waits = False
+            self.update()
+        return 0.05 if self._waits else None
+
+    @property
+    def edit(self):
+        """The vertices in edit mode."""
+        return self.tracks[0].channel
 
 
-def _key(object):
-    """Tells one array of values from another: the mode's kind, and the shape key, group or attribute."""
-    return (object.active_shape_key_index, *live_paint.key_of(object))
+def _channels(object):
+    """What reads and writes the values that the mode of an object edits."""
+    return [live_edit.EditChannel(object)] if object.mode == "EDIT" else live_paint.channels_of(object)
+
+
+def _keys(object):
+    """Changes when the mode edits other values."""
+    return object.mode, object.active_shape_key_index, live_paint.keys_of(object)
 
 
 def mark_of(mesh):
@@ -165,8 +194,7 @@ def _session(object):
 
 def _fits(session, object):
     """Whether the mesh is still the one that the map is of. In the middle of a transformation it must be."""
-    mesh, channel = object.data, session.channel
-    if mesh.is_editmode and channel is not None and channel.is_alive() and channel.operation() is not None:
+    if object.data.is_editmode and session.is_entered(object) and session.edit.operation() is not None:
         return True
     return live_edit.is_same(session.topology, live_edit.topology(object, session.topology))
 
@@ -182,7 +210,7 @@ def _follow(object, moved, undone=False):
         session.enter(object, undone)
     elif moved and object.intrinsic_symmetry_live:
         session.update()
-    if object.mode == "EDIT" and object.intrinsic_symmetry_live_select:
+    if object.intrinsic_symmetry_live_select and object.mode == "EDIT" and session.edit.operation() is None:
         live_select.follow(session, object, undone)
 
 

@@ -53,15 +53,16 @@ class Carrier:
         touched &= self.weights > 0
         return touched.any(axis=1) & ~self.on_line
 
-    def carry(self, vertices, change, turns):
-        """(given vertices, components) the change that arrives at vertices; `change` is of all, float64. The sums are
-        in the library's order, so that the result is the same to the last bit."""
+    def carry(self, vertices, change):
+        """(given vertices, components) the change at the images of vertices; `change` is of all, float64. The sums here
+        and in `turned` are in the library's order, so that the result is the same to the last bit."""
         corners, weights = self.corners[vertices], self.weights[vertices]
         total = weights[:, 0] + weights[:, 1] + weights[:, 2]
         there = sum(weights[:, corner, None] * change[corners[:, corner]] for corner in range(3))
-        there /= total[:, None]
-        if not turns:
-            return there
+        return there / total[:, None]
+
+    def turned(self, vertices, there):
+        """(given vertices, 3) directions at the images of vertices, as they are at the vertices."""
         turn = self.turn[vertices]
         return sum(turn[:, :, axis] * there[:, axis, None] for axis in range(3))
 
@@ -69,11 +70,12 @@ class Carrier:
 class Change:
     """What one operation has done to one array so far: `base` before it, `current` now, `written` by us.
 
-    Every update starts from `base` again, so that an operation that is cancelled leaves nothing behind.
+    Every update starts from `base` again, so that an operation that is cancelled leaves nothing behind. The channel that
+    the values are of says what becomes of a change on its way (`mirrored`) and of one on the line (`on_line`).
     """
 
-    def __init__(self, carrier, values, turns):
-        self.carrier, self.turns = carrier, turns
+    def __init__(self, carrier, values, channel):
+        self.carrier, self._channel = carrier, channel
         self.base, self.current = values.copy(), values.copy()
         self.written = np.zeros(len(values), bool)
         self.touched = np.zeros(len(values), bool)  # written at some time of this operation
@@ -95,8 +97,7 @@ class Change:
         share     (vertices,) float, how much of a change arrives; or nothing for all of it
         """
         before, moved = self.current.copy(), self.moved()
-        if self.turns:
-            self._clamp(moved & ~fixed)
+        self._change_line(moved & ~fixed)
         side = self._winning_side(moved, selected)
         losing = self.carrier.side == -side if side else np.zeros(len(moved), bool)
         sources = moved & ~(losing & ~selected)
@@ -113,17 +114,17 @@ class Change:
         vertices = np.flatnonzero(targets)
         change = np.zeros(self.base.shape)
         change[sources] = self.current[sources].astype(float) - self.base[sources]
-        carried = self.carrier.carry(vertices, change, self.turns)
+        carried = self._channel.mirrored(self.carrier, vertices, self.carrier.carry(vertices, change))
         if share is not None:
             carried *= share[vertices, None]
         self.current[self.written] = self.base[self.written]
         self.current[vertices] = self.base[vertices] + carried
         self.written = targets
 
-    def _clamp(self, moved):
+    def _change_line(self, moved):
         vertices = np.flatnonzero(moved & self.carrier.on_line)
         change = self.current[vertices].astype(float) - self.base[vertices]
-        self.current[vertices] = self.base[vertices] + self.carrier.clamped(vertices, change)
+        self.current[vertices] = self.base[vertices] + self._channel.on_line(self.carrier, vertices, change)
 
     def _winning_side(self, moved, selected):
         """The side whose change is carried, or 0 for both: the one with selected vertices; without a selection, as in

@@ -107,6 +107,7 @@ class EditVertices:
         else:
             self._update_normals(chosen)
         bmesh.update_edit_mesh(self._mesh, loop_triangles=True, destructive=False)
+        return values
 
     def _update_normals(self, chosen):
         faces = {face for vertex in chosen for face in self.vertices[vertex].link_faces}
@@ -120,17 +121,26 @@ class EditVertices:
         return np.fromiter(map(operator.attrgetter(name), self.vertices), bool, len(self.vertices))
 
 
-class EditChannel(EditVertices):
-    """Positions in edit mode."""
+class Positions:
+    """What positions become on their way to the other side. Mix in before what reads and writes them."""
 
     turns = True
 
-    def __init__(self, object):
-        super().__init__(object.data)
+    @staticmethod
+    def mirrored(carrier, vertices, there):
+        return carrier.turned(vertices, there)
 
     @staticmethod
-    def carrier_of(carrier):
-        return carrier
+    def on_line(carrier, vertices, change):
+        return carrier.clamped(vertices, change)
+
+
+class EditChannel(Positions, EditVertices):
+    """Positions in edit mode."""
+
+    def __init__(self, object):
+        super().__init__(object.data)
+        self.key = "EDIT", object.active_shape_key_index
 
     @staticmethod
     def is_busy():

@@ -8,7 +8,7 @@ import numpy as np
 
 def follow(session, object, undone):
     """`session.lit` says which vertices are selected by us alone."""
-    mesh, channel = object.data, session.channel
+    mesh, channel = object.data, session.edit
     selected = channel.flags_of("select")
     before = np.zeros_like(selected) if session.lit is None else session.lit_with
     if np.array_equal(selected, before):

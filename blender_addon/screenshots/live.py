@@ -1,0 +1,258 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs inside a Blender window: Live Mirror under the hands of a user, by simulated events. Called by `make.sh live`.
+
+Checks grab, Esc, undo, redo, proportional editing and a sculpt stroke; writes the time of an update by size; and
+photographs a grab, frame by frame.
+"""
+
+import sys
+import time
+
+import bmesh
+import bpy
+import numpy as np
+
+sys.path.insert(0, "/session")
+from stage import (  # noqa: E402
+    PICTURES,
+    area,
+    import_human,
+    in_view,
+    install,
+    look,
+    module,
+    photograph,
+    region,
+    show_tab,
+    start,
+)
+
+#: Vertices of the meshes whose updates are timed.
+SIZES = (5_000, 25_000, 100_000)
+ops = bpy.ops.intrinsic_symmetry
+#: Positions at some moment, by name; and the times of updates.
+kept, times = {}, {}
+
+
+def human():
+    return bpy.context.object
+
+
+def places():
+    mesh = human().data
+    if mesh.is_editmode:
+        return np.array([vertex.co[:] for vertex in bmesh.from_edit_mesh(mesh).verts], np.float32)
+    return module("mesh_data").positions(mesh)
+
+
+def sides():
+    return module("live")._sessions[human().session_uid].carrier.side
+
+
+def event(kind, value="PRESS", at=None, **keywords):
+    x, y = at or kept["mouse"]
+    kept["mouse"] = x, y
+    bpy.context.window.event_simulate(kind, value, x=x, y=y, **keywords)
+
+
+def press(kind, **keywords):
+    event(kind, "PRESS", **keywords)
+    event(kind, "RELEASE", **keywords)
+
+
+def move(x, y):
+    """By pixels from the middle of the viewport."""
+    event("MOUSEMOVE", "NOTHING", at=(middle()[0] + x, middle()[1] + y))
+
+
+def middle():
+    view = region()
+    return view.x + view.width // 2, view.y + view.height // 2
+
+
+def select_hand(count):
+    """The left hand's vertices, in edit mode."""
+    mesh = human().data
+    with bpy.context.temp_override(window=bpy.context.window, area=area(), region=region()):
+        bpy.ops.object.mode_set(mode="OBJECT")
+        points, side = places(), module("mesh_data").read_attribute(mesh.attributes[module("stored_map").SIDE])
+        tip = np.argmax(np.where(side == 1, np.abs(points[:, 0]), -np.inf))
+        near = np.argsort(np.where(side == 1, np.linalg.norm(points - points[tip], axis=1), np.inf))
+        flags = np.zeros(len(points), bool)
+        flags[near[:count]] = True
+        module("ops_select").write_selection(bpy.context, mesh, flags)
+        bpy.ops.object.mode_set(mode="EDIT")
+
+
+def keep(name):
+    kept[name] = places()
+
+
+def is_as(name):
+    far = np.abs(places() - kept[name]).max(axis=1)
+    on = [int((far[sides() == side] > 0).sum()) for side in (1, 0, -1)]
+    running = [operator.bl_idname for operator in bpy.context.window.modal_operators]
+    assert not far.any(), f"not as {name}: {on} vertices of left, line and right, by {far.max()}; {running}"
+
+
+def moved_on_both_sides(since, least):
+    moved = np.any(places() != kept[since], axis=1)
+    on = [int((moved & (sides() == side)).sum()) for side in (1, -1)]
+    assert min(on) > least, f"moved on the two sides: {on}"
+
+
+def live_on():
+    human().intrinsic_symmetry_live = True
+    assert human().intrinsic_symmetry_live, module("live").problem_of(human())
+
+
+def undo():
+    press("Z", ctrl=True)
+
+
+def redo():
+    press("Z", ctrl=True, shift=True)
+
+
+def proportional(on):
+    bpy.context.scene.tool_settings.use_proportional_edit = on
+    bpy.context.scene.tool_settings.proportional_size = 0.3
+
+
+def grab(steps, end, wait=0.08):
+    """G, mouse moves, and the event that ends it."""
+    found = [(lambda: move(0, 0), wait), (lambda: press("G"), wait)]
+    found += [(lambda x=x, y=y: move(x, y), wait) for x, y in steps]
+    return [*found, (lambda: press(end), 1.0)]
+
+
+WAY = [(8 * step, 5 * step) for step in range(1, 8)]
+EDIT = [
+    (lambda: select_hand(150), 0.5),
+    (live_on, 0.5),
+    (lambda: in_view(bpy.ops.ed.undo_push, message="Start"), 0.5),
+    (lambda: keep("start"), 0.1),
+    *grab(WAY, "ESC"),
+    (lambda: is_as("start"), 0.1),
+    *grab(WAY, "RET"),
+    (lambda: (moved_on_both_sides("start", 100), keep("grabbed")), 0.1),
+    *grab(WAY[::-1], "LEFTMOUSE"),
+    (lambda: keep("twice"), 0.1),
+    (undo, 0.5),
+    (lambda: is_as("grabbed"), 0.1),
+    (undo, 0.5),
+    (lambda: is_as("start"), 0.1),
+    (redo, 0.5),
+    (lambda: is_as("grabbed"), 0.1),
+    (redo, 0.5),
+    (lambda: is_as("twice"), 0.1),
+    (undo, 0.5),
+    (undo, 0.5),
+    (lambda: proportional(True), 0.1),
+    *grab(WAY, "ESC"),
+    (lambda: is_as("start"), 0.1),
+    *grab(WAY, "RET"),
+    (lambda: (moved_on_both_sides("start", 500), keep("falloff")), 0.1),
+    (undo, 0.5),
+    (lambda: is_as("start"), 0.1),
+    (redo, 0.5),
+    (lambda: is_as("falloff"), 0.1),
+    (undo, 0.5),
+    (lambda: (proportional(False), is_as("start")), 0.1),
+]
+
+
+def film():
+    """A grab with proportional editing, photographed at every move."""
+    number = iter(range(100))
+    way = [(5 * step, 4 * step) for step in (*range(1, 13), *range(12, -1, -1))]
+    found = [
+        (lambda: (proportional(True), select_hand(220)), 0.5),
+        (lambda: move(0, 0), 0.1),
+        (lambda: press("G"), 0.2),
+    ]
+    for x, y in way:
+        found.append((lambda x=x, y=y: move(x, y), 0.25))
+        found.append((lambda: photograph(f"frame_{next(number):02}"), 0.05))
+    return [*found, (lambda: press("ESC"), 0.3), (lambda: proportional(False), 0.1)]
+
+
+def make_size(count):
+    """The human with about so many vertices, and no mirrored connectivity; with its symmetry, and Live on."""
+    in_view(bpy.ops.object.mode_set, mode="OBJECT")
+    for old in list(bpy.data.objects):
+        bpy.data.objects.remove(old)
+    in_view(bpy.ops.wm.ply_import, filepath="/session/human.ply")
+    levels = int(np.ceil(np.log(count / 13_380) / np.log(4))) if count > 13_380 else 0
+    if levels:
+        modifier = human().modifiers.new("finer", "SUBSURF")
+        modifier.subdivision_type, modifier.levels = "SIMPLE", levels
+        in_view(bpy.ops.object.modifier_apply, modifier="finer")
+    modifier = human().modifiers.new("coarser", "DECIMATE")
+    modifier.ratio = count / len(human().data.vertices)
+    in_view(bpy.ops.object.modifier_apply, modifier="coarser")
+    assert in_view(ops.detect, "EXEC_DEFAULT") == {"FINISHED"}
+    begun = time.perf_counter()
+    in_view(bpy.ops.object.mode_set, mode="EDIT")
+    live_on()
+    times["on", count] = [time.perf_counter() - begun]
+
+
+def clock(name):
+    """Times every update of Live from now on."""
+    handlers, live = bpy.app.handlers.depsgraph_update_post, module("live")
+    handlers[:] = [handler for handler in handlers if handler.__name__ not in ("_on_update", "timed")]
+    entries = times.setdefault(name, [])
+
+    def timed(scene, depsgraph):
+        begun = time.perf_counter()
+        live._on_update(scene, depsgraph)
+        entries.append(time.perf_counter() - begun)
+
+    handlers.append(timed)
+
+
+def measured(count):
+    def stop():
+        clock("nothing")
+
+    way = [(3 * step, 2 * step) for step in range(1, 16)]
+    found = [(lambda: make_size(count), 1.0)]
+    for name, share, wide in (("hand", 0.04, False), ("all of one side", 0.5, False), ("proportional", 0.04, True)):
+        found += [
+            (lambda share=share, wide=wide: (select_hand(int(share * count)), proportional(wide)), 1.0),
+            (lambda name=name: clock((name, count)), 0.1),
+            *grab(way, "ESC", wait=0.15),
+            (stop, 0.1),
+        ]
+    return [*found, (lambda: proportional(False), 0.1)]
+
+
+def report():
+    lines = ["| vertices | switched on | hand | all of one side | proportional |", "|---|---|---|---|---|"]
+    for count in SIZES:
+        row = [f"{1e3 * times['on', count][0]:.0f} ms"]
+        for name in ("hand", "all of one side", "proportional"):
+            updates = sorted(times[name, count][2:-1])  # the first ones begin it, the last one ends it
+            row.append(f"{1e3 * updates[len(updates) // 2]:.1f} ms ({1e3 * updates[-1]:.1f})")
+        lines.append(f"| {count} | " + " | ".join(row) + " |")
+    (PICTURES / "times.txt").write_text("\n".join(lines) + "\n")
+
+
+def detect():
+    assert in_view(ops.detect, "EXEC_DEFAULT") == {"FINISHED"}
+
+
+STEPS = [
+    (install, 1.0),
+    (import_human, 0.5),
+    (show_tab, 0.5),
+    (lambda: look(15), 1.0),
+    (detect, 0.5),
+    *EDIT,
+    *film(),
+    *[step for count in SIZES for step in measured(count)],
+    (report, 0.1),
+]
+
+start(STEPS)
