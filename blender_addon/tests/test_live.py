@@ -267,3 +267,105 @@ def choose(object, vertices, on=True):
     mesh.select_flush_mode()
     bmesh.update_edit_mesh(object.data, loop_triangles=False, destructive=False)
     bpy.context.view_layer.update()
+
+
+def paint(object, mode):
+    """In a mode, with Live Mirror on. Without a window there are no strokes: their results are written."""
+    enter(mode)
+    switch(object)
+
+
+def stroke():
+    bpy.context.object.data.update()
+    bpy.context.view_layer.update()
+
+
+def test_a_sculpted_side_is_carried(symmetry, body):
+    mesh, hand = body.data, a_hand(body, -1)
+    before, sides = places(body), attribute(mesh, "symmetry_side")
+    paint(body, "SCULPT")
+    after = before.copy()
+    after[hand] += np.float32((0.01, 0.02, 0))
+    module("mesh_data").set_shown_positions(body, after)
+    stroke()
+    wanted = carried(body, symmetry, before, after, -1)
+    assert np.array_equal(places(body)[sides == 1], wanted[sides == 1])
+    assert np.array_equal(places(body)[sides == -1], after[sides == -1])
+
+
+def test_what_is_masked_or_hidden_is_left_alone(human, truth):
+    mesh, hand = human.data, a_hand(human, 1)
+    before, mask = places(human), np.zeros(len(mesh.vertices), np.float32)
+    mask[truth[hand[:40]]], mask[truth[hand[40:80]]] = 1, 0.5
+    module("mesh_data").write_attribute(mesh, ".sculpt_mask", "FLOAT", mask)
+    hidden = np.zeros(len(mesh.vertices), bool)
+    hidden[truth[hand[80:100]]] = True
+    mesh.vertices.foreach_set("hide", hidden)
+    paint(human, "SCULPT")
+    after = before.copy()
+    after[hand] += np.float32((0, 0.02, 0))
+    module("mesh_data").set_shown_positions(human, after)
+    stroke()
+    moved = np.linalg.norm(places(human) - before, axis=1)[truth[hand]]
+    assert not moved[:40].any() and not moved[80:100].any()
+    assert np.allclose(moved[40:80], 0.01, atol=1e-4) and np.allclose(moved[100:], 0.02, atol=1e-4)
+
+
+def test_a_stroke_over_the_line_goes_by_its_larger_side(human, truth):
+    before, sides = places(human), attribute(human.data, "symmetry_side")
+    middle = np.argmin(np.abs(before[:, 0]) + 10 * (sides != 1))
+    distance = np.linalg.norm(before - before[middle], axis=1)
+    size = np.clip(0.1 - distance, 0, None)[:, None].astype(np.float32)
+    paint(human, "SCULPT")
+    module("mesh_data").set_shown_positions(human, before + size * np.float32((0, 1, 0)))
+    stroke()
+    far = np.linalg.norm(places(human) - before, axis=1)
+    left = (sides == 1) & (size[:, 0] > 0)
+    assert np.allclose(far[left], size[left, 0], atol=1e-4) and np.allclose(far[truth[left]], far[left], atol=1e-4)
+
+
+@pytest.mark.parametrize("domain", ["POINT", "CORNER"])
+@pytest.mark.parametrize("kind", ["BYTE_COLOR", "FLOAT_COLOR"])
+def test_painted_colours_are_carried(human, truth, kind, domain):
+    mesh, hand = human.data, a_hand(human, 1)
+    mesh.color_attributes.new("Paint", kind, domain)
+    mesh.color_attributes.active_color = mesh.color_attributes["Paint"]
+    paint(human, "VERTEX_PAINT")
+    painted, (_, corners) = mesh.attributes["Paint"], module("mesh_data").polygons(mesh)
+    rows = hand if domain == "POINT" else np.isin(corners, hand)
+    values = module("mesh_data").read_attribute(painted)
+    start = values.copy()
+    values[rows] = (1, 0.5, 0.25, 1)
+    module("mesh_data").update_attribute(painted, values)
+    stroke()
+    found = module("mesh_data").read_attribute(painted)
+    image = truth[hand] if domain == "POINT" else np.isin(corners, truth[hand])
+    assert np.abs(found[image] - (1, 0.5, 0.25, 1)).max() < 0.01
+    rest = np.ones(len(found), bool)
+    rest[rows] = rest[image] = False
+    assert np.array_equal(found[rest], start[rest])
+
+
+@pytest.mark.parametrize("names", [("Arm.L", "Arm.R"), ("Spine", "Spine")])
+def test_painted_weights_go_to_the_other_group(human, truth, names):
+    hand = a_hand(human, 1)
+    for name in dict.fromkeys(names):
+        human.vertex_groups.new(name=name)
+    human.vertex_groups.active = human.vertex_groups[names[0]]
+    paint(human, "WEIGHT_PAINT")
+    human.vertex_groups[names[0]].add(hand.tolist(), 0.75, "REPLACE")
+    stroke()
+    weights = module("ops_vertex_groups").read_weights(human)
+    there = human.vertex_groups[names[1]].index
+    assert np.allclose(weights[truth[hand], there], 0.75, atol=1e-6)
+    assert np.count_nonzero(weights) == 2 * len(hand)
+
+
+def test_a_painted_mask_is_carried(human, truth):
+    hand, mask = a_hand(human, 1), np.zeros(len(human.data.vertices), np.float32)
+    paint(human, "SCULPT")
+    mask[hand] = 0.5
+    module("mesh_data").write_attribute(human.data, ".sculpt_mask", "FLOAT", mask)
+    stroke()
+    found = attribute(human.data, ".sculpt_mask")
+    assert np.allclose(found[truth[hand]], 0.5) and np.count_nonzero(found) == 2 * len(hand)
