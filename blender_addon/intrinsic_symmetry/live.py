@@ -17,7 +17,8 @@ from .live_carry import Carrier, Change, History
 _sessions = {}
 #: Why Live was switched off, for the panel; by the same number.
 reasons = {}
-_undoing = False
+#: Whether an undo is under way, and whether we are switching ourselves off.
+_undoing = _switching = False
 _TOPOLOGY = "Live Mirror is off: the mesh has other vertices, edges or faces now. Detect again"
 
 
@@ -45,7 +46,7 @@ class Track:
         differs = np.flatnonzero((self.state != values).any(axis=1))
         if len(differs):
             self.state[differs] = channel.write(differs, self.state[differs])
-        if channel.turns:
+        if channel.turns and not (undone and carrier.is_fitted()):
             carrier.fit(self.state)
         self.change, self.operation, self.flags = Change(carrier, self.state, channel), None, None
 
@@ -156,18 +157,18 @@ def _load(mesh):
 
 def switch_on(object):
     """Raises mesh_data.MeshProblem if there is no map to follow."""
-    reasons.pop(object.session_uid, None)
     session = Session(object)
     session.enter(object)
     _sessions[object.session_uid] = session
 
 
-def switch_off(object, reason=None):
-    """`reason` is told to the user, in the status bar and in the panel."""
+def _switch_off(object, reason):
+    """The reason is told to the user, in the status bar and in the panel."""
+    global _switching
     _sessions.pop(object.session_uid, None)
-    if reason is None:
-        return
+    _switching = True
     object.intrinsic_symmetry_live = object.intrinsic_symmetry_live_select = False
+    _switching = False
     reasons[object.session_uid] = reason
     if not bpy.app.background:
         bpy.app.timers.register(lambda: _say(reason), first_interval=0)
@@ -188,7 +189,7 @@ def _session(object):
         try:
             switch_on(object)
         except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
-            switch_off(object, f"Live Mirror is off: {problem}")
+            _switch_off(object, f"Live Mirror is off: {problem}")
     return _sessions.get(object.session_uid)
 
 
@@ -203,10 +204,11 @@ def _follow(object, moved, undone=False):
     session = _session(object)
     if session is None:
         return
-    if moved and not _fits(session, object):
-        switch_off(object, _TOPOLOGY)
+    entered = session.is_entered(object)
+    if (moved or not entered) and not _fits(session, object):
+        _switch_off(object, _TOPOLOGY)
         return
-    if undone or not session.is_entered(object):
+    if undone or not entered:
         session.enter(object, undone)
     elif moved and object.intrinsic_symmetry_live:
         session.update()
@@ -222,7 +224,7 @@ def _on_update(_scene, depsgraph):
         if isinstance(update.id, bpy.types.Object):
             object = update.id.original
             if wanted(object):
-                _follow(object, update.is_updated_geometry or object.mode != "EDIT")
+                _follow(object, update.is_updated_geometry or object.mode not in ("EDIT", "OBJECT"))
 
 
 @bpy.app.handlers.persistent
@@ -247,11 +249,12 @@ def _on_load(*_):
 
 
 def _toggled(object, _context):
+    if _switching:
+        return
+    reasons.pop(object.session_uid, None)
     _sessions.pop(object.session_uid, None)
     if wanted(object):
         _session(object)
-    else:
-        switch_off(object)
 
 
 #: Handlers and the lists they are in.

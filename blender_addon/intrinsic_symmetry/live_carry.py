@@ -31,6 +31,9 @@ class Carrier:
         self.turn, self.fitted_to = np.stack(carried, axis=2), positions.copy()
         self._fit_line()
 
+    def is_fitted(self):
+        return self.turn is not None
+
     def _carry_unit(self, positions, axis):
         unit = np.zeros((len(positions), 3))
         unit[:, axis] = 1

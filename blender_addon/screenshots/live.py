@@ -11,6 +11,7 @@ import time
 import bmesh
 import bpy
 import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d
 
 sys.path.insert(0, "/session")
 from stage import (  # noqa: E402
@@ -162,12 +163,71 @@ EDIT = [
 ]
 
 
+def on_screen(vertex):
+    """Of a vertex, in pixels from the middle of the viewport."""
+    view = area().spaces.active.region_3d
+    place = location_3d_to_region_2d(region(), view, human().matrix_world @ human().data.vertices[vertex].co)
+    return int(place[0]) - region().width // 2, int(place[1]) - region().height // 2
+
+
+def aim():
+    """At the left thigh."""
+    points = places()
+    wanted = np.array((0.35 * points[:, 0].max(), points[:, 1].min(), np.quantile(points[:, 2], 0.3)))
+    front = np.where(sides() == 1, np.linalg.norm(points - wanted, axis=1), np.inf)
+    kept["aim"] = on_screen(int(np.argmin(front)))
+
+
+def sculpt_mode():
+    in_view(bpy.ops.object.mode_set, mode="OBJECT")
+    in_view(bpy.ops.object.mode_set, mode="SCULPT")
+    bpy.context.scene.tool_settings.sculpt.use_symmetry_x = False
+    human().data.use_mirror_x = False
+    in_view(bpy.ops.ed.undo_push, message="Sculpt mode")
+
+
+def stroke():
+    """The button goes down, the mouse moves, the button goes up."""
+    found = [(lambda: move(*kept["aim"]), 0.3), (lambda: event("LEFTMOUSE", "PRESS"), 0.2)]
+    for x in range(0, 24, 4):
+        found.append((lambda x=x: move(kept["aim"][0], kept["aim"][1] + x), 0.2))
+    return [*found, (lambda: event("LEFTMOUSE", "RELEASE"), 1.5)]
+
+
+SCULPT = [
+    (sculpt_mode, 1.0),
+    (lambda: (aim(), keep("start")), 0.1),
+    *stroke(),
+    (lambda: (moved_on_both_sides("start", 20), keep("stroke"), photograph("sculpted")), 0.1),
+    *stroke(),
+    (lambda: keep("strokes"), 0.1),
+    (undo, 1.5),
+    (lambda: is_as("stroke"), 0.1),
+    (undo, 1.5),
+    (lambda: is_as("start"), 0.1),
+    (redo, 1.5),
+    (lambda: is_as("stroke"), 0.1),
+    (redo, 1.5),
+    (lambda: is_as("strokes"), 0.1),
+    (undo, 1.5),
+    (undo, 1.5),
+    (lambda: in_view(bpy.ops.object.mode_set, mode="OBJECT"), 0.5),
+]
+
+
+def pose_for_film():
+    space = area().spaces.active
+    space.show_region_ui = space.show_region_toolbar = space.show_gizmo = False
+    in_view(bpy.ops.mesh.select_mode, type="FACE")
+    in_view(bpy.ops.view3d.view_all)
+
+
 def film():
     """A grab with proportional editing, photographed at every move."""
     number = iter(range(100))
     way = [(5 * step, 4 * step) for step in (*range(1, 13), *range(12, -1, -1))]
     found = [
-        (lambda: (proportional(True), select_hand(220)), 0.5),
+        (lambda: (proportional(True), select_hand(220), pose_for_film()), 1.0),
         (lambda: move(0, 0), 0.1),
         (lambda: press("G"), 0.2),
     ]
@@ -217,7 +277,7 @@ def measured(count):
         clock("nothing")
 
     way = [(3 * step, 2 * step) for step in range(1, 16)]
-    found = [(lambda: make_size(count), 1.0)]
+    found = [(lambda: (in_view(bpy.ops.mesh.select_mode, type="VERT"), make_size(count)), 1.0)]
     for name, share, wide in (("hand", 0.04, False), ("all of one side", 0.5, False), ("proportional", 0.04, True)):
         found += [
             (lambda share=share, wide=wide: (select_hand(int(share * count)), proportional(wide)), 1.0),
@@ -250,6 +310,7 @@ STEPS = [
     (lambda: look(15), 1.0),
     (detect, 0.5),
     *EDIT,
+    *SCULPT,
     *film(),
     *[step for count in SIZES for step in measured(count)],
     (report, 0.1),

@@ -173,8 +173,9 @@ def test_the_line_stays_on_the_line(human, truth):
     lambda: ops.mesh.sort_elements(type="REVERSE", elements={"VERT"}),
 ], ids=["subdivide", "delete", "flip", "sort"])
 def test_a_topology_edit_switches_it_off_with_a_word(live, call):
+    switch(live, name="intrinsic_symmetry_live_select")
     assert call() == {"FINISHED"}
-    assert not live.intrinsic_symmetry_live
+    assert not live.intrinsic_symmetry_live and not live.intrinsic_symmetry_live_select
     assert "Detect again" in module("live").problem_of(live)
     before = places(live)
     ops.transform.translate(value=(0, 0.02, 0))
@@ -183,8 +184,9 @@ def test_a_topology_edit_switches_it_off_with_a_word(live, call):
 
 def test_without_a_map_it_does_not_go_on(human):
     ops.intrinsic_symmetry.clear()
-    human.intrinsic_symmetry_live = True
-    assert not human.intrinsic_symmetry_live
+    for name in ("intrinsic_symmetry_live", "intrinsic_symmetry_live_select"):
+        setattr(human, name, True)
+        assert not getattr(human, name)
     assert "Detect" in module("live").problem_of(human)
 
 
