@@ -129,9 +129,6 @@ def grab(steps, end, wait=0.08):
 
 WAY = [(8 * step, 5 * step) for step in range(1, 8)]
 EDIT = [
-    (lambda: select_hand(150), 0.5),
-    (live_on, 0.5),
-    (lambda: in_view(bpy.ops.ed.undo_push, message="Start"), 0.5),
     (lambda: keep("start"), 0.1),
     *grab(WAY, "ESC"),
     (lambda: is_as("start"), 0.1),
@@ -183,6 +180,11 @@ def sculpt_mode():
     in_view(bpy.ops.object.mode_set, mode="SCULPT")
     bpy.context.scene.tool_settings.sculpt.use_symmetry_x = False
     human().data.use_mirror_x = False
+    if bpy.context.scene.tool_settings.sculpt.brush is None:  # Debian's Blender has no brushes
+        bpy.data.brushes.new("Draw", mode="SCULPT").asset_mark()
+        in_view(
+            bpy.ops.brush.asset_activate, asset_library_type="LOCAL", relative_asset_identifier="Brush/Draw"
+        )
     in_view(bpy.ops.ed.undo_push, message="Sculpt mode")
 
 
@@ -256,6 +258,7 @@ def make_size(count):
     in_view(bpy.ops.object.mode_set, mode="EDIT")
     live_on()
     times["on", count] = [time.perf_counter() - begun]
+    print(f"{len(human().data.vertices)} vertices: switched on in {times['on', count][0]:.2f} s", flush=True)
 
 
 def clock(name):
@@ -303,17 +306,25 @@ def detect():
     assert in_view(ops.detect, "EXEC_DEFAULT") == {"FINISHED"}
 
 
+def begin():
+    select_hand(150)
+    live_on()
+    in_view(bpy.ops.ed.undo_push, message="Start")
+    photograph("live")
+
+
+#: What runs, by the argument of the script; all without one.
+PARTS = {"edit": EDIT, "sculpt": SCULPT, "film": film(), "times": [*(step for count in SIZES for step in measured(count)), (report, 0.1)]}
+CHOSEN = sys.argv[sys.argv.index("--") + 1 :] or PARTS
+
 STEPS = [
     (install, 1.0),
     (import_human, 0.5),
     (show_tab, 0.5),
     (lambda: look(15), 1.0),
     (detect, 0.5),
-    *EDIT,
-    *SCULPT,
-    *film(),
-    *[step for count in SIZES for step in measured(count)],
-    (report, 0.1),
+    (begin, 0.5),
+    *[step for name in CHOSEN for step in PARTS[name]],
 ]
 
 start(STEPS)

@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Makes the screenshots of docs/blender.md in a real Blender window: Debian trixie's Blender in a chroot, on a
 # virtual screen with software OpenGL. Needs root, debootstrap, and 3 GB under build/.
-# usage: make.sh [live]   (after `make blender-extension`; live: docs/blender/live.gif and the times of Live Mirror)
+# usage: make.sh [live [edit|sculpt|film|times]...]   (after `make blender-extension`; live: Live Mirror's checks, its
+#        times by size, and docs/blender/live.gif)
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -35,14 +36,16 @@ inside /usr/bin/env -i HOME=/session PATH=/usr/bin:/bin LANG=C.UTF-8 LIBGL_ALWAY
     BLENDER_USER_RESOURCES=/session/user \
     timeout 600 xvfb-run -a -s "-screen 0 1280x960x24 +extension GLX" \
     blender --factory-startup --no-window-focus --window-geometry 0 0 1280 960 --enable-event-simulate \
-    --python-exit-code 1 --python /session/$SCRIPT.py
+    --python-exit-code 1 --python /session/$SCRIPT.py -- "${@:2}"
 [ ! -e "$CHROOT/session/pictures/failed.txt" ] || { cat "$CHROOT/session/pictures/failed.txt" >&2; exit 1; }
 mkdir -p docs/blender
 if [ "$SCRIPT" = live ]; then
-    inside convert -delay 8 -loop 0 '/session/pictures/frame_*.png' -crop 640x640+216+150 +repage -resize 400x400 \
-        +dither -colors 48 -layers Optimize /session/live.gif
-    cp "$CHROOT/session/live.gif" docs/blender/live.gif
-    cat "$CHROOT/session/pictures/times.txt"
+    if [ -e "$CHROOT/session/pictures/frame_00.png" ]; then
+        inside convert -delay 8 -loop 0 '/session/pictures/frame_*.png' -crop 1040x750+0+100 +repage -resize 640x \
+            +dither -colors 48 -layers Optimize /session/live.gif
+        cp "$CHROOT/session/live.gif" docs/blender/live.gif
+    fi
+    [ ! -e "$CHROOT/session/pictures/times.txt" ] || cat "$CHROOT/session/pictures/times.txt"
     exit
 fi
 for picture in "$CHROOT"/session/pictures/*.png; do
