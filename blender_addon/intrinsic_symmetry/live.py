@@ -56,7 +56,7 @@ class Track:
         if operation is not None and operation != self.operation:
             self.settle()
         self.operation = operation
-        vertices, values = self.channel.read(self.change.moved() | self.change.written)
+        vertices, values = self.channel.read(self.change.moved | self.change.written)
         if len(vertices):
             self.change.take(vertices, values)
             if self.flags is None:

@@ -80,17 +80,15 @@ class Change:
     def __init__(self, carrier, values, channel):
         self.carrier, self._channel = carrier, channel
         self.base, self.current = values.copy(), values.copy()
+        self.moved = np.zeros(len(values), bool)  # changed, and not by us
         self.written = np.zeros(len(values), bool)
         self.touched = np.zeros(len(values), bool)  # written at some time of this operation
 
     def take(self, vertices, values):
         """Keeps what somebody else has done to vertices."""
         self.current[vertices] = values
+        self.moved[vertices] = (values != self.base[vertices]).any(axis=1)
         self.written[vertices] = False
-
-    def moved(self):
-        """(vertices,) bool: changed, and not by us."""
-        return (self.current != self.base).any(axis=1) & ~self.written
 
     def follow(self, selected, fixed, share=None):
         """Brings the other side after what was moved. Returns the vertices to write, their values in `current`.
@@ -99,8 +97,7 @@ class Change:
         fixed     (vertices,) bool: never written at all
         share     (vertices,) float, how much of a change arrives; or nothing for all of it
         """
-        before, moved = self.current.copy(), self.moved()
-        self._change_line(moved & ~fixed)
+        moved, line = self.moved, np.flatnonzero(self.moved & self.carrier.on_line & ~fixed)
         side = self._winning_side(moved, selected)
         losing = self.carrier.side == -side if side else np.zeros(len(moved), bool)
         sources = moved & ~(losing & ~selected)
@@ -108,8 +105,11 @@ class Change:
         if side:
             targets = (targets | moved) & losing
         targets &= ~(selected & moved) & ~fixed & (losing | ~moved)
+        candidates = np.concatenate((line, np.flatnonzero(targets | self.written)))
+        before = self.current[candidates]
+        self._change_line(line)
         self._write(sources, targets, share)
-        changed = np.flatnonzero((self.current != before).any(axis=1))
+        changed = candidates[(self.current[candidates] != before).any(axis=1)]
         self.touched[changed] = True
         return changed
 
@@ -122,10 +122,9 @@ class Change:
             carried *= share[vertices, None]
         self.current[self.written] = self.base[self.written]
         self.current[vertices] = self.base[vertices] + carried
-        self.written = targets
+        self.written, self.moved = targets, self.moved & ~targets
 
-    def _change_line(self, moved):
-        vertices = np.flatnonzero(moved & self.carrier.on_line)
+    def _change_line(self, vertices):
         change = self.current[vertices].astype(float) - self.base[vertices]
         self.current[vertices] = self.base[vertices] + self._channel.on_line(self.carrier, vertices, change)
 
@@ -142,12 +141,12 @@ class Change:
 
     def settle(self):
         """Ends the operation. Returns the step for the history, or nothing if all is as before."""
-        changed = np.flatnonzero((self.current != self.base).any(axis=1) | self.touched)
+        changed = np.flatnonzero(self.moved | self.touched)
         step = None
         if (self.current[changed] != self.base[changed]).any():
             step = Step(changed, self.base[changed], self.current[changed], self.touched[changed])
         self.base[changed] = self.current[changed]
-        self.written[:] = self.touched[:] = False
+        self.moved[:] = self.written[:] = self.touched[:] = False
         return step
 
 

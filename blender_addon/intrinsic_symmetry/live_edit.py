@@ -46,7 +46,7 @@ class EditVertices:
         self.bm.verts.index_update()
         self.vertices = list(self.bm.verts)
         self._views = [vertex.co for vertex in self.vertices]
-        self._copies = None
+        self._copies, self._around = None, ([], [], [])
         self.values = self.read_all()
         self._many = False
 
@@ -110,11 +110,12 @@ class EditVertices:
         return values
 
     def _update_normals(self, chosen):
-        faces = {face for vertex in chosen for face in self.vertices[vertex].link_faces}
-        for face in faces:
-            face.normal_update()
-        for vertex in {vertex for face in faces for vertex in face.verts}:
-            vertex.normal_update()
+        """Of vertices and what is around them, kept while the same ones are written."""
+        if chosen != self._around[0]:
+            faces = {face for vertex in chosen for face in self.vertices[vertex].link_faces}
+            self._around = chosen, faces, {vertex for face in faces for vertex in face.verts}
+        for element in chain(*self._around[1:]):
+            element.normal_update()
 
     def flags_of(self, name):
         """(vertices,) bool: `select` or `hide`."""
