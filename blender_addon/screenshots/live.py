@@ -2,9 +2,10 @@
 """Runs inside a Blender window: Live Mirror under the hands of a user, by simulated events. Called by `make.sh live`.
 
 Checks grab, Esc, undo, redo, proportional editing and a sculpt stroke; writes the time of an update by size; and
-photographs a grab, frame by frame.
+photographs what the picture in the docs shows, frame by frame. The steps run as those of window.py do.
 """
 
+import importlib
 import sys
 import time
 
@@ -14,25 +15,19 @@ import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 
 sys.path.insert(0, "/session")
-from stage import (  # noqa: E402
-    PICTURES,
-    area,
-    import_human,
-    in_view,
-    install,
-    look,
-    module,
-    photograph,
-    region,
-    show_tab,
-    start,
-)
+import window  # noqa: E402
+from window import PICTURES, area, import_human, in_view, install, look, photograph, region, show_tab  # noqa: E402
 
 #: Vertices of the meshes whose updates are timed.
 SIZES = (5_000, 25_000, 100_000)
 ops = bpy.ops.intrinsic_symmetry
 #: Positions at some moment, by name; and the times of updates.
 kept, times = {}, {}
+
+
+def module(name):
+    """A module of the extension."""
+    return importlib.import_module(f"bl_ext.user_default.intrinsic_symmetry.{name}")
 
 
 def human():
@@ -218,23 +213,26 @@ SCULPT = [
 
 
 def pose_for_film():
+    """Nothing but the figure; both hands in sight."""
     space = area().spaces.active
     space.show_region_ui = space.show_region_toolbar = space.show_gizmo = False
+    space.overlay.show_axis_x = space.overlay.show_axis_y = space.overlay.show_cursor = False
     in_view(bpy.ops.mesh.select_mode, type="FACE")
-    in_view(bpy.ops.view3d.view_all)
+    select_hand(900)
+    kept["aim"] = on_screen(int(np.flatnonzero(module("live")._sessions[human().session_uid].edit.flags_of("select"))[0]))
 
 
 def film():
-    """A grab with proportional editing, photographed at every move."""
+    """A hand and its forearm are scaled, photographed at every move."""
     number = iter(range(100))
-    way = [(5 * step, 4 * step) for step in (*range(1, 13), *range(12, -1, -1))]
+    way = [60 + 7 * step for step in (*range(0, 13), *range(12, -1, -1))]
     found = [
-        (lambda: (proportional(True), select_hand(220), pose_for_film()), 1.0),
-        (lambda: move(0, 0), 0.1),
-        (lambda: press("G"), 0.2),
+        (lambda: (proportional(True), pose_for_film()), 1.0),
+        (lambda: move(kept["aim"][0] - 60, kept["aim"][1]), 0.2),
+        (lambda: press("S"), 0.3),
     ]
-    for x, y in way:
-        found.append((lambda x=x, y=y: move(x, y), 0.25))
+    for x in way:
+        found.append((lambda x=x: move(kept["aim"][0] - x, kept["aim"][1]), 0.3))
         found.append((lambda: photograph(f"frame_{next(number):02}"), 0.05))
     return [*found, (lambda: press("ESC"), 0.3), (lambda: proportional(False), 0.1)]
 
@@ -317,7 +315,7 @@ def begin():
 PARTS = {"edit": EDIT, "sculpt": SCULPT, "film": film(), "times": [*(step for count in SIZES for step in measured(count)), (report, 0.1)]}
 CHOSEN = sys.argv[sys.argv.index("--") + 1 :] or PARTS
 
-STEPS = [
+window.STEPS[:] = [
     (install, 1.0),
     (import_human, 0.5),
     (show_tab, 0.5),
@@ -326,5 +324,3 @@ STEPS = [
     (begin, 0.5),
     *[step for name in CHOSEN for step in PARTS[name]],
 ]
-
-start(STEPS)
