@@ -375,3 +375,33 @@ def test_a_painted_mask_is_carried(human, truth):
     stroke()
     found = attribute(human.data, ".sculpt_mask")
     assert np.allclose(found[truth[hand]], 0.5) and np.count_nonzero(found) == 2 * len(hand)
+
+
+def half_step(message):
+    """An undo step as a stroke leaves it: kept before the other side follows."""
+    live = module("live")
+    live._undoing = True
+    ops.ed.undo_push(message=message)
+    live._undoing = False
+    stroke()
+
+
+def test_undo_of_painted_weights_takes_both_sides(human):
+    hand = a_hand(human, 1)
+    human.vertex_groups.new(name="Spine")
+    paint(human, "WEIGHT_PAINT")
+    ops.ed.undo_push(message="Start")
+    for part in (hand[:50], hand[50:]):
+        bpy.context.object.vertex_groups["Spine"].add(part.tolist(), 0.75, "REPLACE")
+        half_step("Stroke")
+    painted = [weighed()]
+    for _ in range(2):
+        ops.ed.undo()
+        painted.append(weighed())
+    assert painted == [2 * len(hand), 100, 0]
+    ops.ed.redo()
+    assert weighed() == 100
+
+
+def weighed():
+    return sum(group.weight > 0 for vertex in bpy.context.object.data.vertices for group in vertex.groups)
