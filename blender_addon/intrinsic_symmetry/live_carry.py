@@ -100,11 +100,11 @@ class Change:
         moved, line = self.moved, np.flatnonzero(self.moved & self.carrier.on_line & ~fixed)
         side = self._winning_side(moved, selected)
         losing = self.carrier.side == -side if side else np.zeros(len(moved), bool)
-        sources = moved & ~(losing & ~selected)
+        sources = moved & ~losing
         targets = self.carrier.followers(sources) & self.carrier.has_image
         if side:
             targets = (targets | moved) & losing
-        targets &= ~(selected & moved) & ~fixed & (losing | ~moved)
+        targets &= ~fixed & (losing | ~moved)
         candidates = np.concatenate((line, np.flatnonzero(targets | self.written)))
         before = self.current[candidates]
         self._change_line(line)
