@@ -17,7 +17,7 @@ from . import mesh_data
 #: With a larger share of the vertices moving, all are read, and no copies are kept.
 _MANY = 0.25
 #: With a larger share of the vertices written, the normals of all are computed.
-_MANY_NORMALS = 0.1
+_MANY_NORMALS = 0.15
 
 
 def topology(object, known=None):
