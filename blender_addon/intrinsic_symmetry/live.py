@@ -194,10 +194,9 @@ def _session(object):
 
 
 def _fits(session, object):
-    """Whether the mesh is still the one that the map is of. In the middle of a transformation it must be."""
-    if object.data.is_editmode and session.is_entered(object) and session.edit.operation() is not None:
-        return True
-    return live_edit.is_same(session.topology, live_edit.topology(object, session.topology))
+    """Whether the mesh is still the one that the map is of. In the middle of a transformation its counts say enough."""
+    in_the_middle = object.mode == "EDIT" and session.is_entered(object) and session.edit.operation() is not None
+    return live_edit.has(object, session.topology, in_the_middle)
 
 
 def _follow(object, moved, undone=False):

@@ -57,8 +57,10 @@ class Carrier:
         return touched.any(axis=1) & ~self.on_line
 
     def carry(self, vertices, change):
-        """(given vertices, components) the change at the images of vertices; `change` is of all, float64. The sums here
-        and in `turned` are in the library's order, so that the result is the same to the last bit."""
+        """(given vertices, components) the change at the images of vertices; `change` is of all, float64.
+
+        The sums here and in `turned` are in the library's order, so that the result is the same to the last bit.
+        """
         corners, weights = self.corners[vertices], self.weights[vertices]
         total = weights[:, 0] + weights[:, 1] + weights[:, 2]
         there = sum(weights[:, corner, None] * change[corners[:, corner]] for corner in range(3))
@@ -73,8 +75,8 @@ class Carrier:
 class Change:
     """What one operation has done to one array so far: `base` before it, `current` now, `written` by us.
 
-    Every update starts from `base` again, so that an operation that is cancelled leaves nothing behind. The channel that
-    the values are of says what becomes of a change on its way (`mirrored`) and of one on the line (`on_line`).
+    Every update starts from `base` again, so that an operation that is cancelled leaves nothing behind. The channel
+    that the values are of says what becomes of a change on its way (`mirrored`) and of one on the line (`on_line`).
     """
 
     def __init__(self, carrier, values, channel):
@@ -158,8 +160,8 @@ class Step:
 
 
 class History:
-    """The operations of this session. Blender keeps its undo step before ours is written; so what an undo or redo brings
-    back may lack our part, and is completed from here."""
+    """The operations of this session. Blender keeps its undo step before ours is written; so what an undo or redo
+    brings back may lack our part, and is completed from here."""
 
     def __init__(self, most):
         self.steps, self.done, self._most = [], 0, most

@@ -20,21 +20,26 @@ _MANY = 0.25
 _MANY_NORMALS = 0.15
 
 
-def topology(object, known=None):
-    """Numbers of vertices and edges, and the polygons; without these if the numbers are not the known ones."""
-    mesh, counts = object.data, (len(object.data.vertices), len(object.data.edges))
+def counts(mesh):
+    """Numbers of vertices and edges, in any mode."""
     if mesh.is_editmode:
         bm = bmesh.from_edit_mesh(mesh)
-        counts = len(bm.verts), len(bm.edges)
-    if known is not None and counts != known[0]:
-        return counts, None
-    if mesh.is_editmode:
+        return len(bm.verts), len(bm.edges)
+    return len(mesh.vertices), len(mesh.edges)
+
+
+def topology(object):
+    """The counts and the polygons, in any mode."""
+    if object.data.is_editmode:
         object.update_from_editmode()
-    return counts, mesh_data.polygons(mesh)
+    return counts(object.data), mesh_data.polygons(object.data)
 
 
-def is_same(known, found):
-    return known[0] == found[0] and all(map(np.array_equal, known[1], found[1]))
+def has(object, known, only_counts):
+    """Whether an object has a known topology."""
+    if counts(object.data) != known[0]:
+        return False
+    return only_counts or all(map(np.array_equal, known[1], topology(object)[1]))
 
 
 class EditVertices:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What strokes change in sculpt and paint modes: positions, masks, colours, weights; read and written after a stroke."""
+"""What strokes change in sculpt and paint modes, read and written after each: positions, masks, colours, weights."""
 
 import bpy
 import numpy as np
@@ -142,7 +142,7 @@ class Colours(PaintChannel):
 
 
 class Weights(PaintChannel):
-    """The active vertex group and, as second column, the group of the other side; of a group without a side, its own."""
+    """The active vertex group and, as second column, that of the other side; a group without a side is its own."""
 
     limits = 0, 1
 

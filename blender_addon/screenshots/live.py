@@ -219,7 +219,8 @@ def pose_for_film():
     space.overlay.show_axis_x = space.overlay.show_axis_y = space.overlay.show_cursor = False
     in_view(bpy.ops.mesh.select_mode, type="FACE")
     select_hand(900)
-    kept["aim"] = on_screen(int(np.flatnonzero(module("live")._sessions[human().session_uid].edit.flags_of("select"))[0]))
+    selected = module("live")._sessions[human().session_uid].edit.flags_of("select")
+    kept["aim"] = on_screen(int(np.flatnonzero(selected)[0]))
 
 
 def film():
@@ -311,7 +312,12 @@ def begin():
 
 
 #: What runs, by the argument of the script; all without one.
-PARTS = {"edit": EDIT, "sculpt": SCULPT, "film": film(), "times": [*(step for count in SIZES for step in measured(count)), (report, 0.1)]}
+PARTS = {
+    "edit": EDIT,
+    "sculpt": SCULPT,
+    "film": film(),
+    "times": [*(step for count in SIZES for step in measured(count)), (report, 0.1)],
+}
 CHOSEN = sys.argv[sys.argv.index("--") + 1 :] or PARTS
 
 window.STEPS[:] = [

@@ -186,6 +186,17 @@ def test_a_topology_edit_switches_it_off_with_a_word(live, call):
     assert not np.any(places(live) != before, axis=1)[~np.isin(np.arange(len(before)), a_hand_of(live))].any()
 
 
+def test_extruding_switches_it_off_before_the_new_vertices_move(live, monkeypatch):
+    """As a user extrudes: a transformation is running when the graph is updated."""
+    monkeypatch.setattr(module("live_edit").EditChannel, "operation", staticmethod(lambda: 1))
+    before = places(live)
+    ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0, 0.02, 0)})
+    assert not live.intrinsic_symmetry_live
+    after = places(live)
+    elsewhere = set(map(tuple, after.tolist())) - set(map(tuple, before.tolist()))
+    assert elsewhere == set(map(tuple, after[a_hand_of(live)].tolist()))
+
+
 def test_without_a_map_it_does_not_go_on(human):
     ops.intrinsic_symmetry.clear()
     for name in ("intrinsic_symmetry_live", "intrinsic_symmetry_live_select"):
