@@ -220,6 +220,8 @@ def pose_for_film():
     in_view(bpy.ops.mesh.select_mode, type="FACE")
     select_hand(900)
     selected = module("live")._sessions[human().session_uid].edit.flags_of("select")
+    in_view(bpy.ops.view3d.zoom, delta=-1)
+    area().spaces.active.region_3d.update()
     kept["aim"] = on_screen(int(np.flatnonzero(selected)[0]))
 
 
@@ -308,7 +310,6 @@ def begin():
     select_hand(150)
     live_on()
     in_view(bpy.ops.ed.undo_push, message="Start")
-    photograph("live")
 
 
 #: What runs, by the argument of the script; all without one.
@@ -326,6 +327,7 @@ window.STEPS[:] = [
     (show_tab, 0.5),
     (lambda: look(15), 1.0),
     (detect, 0.5),
-    (begin, 0.5),
+    (begin, 1.0),
+    (lambda: photograph("live"), 0.1),
     *[step for name in CHOSEN for step in PARTS[name]],
 ]

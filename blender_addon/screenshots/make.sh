@@ -41,7 +41,7 @@ inside /usr/bin/env -i HOME=/session PATH=/usr/bin:/bin LANG=C.UTF-8 LIBGL_ALWAY
 mkdir -p docs/blender
 if [ "$SCRIPT" = live ]; then
     if [ -e "$CHROOT/session/pictures/frame_00.png" ]; then
-        inside convert -delay 8 -loop 0 '/session/pictures/frame_*.png' -crop 620x720+250+100 +repage -resize 480x \
+        inside convert -delay 8 -loop 0 '/session/pictures/frame_*.png' -crop 600x690+260+90 +repage -resize 480x \
             +dither -colors 48 -layers Optimize /session/live.gif
         cp "$CHROOT/session/live.gif" docs/blender/live.gif
     fi
