@@ -17,7 +17,7 @@ from . import mesh_data
 #: With a larger share of the vertices moving, all are read, and no copies are kept.
 _MANY = 0.25
 #: With a larger share of the vertices written, the normals of all are computed.
-_MANY_NORMALS = 0.15
+_MANY_NORMALS = 0.3
 
 
 def counts(mesh):
@@ -104,7 +104,7 @@ class EditVertices:
     def write(self, vertices, values):
         chosen = vertices.tolist()
         for vertex, place in zip(chosen, values.tolist()):
-            self._views[vertex][:] = place
+            self.vertices[vertex].co = place
         self.values[vertices] = values
         self._copy(vertices)
         if len(chosen) > _MANY_NORMALS * len(self.vertices):
