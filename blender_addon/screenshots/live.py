@@ -217,7 +217,7 @@ def pose_for_film():
     space = area().spaces.active
     space.show_region_ui = space.show_region_toolbar = space.show_gizmo = False
     space.overlay.show_axis_x = space.overlay.show_axis_y = space.overlay.show_cursor = False
-    in_view(bpy.ops.mesh.select_mode, type="FACE")
+    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
     select_hand(900)
     selected = module("live")._sessions[human().session_uid].edit.flags_of("select")
     in_view(bpy.ops.view3d.zoom, delta=-1)
@@ -243,6 +243,7 @@ def film():
 def make_size(count):
     """The human with about so many vertices, and no mirrored connectivity; with its symmetry, and Live on."""
     in_view(bpy.ops.object.mode_set, mode="OBJECT")
+    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
     for old in list(bpy.data.objects):
         bpy.data.objects.remove(old)
     in_view(bpy.ops.wm.ply_import, filepath="/session/human.ply")
@@ -280,7 +281,7 @@ def measured(count):
         clock("nothing")
 
     way = [(3 * step, 2 * step) for step in range(1, 11)]
-    found = [(lambda: (in_view(bpy.ops.mesh.select_mode, type="VERT"), make_size(count)), 1.0)]
+    found = [(lambda: make_size(count), 1.0)]
     for name, share, wide in (("hand", 0.04, False), ("all of one side", 0.5, False), ("proportional", 0.04, True)):
         found += [
             (lambda share=share, wide=wide: (select_hand(int(share * count)), proportional(wide)), 1.0),
