@@ -19,6 +19,8 @@ _sessions = {}
 reasons = {}
 #: Whether an undo is under way, and whether we are switching ourselves off.
 _undoing = _switching = False
+#: How long the status bar says why.
+_SECONDS = 8.0
 _TOPOLOGY = "Live Mirror is off: the mesh has other vertices, edges or faces now. Detect again"
 
 
@@ -171,11 +173,14 @@ def _switch_off(object, reason):
     _switching = False
     reasons[object.session_uid] = reason
     if not bpy.app.background:
-        bpy.app.timers.register(lambda: _say(reason), first_interval=0)
+        _say(reason)
+        bpy.app.timers.register(_say, first_interval=_SECONDS)
 
 
-def _say(reason):
-    bpy.ops.intrinsic_symmetry.say("INVOKE_DEFAULT", text=reason)
+def _say(text=None):
+    """In the status bar of every window; nothing takes it away."""
+    for window in bpy.context.window_manager.windows:
+        window.workspace.status_text_set(text)
 
 
 def wanted(object):

@@ -1,31 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live mirror's buttons, and what it says when it switches itself off."""
+"""Live mirror's buttons, in the panel and in the header."""
 
 import bpy
 
 from . import live, stored_map
-
-
-class INTRINSIC_SYMMETRY_OT_say(bpy.types.Operator):
-    """Shows a warning in the status bar; only an operator with a window can"""
-
-    bl_idname = "intrinsic_symmetry.say"
-    bl_label = "Say"
-    bl_options = {"INTERNAL"}
-
-    text: bpy.props.StringProperty()
-
-    def invoke(self, context, _event):
-        self._timer = context.window_manager.event_timer_add(0.01, window=context.window)
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
-
-    def modal(self, context, event):
-        if event.type != "TIMER":
-            return {"PASS_THROUGH"}
-        context.window_manager.event_timer_remove(self._timer)
-        self.report({"WARNING"}, self.text)
-        return {"FINISHED"}
 
 
 def draw(layout, object):
@@ -49,10 +27,8 @@ def _draw_header(self, context):
 
 
 def register():
-    bpy.utils.register_class(INTRINSIC_SYMMETRY_OT_say)
     bpy.types.VIEW3D_HT_tool_header.append(_draw_header)
 
 
 def unregister():
     bpy.types.VIEW3D_HT_tool_header.remove(_draw_header)
-    bpy.utils.unregister_class(INTRINSIC_SYMMETRY_OT_say)
