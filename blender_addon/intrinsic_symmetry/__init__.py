@@ -33,8 +33,8 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
 
 from . import (
     labels,
-    menus,
     live,
+    menus,
     ops_attributes,
     ops_check,
     ops_detect,

@@ -3,8 +3,7 @@
 
 import bpy
 
-from . import detection, eigenfunctions, labels, ops_detect, overlay, preferences, stored_map
-from . import detection, eigenfunctions, labels, ops_detect, ops_live, overlay, stored_map
+from . import detection, eigenfunctions, labels, ops_detect, ops_live, overlay, preferences, stored_map
 
 
 class SymmetryPanel:
