@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 
-from . import mesh_data
+from . import mesh_data, side_names
 from .live_edit import Positions
 
 _STROKES = ("SCULPT_OT_", "PAINT_OT_")
@@ -148,7 +148,8 @@ class Weights(PaintChannel):
 
     def __init__(self, object, key):
         group = object.vertex_groups.active
-        flipped = object.vertex_groups.get(bpy.utils.flip_name(group.name), group)
+        names = [other.name for other in object.vertex_groups]
+        flipped = object.vertex_groups.get(side_names.counterpart(group.name, names), group)
         self._groups = [group.name] if flipped == group else [group.name, flipped.name]
         super().__init__(object, key)
 
