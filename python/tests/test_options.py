@@ -26,12 +26,12 @@ def type_of(spec: intrinsym.OptionSpec) -> object:
 
 
 def documented(spec: intrinsym.OptionSpec) -> str:
-    """What the docstring says of an option's type, range and default; 0 may mean that the effort says."""
+    """What the docstring says of an option's type, range and default; 0 may mean that the effort says, or no limit."""
     if spec.choices:
         return "{" + ", ".join(f'"{choice}"' for choice in spec.choices) + "}"
     if type_of(spec) is bool:
         return f"bool, default {bool(spec.default)}"
-    unit = {"memory": " MB", "plausibility": " percent"}.get(spec.name, "")
+    unit = {"memory": " MB", "time_limit": " seconds", "plausibility": " percent"}.get(spec.name, "")
     default = f", default {spec.default}" if spec.default >= spec.minimum else ""
     return f"int, {spec.minimum} to {spec.maximum}{unit}{default}"
 

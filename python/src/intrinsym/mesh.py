@@ -149,8 +149,8 @@ class Mesh:
             Most threads of this call. The result does not depend on it.
         memory : int, 0 to 100000000 MB, default 0
             Most memory, mesh included, estimated before it is taken; 0 is no limit.
-        time_limit : int, 0 to 1000000 seconds, default 0
-            After so long the best map so far is the answer, as doubtful, or LimitError is raised; 0 is no limit. The result then
+        time_limit : int, 1 to 1000000 seconds
+            None for no limit. After so long the best map so far is the answer, as doubtful, or LimitError is raised. The result then
             depends on the machine.
         network : bool, default True
             Whether the sign network proposes even and odd eigenfunctions.

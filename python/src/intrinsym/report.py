@@ -26,6 +26,7 @@ ReasonName = Literal[
     "low_confidence",
     "few_partners",
     "nothing_said",
+    "time_limit",
     "restored",
     "not_kept",
 ]
