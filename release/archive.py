@@ -60,7 +60,8 @@ def zip_again(source: Path, output: Path) -> None:
     with zipfile.ZipFile(source) as old, zipfile.ZipFile(output, "w") as new:
         for info in sorted(old.infolist(), key=lambda info: (".dist-info/" in info.filename, info.filename)):
             if not info.is_dir():
-                new.writestr(_member(info.filename, 0o755 if info.external_attr >> 16 & 0o100 else 0o644), old.read(info))
+                mode = 0o755 if info.external_attr >> 16 & 0o100 else 0o644
+                new.writestr(_member(info.filename, mode), old.read(info), compresslevel=9)
 
 
 def write_sums(folder: Path) -> None:

@@ -58,7 +58,7 @@ def pack_all(built: Built, manual: Path) -> Path:
         pack.write_manual(built.program, manual)
     pack.command_line(built.target, built.program, manual if manual.is_dir() else None)
     pack.c_library(built.target, built.shared, built.static)
-    return pack.wheel(built.target, built.shared)
+    return pack.wheel(built.target, built.shared, built.program)
 
 
 def compile_all(targets: list[Target]) -> tuple[list[Built], list[str]]:

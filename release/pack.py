@@ -116,15 +116,19 @@ def c_library(target: Target, shared: Path, static: Path) -> Path:
     return _pack(target, folder)
 
 
-def wheel(target: Target, shared: Path) -> Path:
-    """The Python package around the library, from a copy of its folder."""
+def wheel(target: Target, shared: Path, program: Path) -> Path:
+    """The Python package around the library, from a copy of its folder; with the program, but on Windows: it is too large there."""
     folder = fresh(WORK / target.name / "wheel")
-    shutil.copytree(ROOT / "python", folder / "python", ignore=shutil.ignore_patterns("lib", "build", "*.egg-info", "__pycache__"))
+    shutil.copytree(ROOT / "python", folder / "python", ignore=shutil.ignore_patterns("lib", "bin", "build", "*.egg-info", "__pycache__"))
     shutil.copy(ROOT / "Cargo.toml", folder)
     library = folder / "python" / "src" / "intrinsym" / "lib"
     library.mkdir()
     shutil.copy(shared, library)
     write_licences(target, library)
+    if target.system != "windows":
+        programs = folder / "python" / "bin"
+        programs.mkdir()
+        shutil.copy(program, programs)
     run(sys.executable, "-m", "pip", "wheel", "--quiet", "--disable-pip-version-check", "--no-deps", "--no-build-isolation",
         f"--config-settings=--build-option=--plat-name={target.wheel}", "--wheel-dir", folder, folder / "python")
     built = next(folder.glob("*.whl"))
