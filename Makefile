@@ -72,3 +72,4 @@ include blender_addon/blender.mk
 include training/train.mk
 include benches/bench.mk
 include evaluation/evaluate.mk
+include release/release.mk

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds the extension's zip with the wheel inside, and lets Blender's own tool validate it.
+"""Builds the extension's zip with the wheel inside, one for each platform, and lets Blender's own tool validate it.
 
-usage: python build_extension.py WHEEL OUTPUT_FOLDER     (a Python that has the package bpy)
+usage: python build_extension.py WHEEL... OUTPUT_FOLDER     (a Python that has the package bpy; one wheel a platform)
 """
 
 import re
@@ -47,29 +47,33 @@ def blender_tool():
     return found[0]
 
 
-def stage(wheel, folder):
-    """The extension's folder as it goes into the zip."""
+def stage(wheels, folder):
+    """The extension's folder as it goes into the zips."""
     shutil.copytree(SOURCE, folder, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(HERE / "LICENSE", folder)
     (folder / "wheels").mkdir()
-    shutil.copy(wheel, folder / "wheels")
+    for wheel in wheels:
+        shutil.copy(wheel, folder / "wheels")
+    platforms = ", ".join(f'"{platform(wheel)}"' for wheel in wheels)
+    files = ", ".join(f'"./wheels/{wheel.name}"' for wheel in wheels)
     manifest = folder / "blender_manifest.toml"
-    added = [f'version = "{version()}"', f'platforms = ["{platform(wheel)}"]', f'wheels = ["./wheels/{wheel.name}"]']
+    added = [f'version = "{version()}"', f"platforms = [{platforms}]", f"wheels = [{files}]"]
     manifest.write_text(manifest.read_text() + "\n".join(added) + "\n")
 
 
 def main():
-    wheel, output = Path(sys.argv[1]).resolve(), Path(sys.argv[2]).resolve()
+    *wheels, output = [Path(argument).resolve() for argument in sys.argv[1:]]
     output.mkdir(parents=True, exist_ok=True)
-    file = output / f"intrinsic_symmetry-{version()}-{platform(wheel)}.zip"
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary) / "intrinsic_symmetry"
-        stage(wheel, folder)
+        stage(wheels, folder)
         tool = [sys.executable, blender_tool()]
-        build = [*tool, "build", "--source-dir", folder, "--output-filepath", file]
+        build = [*tool, "build", "--split-platforms", "--source-dir", folder, "--output-dir", output]
         subprocess.run(build, check=True, stdout=subprocess.DEVNULL)
-        subprocess.run([*tool, "validate", file], check=True)
-    print(file)
+        for wheel in wheels:
+            file = output / f"intrinsic_symmetry-{version()}-{platform(wheel).replace('-', '_')}.zip"
+            subprocess.run([*tool, "validate", file], check=True)
+            print(file)
 
 
 if __name__ == "__main__":

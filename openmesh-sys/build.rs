@@ -7,8 +7,14 @@ use std::process::exit;
 const BRIDGE: &str = "src/lib.rs";
 const SOURCES: [&str; 2] = ["cpp/half_edges.cpp", "cpp/half_edges.h"];
 const HEADER: &str = "OpenMesh/Core/Mesh/PolyConnectivity.hh";
-/// Folders of OpenMesh's source that the half-edges need.
-const CORE: [&str; 3] = ["Mesh", "System", "Utils"];
+/// What the half-edges need of OpenMesh's source.
+const CORE: [&str; 5] = [
+    "Mesh/ArrayKernel.cc",
+    "Mesh/BaseKernel.cc",
+    "Mesh/PolyConnectivity.cc",
+    "System/omstream.cc",
+    "Utils/BaseProperty.cc",
+];
 
 /// Where OpenMesh is.
 struct OpenMesh {
@@ -65,15 +71,11 @@ fn openmesh_from(folder: &Path) -> Result<OpenMesh, String> {
     if !include.join(HEADER).is_file() {
         return Err(format!("OPENMESH_SOURCE is {}, which has no src/{HEADER}", folder.display()));
     }
-    let mut sources = Vec::new();
-    for name in CORE {
-        let core = include.join("OpenMesh/Core").join(name);
-        let entries = std::fs::read_dir(&core).map_err(|error| format!("{}: {error}", core.display()))?;
-        let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
-        sources.extend(paths.filter(|path| path.extension().is_some_and(|extension| extension == "cc")));
+    let core = include.join("OpenMesh/Core");
+    let sources = CORE.map(|name| core.join(name)).to_vec();
+    if let Some(missing) = sources.iter().find(|path| !path.is_file()) {
+        return Err(format!("OPENMESH_SOURCE is {}, which has no {}", folder.display(), missing.display()));
     }
-    // The archive does not depend on the order of a folder.
-    sources.sort();
     Ok(OpenMesh { include: vec![include], link: Vec::new(), sources })
 }
 

@@ -23,9 +23,9 @@ export PATH="$(dirname "$PYTHON"):$PATH"
 build_openmesh() {
     [ -f "$BUILD/openmesh.a" ] && return
     local source objects=()
-    for source in "$1"/src/OpenMesh/Core/{Mesh,System,Utils}/*.cc; do
-        objects+=("$BUILD/$(basename "$source" .cc).o")
-        c++ -std=c++17 -O2 -DNDEBUG -fPIC -w -I "$1/src" -c "$source" -o "${objects[-1]}"
+    for source in Mesh/{ArrayKernel,BaseKernel,PolyConnectivity} System/omstream Utils/BaseProperty; do
+        objects+=("$BUILD/$(basename "$source").o")
+        c++ -std=c++17 -O2 -DNDEBUG -fPIC -w -I "$1/src" -c "$1/src/OpenMesh/Core/$source.cc" -o "${objects[-1]}"
     done
     ar rcs "$BUILD/openmesh.a" "${objects[@]}"
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Makes sure that everything the build needs is there; installs it on Debian and Ubuntu, and says plainly
 # what is missing on any other system. Does nothing, quickly, where all is installed.
-# usage: setup.sh [nextest|python|blender|meshlab]
+# usage: setup.sh [nextest|python|blender|meshlab|release]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -115,6 +115,25 @@ check_meshlab() {
     fi
 }
 
+# Compilers, and what runs their files here: Windows' by Wine, Arm's by qemu.
+RELEASE_PACKAGES=(binutils cmake g++-mingw-w64-x86-64-posix git libc6-arm64-cross lintian man-db qemu-user-static wine64)
+RELEASE_TARGETS=(x86_64-unknown-linux-gnu aarch64-unknown-linux-gnu x86_64-pc-windows-gnu aarch64-apple-darwin
+    x86_64-apple-darwin)
+
+# What cannot be had is named by `make release`, which goes on with the other targets.
+check_release() {
+    check_python
+    local package target
+    for package in "${RELEASE_PACKAGES[@]}"; do
+        command -v apt-get >/dev/null || break
+        install_packages "$package" || echo "setup: $package cannot be had"
+    done
+    for target in "${RELEASE_TARGETS[@]}"; do
+        [ -d "$(rustc --print sysroot)/lib/rustlib/$target/lib" ] && continue
+        rustup target add "$target" || echo "setup: Rust's library for $target cannot be had"
+    done
+}
+
 if [ "${1:-}" = nextest ]; then PACKAGES+=(cmake); fi
 if command -v apt-get >/dev/null; then install_packages "${PACKAGES[@]}"; else check_tools; fi
 check_rust
@@ -128,3 +147,4 @@ if [ "${1:-}" = blender ]; then
     check_blender
 fi
 if [ "${1:-}" = meshlab ]; then check_meshlab; fi
+if [ "${1:-}" = release ]; then check_release; fi

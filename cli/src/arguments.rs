@@ -14,14 +14,14 @@ const EXIT_STATUS: &str = "Exit status: 0 found (or done), 3 doubtful (the files
 
 /// Finds the intrinsic mirror symmetry of a surface mesh, whatever its pose.
 #[derive(Debug, Parser)]
-#[command(version, about, after_help = EXIT_STATUS)]
+#[command(name = "intrinsym", version, about, after_help = EXIT_STATUS)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
 }
 
-/// The three things to do.
+/// The things to do.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Find the mirror image of every vertex
@@ -30,6 +30,27 @@ pub enum Command {
     Info(Info),
     /// Write eigenvalues and eigenfunctions of the Laplace-Beltrami operator
     Eigen(Eigen),
+    /// Print what makes a shell complete these commands
+    Completions(Completions),
+    /// Write the manual pages into a folder
+    #[command(hide = true)]
+    Manual(Manual),
+}
+
+/// `intrinsym completions`.
+#[derive(Debug, Args)]
+pub struct Completions {
+    /// The shell, as in: intrinsym completions bash > ~/.local/share/bash-completion/completions/intrinsym
+    #[arg(value_enum, value_name = "SHELL")]
+    pub shell: clap_complete::Shell,
+}
+
+/// `intrinsym manual`.
+#[derive(Debug, Args)]
+pub struct Manual {
+    /// A folder that exists
+    #[arg(value_name = "FOLDER")]
+    pub folder: PathBuf,
 }
 
 /// `intrinsym detect`.

@@ -1,4 +1,4 @@
-//! Command line of Intrinsym: `detect`, `info` and `eigen`.
+//! Command line of Intrinsym: `detect`, `info`, `eigen` and `completions`.
 //!
 //! Exit status: that of the worst [`Ending`] of all meshes.
 
@@ -7,6 +7,7 @@ mod detect;
 mod eigen;
 mod info;
 mod job;
+mod manual;
 mod numpy_archive;
 mod outputs;
 mod picture;
@@ -57,6 +58,8 @@ fn main() -> ExitCode {
         Command::Detect(detect) => detect::run(detect, &token),
         Command::Info(info) => info::run(info),
         Command::Eigen(eigen) => eigen::run(eigen, &token),
+        Command::Completions(completions) => manual::complete(completions.shell),
+        Command::Manual(manual) => manual::write(&manual.folder),
     };
     ExitCode::from(ending.status())
 }

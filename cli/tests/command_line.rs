@@ -55,5 +55,7 @@ mod detect;
 mod files;
 #[path = "command_line/info_and_eigen.rs"]
 mod info_and_eigen;
+#[path = "command_line/manual.rs"]
+mod manual;
 #[path = "command_line/mistakes.rs"]
 mod mistakes;

@@ -22,7 +22,14 @@ template <typename Thrown, typename Call> Thrown thrown_by(Call call) {
   std::exit(1);
 }
 
-// Through the C functions alone: the exception is stopped at the border, with its text.
+// Through the C functions alone: the exception is stopped at the border, with its text. A library that holds a C++ library
+// of its own, as those of a release do, stops it too, and cannot read it.
+#ifdef OTHER_CXX_LIBRARY
+constexpr const char *PATIENCE = "an exception that is no std::exception";
+#else
+constexpr const char *PATIENCE = "the host is out of patience";
+#endif
+
 void exceptions_do_not_cross(const isym::Mesh &mesh) {
   isym::Options options;
   isym::Progress progress;
@@ -35,7 +42,7 @@ void exceptions_do_not_cross(const isym::Mesh &mesh) {
   };
   OK(isym_progress_set_callback(progress.get(), throws, nullptr));
   FAILS(ISYM_ERROR_CALLBACK, isym_mesh_detect(mesh.get(), options.get(), progress.get(), &result));
-  EXPECT(std::string(isym_error_message()) == "the progress callback threw: the host is out of patience");
+  EXPECT(std::string(isym_error_message()) == std::string("the progress callback threw: ") + PATIENCE);
   EXPECT(result == nullptr);
 
   isym::Progress strange;
