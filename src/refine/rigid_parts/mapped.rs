@@ -236,7 +236,7 @@ impl<'a> Mapped<'a> {
 
     /// How far the map of some vertices is from an isometry that mirrors the surface, or does not: how much it stretches or shrinks
     /// edges (mean of |ln(length of the image / length)|, at most 1 each), plus the share of the area that it turns the wrong way.
-    pub fn strain(&self, of: &[bool], mirrored: bool) -> f64 {
+    pub fn distortion(&self, of: &[bool], mirrored: bool) -> f64 {
         let (mut stretched, mut length) = (0.0, f64::MIN_POSITIVE);
         let (mut wrong, mut area) = (0.0, f64::MIN_POSITIVE);
         for corners in self.shell.triangles.iter().filter(|corners| corners.iter().all(|&c| of[c as usize])) {
@@ -325,7 +325,7 @@ mod tests {
         let shell = strip(|column, row| [f64::from(column) / 40.0, f64::from(row) / 20.0, 0.0]);
         let partners = partners(&shell, to);
         let mapped = Mapped::new(&shell, &VertexMap::at_vertices(&shell.triangles, partners));
-        mapped.strain(&[true; 5 * 41], mirrored)
+        mapped.distortion(&[true; 5 * 41], mirrored)
     }
 
     fn partners(shell: &Shell, to: impl Fn(u32) -> u32) -> Vec<u32> {
@@ -345,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_torn_or_squeezed_has_strain() {
+    fn what_is_discontinuous_or_squeezed_is_distorted() {
         let torn = strain_of(|column| if column < 20 { 19 - column } else { 60 - column }, true);
         let squeezed = strain_of(|column| 40 - column.min(30), true);
         assert!(torn > 0.01 && torn < 0.1, "{torn}");

@@ -22,8 +22,8 @@ const OWN: Approach = Approach { rounds: 4, noise: 0.003, held: 0.02, free: true
 const NEW: Approach = Approach { rounds: 2, noise: 0.003, held: 0.01, free: true };
 /// A small part follows the motion that leaves this share of what the other one does.
 const FOLLOWS: f64 = 0.7;
-/// Share of the strain of its surroundings that the new map may leave.
-const STRAIN_LEFT: f64 = 0.85;
+/// Share of the distortion of its surroundings that the new map may leave.
+const DISTORTION_LEFT: f64 = 0.85;
 /// Share of the surface that may be cut off from the rest.
 const CUT_OFF: f64 = 0.03;
 
@@ -120,9 +120,9 @@ pub(super) fn take_over(
     let changed = mapped.within(&region, SMALL_RADIUS).into_iter().map(|(vertex, _)| vertex);
     let changed: Vec<u32> = changed.filter(|&vertex| goals[vertex as usize].new > 0.0).collect();
     let images = images(mapped, &changed, &goals, &sought, threads);
-    let before = mapped.strain(&near, small.mirrored);
+    let before = mapped.distortion(&near, small.mirrored);
     let former = mapped.replaced(&changed, images);
-    if mapped.strain(&near, small.mirrored) > STRAIN_LEFT * before {
+    if mapped.distortion(&near, small.mirrored) > DISTORTION_LEFT * before {
         mapped.replaced(&changed, former);
         return false;
     }
