@@ -210,7 +210,7 @@ impl<'a> Mapped<'a> {
         f64::from(squared_distance(&feature(goal), &feature(there)))
     }
 
-    /// Gives the vertices other images. The map may have torn one from those around it, so its partner is sought from whichever
+    /// Gives the vertices other images. The map may have parted one from those around it, so its partner is sought from whichever
     /// of their former ones is nearest.
     pub fn move_to(&mut self, goals: Vec<Vector>, threads: usize) {
         let partner = |vertex: usize| {
@@ -321,7 +321,7 @@ mod tests {
     use crate::refine::rigid_parts::strip;
 
     /// Strain of all of a flat strip of 41 x 5 vertices whose columns go where `to` says.
-    fn strain_of(to: impl Fn(u32) -> u32, mirrored: bool) -> f64 {
+    fn distortion_of(to: impl Fn(u32) -> u32, mirrored: bool) -> f64 {
         let shell = strip(|column, row| [f64::from(column) / 40.0, f64::from(row) / 20.0, 0.0]);
         let partners = partners(&shell, to);
         let mapped = Mapped::new(&shell, &VertexMap::at_vertices(&shell.triangles, partners));
@@ -335,20 +335,20 @@ mod tests {
     }
 
     #[test]
-    fn a_mirror_image_has_no_strain_and_what_is_not_turned_over_has() {
-        assert!(strain_of(|column| 40 - column, true) < 1e-6);
-        assert!((strain_of(|column| 40 - column, false) - 1.0).abs() < 1e-6);
-        assert!((strain_of(|column| column, true) - 1.0).abs() < 1e-6);
+    fn a_mirror_image_has_no_distortion_and_what_is_not_turned_over_has() {
+        assert!(distortion_of(|column| 40 - column, true) < 1e-6);
+        assert!((distortion_of(|column| 40 - column, false) - 1.0).abs() < 1e-6);
+        assert!((distortion_of(|column| column, true) - 1.0).abs() < 1e-6);
         // The first quarter lies on the one after it.
-        let folded = strain_of(|column| if column < 10 { 20 + column } else { 40 - column }, true);
+        let folded = distortion_of(|column| if column < 10 { 20 + column } else { 40 - column }, true);
         assert!((folded - 0.25).abs() < 0.05, "{folded}");
     }
 
     #[test]
     fn what_is_discontinuous_or_squeezed_is_distorted() {
-        let torn = strain_of(|column| if column < 20 { 19 - column } else { 60 - column }, true);
-        let squeezed = strain_of(|column| 40 - column.min(30), true);
-        assert!(torn > 0.01 && torn < 0.1, "{torn}");
+        let discontinuous = distortion_of(|column| if column < 20 { 19 - column } else { 60 - column }, true);
+        let squeezed = distortion_of(|column| 40 - column.min(30), true);
+        assert!(discontinuous > 0.01 && discontinuous < 0.1, "{discontinuous}");
         // A quarter loses all of its length, and none of its height.
         assert!(squeezed > 0.04 && squeezed < 0.1, "{squeezed}");
     }
