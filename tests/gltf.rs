@@ -504,6 +504,27 @@ fn a_text_file_becomes_one_binary_file() {
 }
 
 #[test]
+fn further_buffers_move_into_the_binary_file() {
+    let builder = square();
+    let folder = folder("buffers");
+    let mut json: Value = serde_json::from_slice(&builder.text("a.bin")).unwrap();
+    let size = builder.binary.len() + 4;
+    json["buffers"].as_array_mut().unwrap().push(json!({ "byteLength": size, "uri": "b.bin" }));
+    for view in json["bufferViews"].as_array_mut().unwrap() {
+        view["buffer"] = json!(1);
+        view["byteOffset"] = json!(view["byteOffset"].as_u64().unwrap() + 4);
+    }
+    std::fs::write(folder.join("a.bin"), vec![7; builder.binary.len()]).unwrap();
+    std::fs::write(folder.join("b.bin"), [&[9; 4][..], &builder.binary].concat()).unwrap();
+    let file = io::parse(&folder.join("a.gltf"), json.to_string().as_bytes(), &Limits::default()).unwrap();
+    io::write_glb(&folder.join("c.glb"), &file, &attributes(4)).unwrap();
+    std::fs::remove_file(folder.join("b.bin")).unwrap();
+    let (json, _, binary) = chunks(&folder.join("c.glb"));
+    assert_eq!(json["buffers"], json!([{ "byteLength": binary.len() }]));
+    assert_eq!(io::read(&folder.join("c.glb"), &Limits::default()).unwrap().polygons, file.polygons);
+}
+
+#[test]
 fn other_formats_become_positions_and_triangles() {
     let off = "OFF\n5 2 0\n0 0 0\n2 0 0\n2 2 0\n0.5 0.5 0\n0 2 0\n5 0 1 2 3 4\n3 0 1 4\n";
     let file = io::parse(Path::new("a.off"), off.as_bytes(), &Limits::default()).unwrap();

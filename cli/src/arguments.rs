@@ -239,7 +239,7 @@ pub struct Common {
     pub animation: Option<String>,
 
     /// With --animation: seconds from its start
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, requires = "animation")]
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, requires = "animation", value_parser = seconds)]
     pub time: f64,
 }
 
@@ -336,6 +336,11 @@ fn signs(text: &str) -> Result<KnownSigns, String> {
         other => Err(format!("{other:?} is neither + (even), - (odd) nor ? (unknown)")),
     };
     text.chars().map(sign).collect::<Result<_, _>>().map(KnownSigns)
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let finite = text.parse().ok().filter(|seconds: &f64| seconds.is_finite());
+    finite.ok_or_else(|| "expected a number of seconds".into())
 }
 
 fn up_axis(text: &str) -> Result<Up, String> {

@@ -133,6 +133,10 @@ fn may_be_replaced(path: &Path) -> bool {
 
 fn head(path: &Path) -> Option<Vec<u8>> {
     let mut bytes = Vec::new();
+    if is_stream(path) {
+        // To read from one's own end of a pipe is to wait for ever.
+        return None;
+    }
     File::open(path).ok()?.take(MARKED).read_to_end(&mut bytes).ok()?;
     Some(bytes)
 }
@@ -143,7 +147,7 @@ fn starts_with(path: &Path, mark: &str) -> bool {
 
 /// A report of an earlier run.
 fn report(path: &Path) -> Option<Value> {
-    let is_small = fs::metadata(path).ok()?.len() <= LARGEST_REPORT;
+    let is_small = fs::metadata(path).is_ok_and(|data| data.is_file() && data.len() <= LARGEST_REPORT);
     let text = if is_small { fs::read(path).ok()? } else { return None };
     let report: Value = serde_json::from_slice(&text).ok()?;
     let is_ours = ["version", "outcome", "symmetries", "files"].iter().all(|key| report.get(key).is_some());

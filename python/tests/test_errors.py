@@ -101,3 +101,14 @@ def test_counts_of_eigenpairs(quadruped, count):
 def test_errors_can_be_pickled():
     error = pickle.loads(pickle.dumps(MeshError("face 3", 16)))
     assert isinstance(error, MeshError) and str(error) == "face 3" and error.status == 16
+
+
+def test_a_path_with_a_nul_is_refused():
+    with pytest.raises(ArgumentError, match=r"'a\.ply\\x00b\.ply' holds a NUL"):
+        intrinsym.Mesh.read("a.ply\0b.ply")
+
+
+def test_what_holds_arrays_is_equal_to_itself_alone():
+    pairs = intrinsym.eigen(POINTS, FACES, 1)
+    assert pairs == pairs
+    assert pairs != intrinsym.eigen(POINTS, FACES, 1)

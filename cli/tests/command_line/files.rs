@@ -136,6 +136,15 @@ fn a_map_that_no_report_lists_is_a_strangers() {
 
 #[cfg(target_os = "linux")]
 #[test]
+fn a_report_may_go_into_a_pipe() {
+    let folder = with_meshes("report_into_pipe", &["a.off"]);
+    let arguments = ["detect", "a.off", "--json", "/dev/stdout", "--quiet"];
+    let output = command().current_dir(&folder).args(arguments).output().unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(report["outcome"].is_string(), "{report}");
+}
+
+#[test]
 fn a_full_disk_behind_stdout_is_an_error() {
     let folder = with_meshes("full", &["a.off", "b.off"]);
     for arguments in [

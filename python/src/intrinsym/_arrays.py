@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+import os
 from typing import Any, TypeVar
 
 import numpy as np
@@ -13,6 +14,14 @@ from .errors import ERROR_INDEX, ERROR_LENGTH, ERROR_MESH, ERROR_VALUE, Argument
 _LARGEST_INDEX = 2**32 - 2
 
 Number = TypeVar("Number", bound=np.generic)
+
+
+def path(given: str | os.PathLike[str]) -> bytes:
+    """A path as the library takes it, which would end it at a NUL."""
+    encoded = os.fsencode(given)
+    if b"\0" in encoded:
+        raise ArgumentError(f"the path {os.fspath(given)!r} holds a NUL", ERROR_VALUE)
+    return encoded
 
 
 def plain(values: ArrayLike, name: str) -> NDArray[Any]:

@@ -35,7 +35,7 @@ class Polygons(NamedTuple):
 Faces = Union[ArrayLike, Polygons]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Eigenpairs:
     """Lowest eigenpairs of the Laplace-Beltrami operator, the constant function left out."""
 
@@ -85,7 +85,7 @@ class Mesh:
         """Reads a PLY, OBJ, OFF, STL, glTF or GLB file. Raises MeshFileError, which names the line or byte,
         MeshError, LimitError."""
         mesh = cls.__new__(cls)
-        mesh._own(new_handle("mesh", LIBRARY.isym_mesh_read, os.fsencode(path)))
+        mesh._own(new_handle("mesh", LIBRARY.isym_mesh_read, _arrays.path(path)))
         return mesh
 
     @property

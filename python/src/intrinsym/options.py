@@ -84,7 +84,7 @@ def options_handle(
         if value is not None:
             LIBRARY.isym_options_set(handle.pointer, name.encode(), _number(name, value))
     if model is not None:
-        LIBRARY.isym_options_set_model(handle.pointer, os.fsencode(model))
+        LIBRARY.isym_options_set_model(handle.pointer, _arrays.path(model))
     if known_signs is not None:
         signs = _arrays.plain(known_signs, "known_signs")
         signs = _arrays.exactly(signs, (signs.size,), np.int8, "known_signs")

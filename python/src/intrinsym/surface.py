@@ -13,7 +13,7 @@ from . import _arrays
 NONE = 2**32 - 1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SurfacePoints:
     """The exact mirror image of each vertex, a point of the surface."""
 
@@ -34,7 +34,7 @@ class SurfacePoints:
         return images
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CurveLine:
     """One line of the fixed curve, where the symmetry leaves the surface in place."""
 

@@ -67,8 +67,13 @@ pub fn parse(path: &Path, bytes: &[u8], limits: &Limits, pose: Option<&Pose>) ->
         notes.push(format!("{skipped} primitives of points or lines were skipped."));
     }
     let mut file = MeshFile::new(polygons, Format::Gltf, notes);
-    let binary = buffers.into_iter().next().flatten().unwrap_or_default().into_owned();
-    file.source = Source::Gltf(GltfFile { json: json.to_vec(), binary, blocks, has_colours });
+    let (mut binary, mut starts) = (Vec::new(), Vec::new());
+    for buffer in buffers {
+        binary.resize(binary.len().next_multiple_of(4), 0);
+        starts.push(binary.len());
+        binary.extend_from_slice(&buffer.unwrap_or_default());
+    }
+    file.source = Source::Gltf(GltfFile { json: json.to_vec(), binary, starts, blocks, has_colours });
     Ok(file)
 }
 

@@ -45,6 +45,12 @@ impl GltfFile {
             ],
         });
         let block = Block { node: 0, primitives: vec![0], vertices: 0..positions.len() };
-        Ok(GltfFile { json: json.to_string().into_bytes(), binary, blocks: vec![block], has_colours: false })
+        Ok(GltfFile {
+            json: json.to_string().into_bytes(),
+            binary,
+            starts: vec![0],
+            blocks: vec![block],
+            has_colours: false,
+        })
     }
 }

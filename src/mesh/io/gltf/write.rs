@@ -25,8 +25,9 @@ pub(super) const ARRAY_BUFFER: u32 = 34962;
 #[derive(Debug, Clone)]
 pub struct GltfFile {
     pub(super) json: Vec<u8>,
-    /// The first buffer.
+    /// All buffers, one behind the other, and where each begins.
     pub(super) binary: Vec<u8>,
+    pub(super) starts: Vec<usize>,
     pub(super) blocks: Vec<Block>,
     pub(super) has_colours: bool,
 }
@@ -57,6 +58,9 @@ impl GltfFile {
         let (mut accessors, mut views): (Texts, Texts) =
             (list(&root, "accessors")?, list(&root, "bufferViews")?);
         let (mut meshes, mut nodes): (Vec<Value>, Texts) = (list(&root, "meshes")?, list(&root, "nodes")?);
+        for view in &mut views {
+            self.move_to_first_buffer(view)?;
+        }
         let start = self.binary.len().next_multiple_of(4);
         let (mut added, mut used, mut current) = (Vec::new(), HashSet::new(), None);
         for block in &self.blocks {
@@ -84,13 +88,26 @@ impl GltfFile {
         let mut first = buffers.first_mut().map_or(json!({}), Value::take);
         first.as_object_mut().map(|first| first.remove("uri"));
         set(&mut first, "byteLength", start + added.len())?;
-        buffers.splice(..buffers.len().min(1), [first]);
         replace(&mut root, "accessors", &accessors)?;
         replace(&mut root, "bufferViews", &views)?;
-        replace(&mut root, "buffers", &buffers)?;
+        replace(&mut root, "buffers", &[first])?;
         replace(&mut root, "meshes", &meshes)?;
         replace(&mut root, "nodes", &nodes)?;
         Ok(Glb { json: text(root)?, binary: &self.binary, added })
+    }
+
+    /// A view of another buffer becomes one of the first, in which all buffers are.
+    fn move_to_first_buffer(&self, view: &mut Box<RawValue>) -> serde_json::Result<()> {
+        let mut value: Value = serde_json::from_str(view.get())?;
+        let buffer = value["buffer"].as_u64().unwrap_or_default() as usize;
+        if buffer > 0 {
+            let offset = value["byteOffset"].as_u64().unwrap_or_default() as usize;
+            let start = self.starts.get(buffer).ok_or_else(|| not_an_object("buffer"))?;
+            set(&mut value, "byteOffset", start + offset)?;
+            set(&mut value, "buffer", 0)?;
+            *view = serde_json::value::to_raw_value(&value)?;
+        }
+        Ok(())
     }
 }
 
