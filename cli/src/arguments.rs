@@ -76,7 +76,7 @@ pub struct Detect {
     pub json: Option<PathBuf>,
 
     /// Write a picture: two views, pairs in matching colours, the fixed curve drawn
-    #[arg(long, value_name = "OUT.png")]
+    #[arg(long, value_name = "OUT.png", value_parser = named(&["png"], "the picture is written as PNG"))]
     pub picture: Option<PathBuf>,
 
     /// For several inputs: write NAME.map, NAME.ply, NAME.json and the like into this folder for each

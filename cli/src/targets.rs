@@ -42,6 +42,9 @@ impl Claims {
     /// # Errors
     /// A sentence for the user if the file has a use already, or is a folder.
     pub fn claim(&mut self, path: &Path, result: String) -> Result<(), String> {
+        if path == Path::new("-") {
+            return Err(format!("{result} would be a file called -; for standard output give /dev/stdout"));
+        }
         if path.is_dir() {
             return Err(format!("{} is a folder: it cannot hold {result}; name a file", path.display()));
         }

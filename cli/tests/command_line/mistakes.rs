@@ -45,6 +45,8 @@ fn help_shows_the_shared_table() {
 fn the_mesh_is_written_as_ply_or_glb_only() {
     refused(&["detect", "in.ply", "-o", "out.obj"], "name the file something.ply or something.glb");
     refused(&["eigen", "in.ply", "-o", "out.csv"], "name the file something.npz");
+    refused(&["detect", "in.ply", "--picture", "out.jpg"], "name the file something.png");
+    refused(&["detect", "in.ply", "--json", "-"], "for standard output give /dev/stdout");
 }
 
 #[test]
