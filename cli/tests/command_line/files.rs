@@ -49,7 +49,7 @@ fn no_two_results_share_a_file() {
     );
     refused(
         &folder,
-        &["detect", "a.off", "--map", "x.map", "--picture", "x_3.map", "--symmetries", "3"],
+        &["detect", "a.off", "--map", "x.map", "--json", "x_3.map", "--symmetries", "3"],
         &["x_3.map would be both"],
     );
 }
