@@ -73,14 +73,14 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
         return side_names.flip(name) if self.across else name
 
     def _give_keys(self, joined, object, other, scale):
-        """How many keys were given, and names of those that were there."""
+        """How many keys were given, and names of those that were there or locked."""
         keys, kept = _chosen_keys(object, self.what == "KEYS"), []
         if other.data.shape_keys is None:
             other.shape_key_add(name="Basis", from_mix=False)
         there = mesh_data.key_positions(other.data.shape_keys.reference_key).astype(float)
         for key in keys:
             target = other.data.shape_keys.key_blocks.get(self._name(key.name))
-            if target is not None and not self.replace:
+            if target is not None and (not self.replace or target.lock_shape):
                 kept.append(target.name)
                 continue
             base = mesh_data.key_positions(key.relative_key).astype(float)
@@ -91,7 +91,7 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
         return len(keys) - len(kept), kept
 
     def _give_weights(self, joined, object, other):
-        """How many groups were given, and names of those that were there."""
+        """How many groups were given, and names of those that were there or locked."""
         names, groups = [self._name(group.name) for group in object.vertex_groups], other.vertex_groups
         if not names:
             raise mesh_data.MeshProblem(f'"{object.name}" has no vertex groups')

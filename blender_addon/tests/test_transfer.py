@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, new_object, positions, read_example
+from conftest import attribute, enter, module, new_object, positions, read_example, said
 
 ops = bpy.ops.intrinsic_symmetry
 TURN = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
@@ -84,6 +84,16 @@ def test_what_is_there_stays(pair):
     group.lock_weight = False
     ops.transfer(what="WEIGHTS", replace=True)
     assert read(other).any()
+
+
+def test_locked_keys_stay_and_are_named(pair, capfd):
+    _, other, _ = pair
+    ops.transfer(what="KEYS")
+    key = other.data.shape_keys.key_blocks["Puff.L"]
+    module("mesh_data").set_key_positions(key, positions(other.data))
+    key.lock_shape = True
+    assert "locked: other: Puff.L" in said(capfd, ops.transfer, what="KEYS", replace=True)
+    assert not _moved(other, "Puff.L").any()
 
 
 def test_what_is_needed(pair):
