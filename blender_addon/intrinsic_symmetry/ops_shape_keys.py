@@ -78,6 +78,9 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(MirrorProperties, MapOperator, bpy
             sizes = np.stack([np.linalg.norm(_displacement(key)[1], axis=1) for key in present], axis=1)
             source = counterparts.source_of_keys(sizes, self.merge)
         targets = (0, 1) if source is None else (1 - source,)
+        if self.merge == Merge.SWAP and any(present[target] and present[target].lock_shape for target in targets):
+            self.leave(pair, "exchange with a locked one")
+            return 0
         share = self.trust(symmetry) * free * (0.5 if source is None and self.merge == Merge.AVERAGE else 1)
         new = []
         for target in targets:

@@ -97,9 +97,19 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(MirrorProperties, MapOperator, 
         free |= free[other]
         for first in np.flatnonzero(free & (other > np.arange(len(other)))):
             self._as_a_whole(object, symmetry.side, (first, other[first]), before, after, image, trust, free)
-        free &= [not group.lock_weight for group in object.vertex_groups]
+        free &= self._unlocked(object, before, after, other, free)
         after[:, ~free] = before[:, ~free]
         return after, free
+
+    def _unlocked(self, object, before, after, other, free):
+        """(groups,) bool: not locked, nor in an exchange with a locked one. Those that would change are told to the
+        user."""
+        locked = np.array([group.lock_weight for group in object.vertex_groups])
+        alone = self.merge == Merge.SWAP and locked[other] & ~locked
+        would = free & (np.abs(after - before) > SMALLEST).any(axis=0)
+        for held, why in ((locked, "locked"), (alone, "exchange with a locked one")):
+            self.leave([group.name for group, told in zip(object.vertex_groups, held & would) if told], why)
+        return ~(locked | alone)
 
     def _as_a_whole(self, object, side, pair, before, after, image, trust, free):
         """Where one of a pair alone says what it has beyond the middle, the other becomes its image everywhere."""

@@ -177,3 +177,17 @@ def test_locked_keys_stay(human, swelling, capfd):
     assert _size(human, "Smile.R") == 0
     with pytest.raises(RuntimeError, match="locked"):
         ops.symmetrize()
+
+
+@pytest.mark.parametrize("locked", ["Smile.L", "Smile.R"])
+def test_an_exchange_with_a_locked_key_changes_neither(human, swelling, truth, locked, capfd):
+    _key(human, "Smile.L", swelling)
+    _key(human, "Smile.R", 0.5 * swelling[truth])
+    human.data.shape_keys.key_blocks[locked].lock_shape = True
+    before = {name: _moved(human, name) for name in ("Smile.L", "Smile.R")}
+    text = said(capfd, ops.mirror_shape_keys, direction="SWAP")
+    assert "Smile.L" in text and "Smile.R" in text and "locked" in text and "0 shape keys" in text
+    assert all(np.array_equal(_moved(human, name), moved) for name, moved in before.items())
+    assert f'alone: "{locked}" (locked)' in said(capfd, ops.mirror_shape_keys, direction="AVERAGE")
+    changed = [name for name, moved in before.items() if not np.array_equal(_moved(human, name), moved)]
+    assert changed and locked not in changed

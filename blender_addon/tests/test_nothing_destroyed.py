@@ -98,6 +98,22 @@ def test_both_groups_on_the_losing_arm_are_left_alone(human, truth, arms, capfd)
     assert np.allclose(_weights(human, "Arm.L"), arms[1] + arms[1][truth], atol=1e-6)
 
 
+@pytest.mark.parametrize("locked", ["Arm.L", "Arm.R"])
+def test_an_exchange_with_a_locked_group_changes_neither(human, truth, arms, locked, capfd):
+    for name, weights in zip(("Arm.L", "Arm.R"), arms):
+        _add(human, name, weights)
+    human.vertex_groups[locked].lock_weight = True
+    text = said(capfd, ops.mirror_vertex_groups, direction="SWAP")
+    assert "Arm.L" in text and "Arm.R" in text and "locked" in text
+    for name, weights in zip(("Arm.L", "Arm.R"), arms):
+        assert np.array_equal(_weights(human, name), weights)
+    text = said(capfd, ops.mirror_vertex_groups, direction="AVERAGE")
+    assert f'alone: "{locked}" (locked)' in text
+    kept, mean = (arms[0], 0.75 * arms[0][truth]) if locked == "Arm.L" else (arms[1], 0.75 * arms[0])
+    assert np.array_equal(_weights(human, locked), kept)
+    assert np.allclose(_weights(human, "Arm.R" if locked == "Arm.L" else "Arm.L"), mean, atol=1e-6)
+
+
 def test_the_line_takes_the_mean_and_what_spills_over_the_middle_stays(human, truth):
     leg, line = _patch(human, 1, reach=0.1, beyond=True), attribute(human.data, "sym_side") == 0
     right = attribute(human.data, "sym_side") == -1
