@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 from intrinsym import Merge, SymmetryKind
 
-from . import mesh_data
+from . import mesh_data, side_names
 
 DIRECTIONS = (
     ("LEFT_TO_RIGHT", "Left to Right", "The left side stays, the right one becomes its mirror image", Merge.POSITIVE_WINS),
@@ -39,15 +39,18 @@ class ConfidenceProperties:
         return mesh_data.changeable(object.data, mode)
 
 
+_DIRECTION = {
+    "name": "Direction",
+    "description": "Which side takes the values of the other",
+    "items": [entry[:3] for entry in DIRECTIONS],
+    "default": "LEFT_TO_RIGHT",
+}
+
+
 class MirrorProperties(ConfidenceProperties):
     """Properties of an operator that mirrors. Mix in before bpy.types.Operator."""
 
-    direction: bpy.props.EnumProperty(
-        name="Direction",
-        description="Which side takes the values of the other",
-        items=[entry[:3] for entry in DIRECTIONS],
-        default="LEFT_TO_RIGHT",
-    )
+    direction: bpy.props.EnumProperty(**_DIRECTION)
     selected_only: bpy.props.BoolProperty(
         name="Selected Only",
         description="In edit mode with a selection, change only the selected vertices and their mirror images",
@@ -82,6 +85,19 @@ class MirrorProperties(ConfidenceProperties):
             return free
         selected = mesh_data.selected_vertices(object.data)
         return free * (selected | symmetry.mirror_selection(selected))
+
+
+class NamedMirrorProperties(MirrorProperties):
+    """Of an operator that mirrors what has a name: the active one's side wins, unless the user chooses a direction.
+    That is not kept for the next call, which may be about another name."""
+
+    direction: bpy.props.EnumProperty(**_DIRECTION, options={"SKIP_SAVE"})
+
+    def let_win(self, name):
+        """Sets the direction, where none was chosen, to carry what is on the side that a name says."""
+        side = side_names.side(name)
+        if side and not self.properties.is_property_set("direction"):
+            self.direction = "LEFT_TO_RIGHT" if side > 0 else "RIGHT_TO_LEFT"
 
 
 def shares(symmetry, merge, *, minimum_confidence=0.0, weight_by_confidence=False):

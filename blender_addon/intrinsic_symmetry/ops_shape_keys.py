@@ -6,13 +6,13 @@ import numpy as np
 from intrinsym import Merge
 
 from . import counterparts, left_side, made_key, mesh_data, side_names
-from .mirroring import MirrorProperties, blend
+from .mirroring import NamedMirrorProperties, blend
 from .operator_base import MapOperator
 
 
-class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(MirrorProperties, MapOperator, bpy.types.Operator):
-    """Mirror the active shape key, or all, in any pose. Smile.L is carried to Smile.R; a key without a side in
-    its name is mirrored in place"""
+class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator, bpy.types.Operator):
+    """Mirror the active shape key, or all, in any pose. The active key is carried to its twin, Smile.L to
+    Smile.R; a key without a side in its name is mirrored in place"""
 
     bl_idname = "intrinsic_symmetry.mirror_shape_keys"
     bl_label = "Mirror Shape Keys"
@@ -37,6 +37,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(MirrorProperties, MapOperator, bpy
     def run_with(self, symmetry, _context, object, mode):
         symmetry = left_side.agreed(self, object, symmetry)
         keys, active = object.data.shape_keys, object.active_shape_key.name
+        if not self.all_keys:
+            self.let_win(active)
         free = self.may_change(object, mode, symmetry)
         count = 0
         for pair in self._chosen(object, symmetry):

@@ -6,12 +6,12 @@ import numpy as np
 from intrinsym import Merge
 
 from . import counterparts, left_side, side_names
-from .mirroring import MirrorProperties, blend
+from .mirroring import NamedMirrorProperties, blend
 from .operator_base import MapOperator
 from .weights import SMALLEST, normalized, read_weights, write_weights
 
 
-class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(MirrorProperties, MapOperator, bpy.types.Operator):
+class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOperator, bpy.types.Operator):
     """Mirror vertex weights across the symmetry, in any pose; locked groups stay as they are"""
 
     bl_idname = "intrinsic_symmetry.mirror_vertex_groups"
@@ -37,6 +37,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(MirrorProperties, MapOperator, 
 
     def run_with(self, symmetry, _context, object, mode):
         symmetry = left_side.agreed(self, object, symmetry)
+        if not self.all_groups:
+            self.let_win(object.vertex_groups.active.name)
         self.shares(symmetry)  # refuses a half turn
         before = read_weights(object)
         names = self._understood(object, symmetry, before)

@@ -191,3 +191,22 @@ def test_an_exchange_with_a_locked_key_changes_neither(human, swelling, truth, l
     assert f'alone: "{locked}" (locked)' in said(capfd, ops.mirror_shape_keys, direction="AVERAGE")
     changed = [name for name, moved in before.items() if not np.array_equal(_moved(human, name), moved)]
     assert changed and locked not in changed
+
+
+@pytest.mark.parametrize("active", ["Smile.L", "Smile.R"])
+def test_the_active_key_is_carried_to_its_twin(human, swelling, truth, active):
+    for name, moved in (("Smile.L", swelling), ("Smile.R", 0.5 * swelling[truth])):
+        _key(human, name, moved)
+    human.active_shape_key_index = human.data.shape_keys.key_blocks.find(active)
+    sizes = {name: _size(human, name) for name in ("Smile.L", "Smile.R")}
+    ops.mirror_shape_keys()
+    other = "Smile.R" if active == "Smile.L" else "Smile.L"
+    assert _size(human, active) == sizes[active] and _size(human, other) == pytest.approx(sizes[active], rel=0.3)
+
+
+def test_a_chosen_direction_wins_over_the_active_key(human, swelling, truth):
+    _key(human, "Smile.L", swelling)
+    _key(human, "Smile.R", 0.5 * swelling[truth])
+    before = _size(human, "Smile.L")
+    ops.mirror_shape_keys(direction="LEFT_TO_RIGHT")
+    assert _size(human, "Smile.L") == before and _size(human, "Smile.R") == pytest.approx(before, rel=0.3)

@@ -114,6 +114,15 @@ def test_an_exchange_with_a_locked_group_changes_neither(human, truth, arms, loc
     assert np.allclose(_weights(human, "Arm.R" if locked == "Arm.L" else "Arm.L"), mean, atol=1e-6)
 
 
+def test_the_active_group_is_carried_to_its_twin(human, truth, arms):
+    for name, weights in zip(("Arm.L", "Arm.R"), arms):
+        _add(human, name, weights)
+    human.vertex_groups.active = human.vertex_groups["Arm.R"]
+    ops.mirror_vertex_groups(all_groups=False)
+    assert np.array_equal(_weights(human, "Arm.R"), arms[1])
+    assert np.allclose(_weights(human, "Arm.L"), arms[1][truth], atol=1e-6)
+
+
 def test_the_line_takes_the_mean_and_what_spills_over_the_middle_stays(human, truth):
     leg, line = _patch(human, 1, reach=0.1, beyond=True), attribute(human.data, "sym_side") == 0
     right = attribute(human.data, "sym_side") == -1
