@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mirror any attribute: colours, masks, creases, custom ones, on vertices, edges, faces and face corners."""
 
+from typing import NamedTuple
+
 import bpy
 import numpy as np
 from intrinsym import Merge
 
 from . import mesh_data, stored_map
+from .counterparts import WINNER
 from .elements import corner_partners, edge_partners, face_partners
-from .mirroring import MirrorProperties, blend
+from .mirroring import MirrorProperties, blend, shares
 from .operator_base import MapOperator
 
 _NUMBERS = {"FLOAT", "FLOAT_VECTOR", "FLOAT2", "FLOAT_COLOR", "BYTE_COLOR"}
@@ -39,11 +42,14 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
         mesh = object.data
         attribute = self._attribute(mesh)
         values = mesh_data.read_attribute(attribute)
-        share = self.shares(symmetry) * self.may_change(object, mode, symmetry)
+        free = self.may_change(object, mode, symmetry)
         if self.as_vector:
-            new = self._vectors(symmetry, object, attribute, values, share)
+            new = self._vectors(symmetry, object, attribute, values, self.shares(symmetry) * free)
+        elif attribute.domain == "POINT":
+            new = _points(symmetry, attribute, values, self.shares(symmetry) * free)
         else:
-            new = _MIRROR[attribute.domain](symmetry, mesh, attribute, values, share)
+            how_far = _HowFar(shares(symmetry, self.merge), self.trust(symmetry) * free, self.merge in WINNER)
+            new = _MIRROR[attribute.domain](symmetry, mesh, attribute, values, how_far)
         mesh_data.update_attribute(mesh.attributes[attribute.name], new)
         mesh.update()
         changed = (new != values).reshape(len(values), -1).any(axis=1).sum()
@@ -73,7 +79,25 @@ def _blend(attribute, own, image, share):
     return blend(own, image, (share >= 0.5).astype(float))
 
 
-def _points(symmetry, _mesh, attribute, values, share):
+class _HowFar(NamedTuple):
+    """How far elements take the values of their images, from their vertices."""
+
+    taken: np.ndarray  # (vertices,) what the direction says
+    trust: np.ndarray  # (vertices,) how far each may change
+    one_side_loses: bool
+
+    def takes(self, members, starts, partners):
+        """(elements,) what the direction says: an element loses as soon as one of its vertices does. But one that lies
+        across the line stays if its image does so, too: neither is of the side that wins."""
+        most, least = (reduce.reduceat(self.taken[members], starts) for reduce in (np.maximum, np.minimum))
+        return np.where(self.one_side_loses & (least == 0) & (most[partners] > 0), 0, most)
+
+    def shares(self, members, starts, partners):
+        """(elements,) of edges or faces, whose vertices are `members` from `starts` on."""
+        return self.takes(members, starts, partners) * np.minimum.reduceat(self.trust[members], starts)
+
+
+def _points(symmetry, attribute, values, share):
     if attribute.data_type in _NUMBERS:
         image = symmetry.mirror_values(values, Merge.SWAP)
     else:
@@ -87,28 +111,33 @@ def _elements(attribute, values, partners, share):
     return _blend(attribute, values, values[np.where(partners < 0, 0, partners)], share)
 
 
-def _edges(symmetry, mesh, attribute, values, share):
-    share = share[mesh_data.edges(mesh)].min(axis=1)
-    return _elements(attribute, values, edge_partners(mesh, symmetry.partner), share)
+def _edges(symmetry, mesh, attribute, values, how_far):
+    ends, partners = mesh_data.edges(mesh), edge_partners(mesh, symmetry.partner)
+    share = how_far.shares(ends.ravel(), 2 * np.arange(len(ends)), partners)
+    return _elements(attribute, values, partners, share)
 
 
-def _faces(symmetry, mesh, attribute, values, share):
+def _faces(symmetry, mesh, attribute, values, how_far):
     offsets, corners = mesh_data.polygons(mesh)
-    share = np.minimum.reduceat(share[corners], offsets[:-1])
-    return _elements(attribute, values, face_partners(mesh, symmetry), share)
+    partners = face_partners(mesh, symmetry)
+    return _elements(attribute, values, partners, how_far.shares(corners, offsets[:-1], partners))
 
 
-def _corners(symmetry, mesh, attribute, values, share):
-    """A corner takes that of its face's partner at its vertex' partner; elsewhere the mean over the image."""
-    _, corners = mesh_data.polygons(mesh)
-    source = corner_partners(mesh, symmetry.partner, face_partners(mesh, symmetry))
+def _corners(symmetry, mesh, attribute, values, how_far):
+    """A corner takes that of its face's partner at its vertex' partner; elsewhere the mean over the image. On the line
+    its face says whether it loses."""
+    offsets, corners = mesh_data.polygons(mesh)
+    faces = face_partners(mesh, symmetry)
+    source = corner_partners(mesh, symmetry.partner, faces)
     image = values[np.where(source < 0, np.arange(len(values)), source)]
     if attribute.data_type in _NUMBERS:
         means = symmetry.mirror_values(_vertex_means(values, corners, len(mesh.vertices)), Merge.SWAP)
         lone = source < 0
         image = image.astype(float)
         image[lone] = means[corners[lone]]
-    return _blend(attribute, values, image, share[corners])
+    of_faces = np.repeat(how_far.takes(corners, offsets[:-1], faces), np.diff(offsets))
+    taken = np.where(symmetry.side[corners] == 0, of_faces, how_far.taken[corners])
+    return _blend(attribute, values, image, taken * how_far.trust[corners])
 
 
 def _vertex_means(values, corners, count):
@@ -119,6 +148,6 @@ def _vertex_means(values, corners, count):
     return sums / uses.reshape(-1, *[1] * (values.ndim - 1))
 
 
-_MIRROR = {"POINT": _points, "EDGE": _edges, "FACE": _faces, "CORNER": _corners}
+_MIRROR = {"EDGE": _edges, "FACE": _faces, "CORNER": _corners}
 
 register, unregister = bpy.utils.register_classes_factory((INTRINSIC_SYMMETRY_OT_mirror_attribute,))

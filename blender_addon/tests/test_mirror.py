@@ -232,6 +232,39 @@ def test_face_sets_and_corner_colours(human, truth):
     assert np.abs(attribute(mesh, "paint") - by_vertex[truth][corners]).max() < 0.01
 
 
+@pytest.mark.parametrize("domain", ["EDGE", "FACE", "CORNER"])
+@pytest.mark.parametrize("kind", ["FLOAT", "INT"])
+def test_elements_at_the_line_belong_to_their_side(human, truth, domain, kind):
+    """The losing side's become images, the winning side's stay, and so do those on the line alone."""
+    mesh, side = human.data, attribute(human.data, "sym_side")
+    corners = [(loop, face) for face in mesh.polygons for loop in face.loop_indices]
+    members = {
+        "EDGE": [frozenset(edge.vertices) for edge in mesh.edges],
+        "FACE": [frozenset(face.vertices) for face in mesh.polygons],
+        "CORNER": [(mesh.loops[loop].vertex_index, frozenset(face.vertices)) for loop, face in corners],
+    }[domain]
+    number = {one: index for index, one in enumerate(members)}
+    image_of = lambda vertices: frozenset(truth[list(vertices)])  # noqa: E731
+    images = [number[(truth[one[0]], image_of(one[1])) if domain == "CORNER" else image_of(one)] for one in members]
+    sides = [side[list(one[1] if domain == "CORNER" else one)] for one in members]
+    loses = np.array([(each < 0).any() for each in sides])
+    at_line = np.array([(each < 0).any() and (each == 0).any() for each in sides])
+    _new_attribute(mesh, kind, domain, np.random.default_rng(0).uniform(0, 1000, len(members)))
+    before = attribute(mesh, "mine")
+    ops.mirror_attribute(name="mine", direction="LEFT_TO_RIGHT")
+    assert at_line.sum() > 20 and not any((each < 0).any() and (each > 0).any() for each in sides)
+    assert np.allclose(attribute(mesh, "mine"), np.where(loses, before[images], before))
+
+
+@pytest.mark.parametrize("one_side_loses", [True, False])
+def test_elements_across_the_line_do_not_exchange(one_side_loses):
+    """Two triangles of a square, each the other's image, with vertices on both sides."""
+    taken, trust = np.array([0.0, 1, 1, 0]), np.full(4, 0.5)
+    how_far = module("ops_attributes")._HowFar(taken, trust, one_side_loses)
+    shares = how_far.shares(np.array([0, 1, 3, 1, 2, 3]), np.array([0, 3]), np.array([1, 0]))
+    assert np.array_equal(shares, [0, 0] if one_side_loses else [0.5, 0.5])
+
+
 def test_attributes_of_an_irregular_mesh(quadruped):
     """Exact images are points inside faces: a smooth function that is symmetric stays what it is."""
     mesh = quadruped.data
