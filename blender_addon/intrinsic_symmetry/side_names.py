@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Left and right in names of vertex groups, bones and shape keys, as the common rigs and programs write them.
 
-A name that speaks of both sides, such as `Eyes_L_R`, has none.
+Where a name has both sides, the last one decides (`Hair_R_end.L` is of the left), as in Blender; but if nothing lies
+between them, such as in `Eyes_L_R`, the name is of both and has none.
 """
 
 import re
@@ -46,10 +47,13 @@ def flip(name):
 
 
 def counterpart(name, names):
-    """The name of the other side as it stands among `names`: exporters number every name (Leg_L_019 and Leg_R_022), so
-    one that differs in the last number will do, if it is the only one."""
-    other = flip(name)
-    if other == name or other in names:
+    """The name of the other side as it stands among `names`. Of a name that says its side twice, both may change or the
+    last one alone (Hair_R_end.R and Hair_R_end.L). Exporters number every name (Leg_L_019 and Leg_R_022), so one that
+    differs in the last number will do, if it is the only one."""
+    last, other = _read(name, last_only=True)[1], flip(name)
+    if other == name or last in names:
+        return last
+    if other in names:
         return other
     there, own = ([each for each in names if _plain(each) == _plain(given)] for given in (other, name))
     return there[0] if len(there) == len(own) == 1 else other
@@ -59,26 +63,32 @@ def _plain(name):
     return re.sub(r"_\d+$", "", name)
 
 
-def _read(name):
+def _read(name, last_only=False):
     """(side, flipped name): by the user's own words, or else by the conventions."""
     left, right = preferences.own_side_words()
     found = 0, name
     if left and right:
-        found = _flipped(re.compile(f"{re.escape(left)}|{re.escape(right)}"), (left,), (right,), name)
-    return found if found[0] else _flipped(_ANY, _LEFT, _RIGHT, name)
+        own = re.compile(f"{re.escape(left)}|{re.escape(right)}")
+        found = _flipped(own, (left,), (right,), name, last_only)
+    return found if found[0] else _flipped(_ANY, _LEFT, _RIGHT, name, last_only)
 
 
-def _flipped(pattern, lefts, rights, name):
+def _flipped(pattern, lefts, rights, name, last_only):
     other = dict(zip(lefts + rights, rights + lefts))
-    sides = set()
-
-    def exchange(match):
-        word = match[0] if match[0] in other else match[0].lower()
-        sides.add(1 if word in lefts else -1)
-        return other[word] if word == match[0] else _with_capitals_of(match[0], other[word])
-
-    flipped = pattern.sub(exchange, name)
-    return (sides.pop(), flipped) if len(sides) == 1 else (0, name)
+    matches = list(pattern.finditer(name))
+    if not matches:
+        return 0, name
+    words = [match[0] if match[0] in other else match[0].lower() for match in matches]
+    sides = [1 if word in lefts else -1 for word in words]
+    if len(set(sides)) == 2:
+        if not re.search(r"[^\W_]", name[matches[-2].end() : matches[-1].start()]):
+            return 0, name
+        last_only = True
+    flipped = name
+    for match, word in list(zip(matches, words))[::-1][: 1 if last_only else None]:
+        new = other[word] if word == match[0] else _with_capitals_of(match[0], other[word])
+        flipped = flipped[: match.start()] + new + flipped[match.end() :]
+    return sides[-1], flipped
 
 
 def _with_capitals_of(model, word):

@@ -61,3 +61,13 @@ def test_numbers_of_exporters_do_not_part_a_pair():
     names = ["Leg_L_019", "Leg_R_022", "Arm_L_01", "Arm_L_02", "Arm_R_01", "Spine_03"]
     found = [counterpart(name, names) for name in names]
     assert found == ["Leg_R_022", "Leg_L_019", "Arm_R_01", "Arm_R_02", "Arm_L_01", "Spine_03"]
+
+
+def test_the_last_of_two_sides_decides():
+    side_names = module("side_names")
+    names = [f"Hair_{first}_end.{last}" for first in "LR" for last in "LR"]
+    assert side_names.flip("Hair_R_end.L") == bpy.utils.flip_name("Hair_R_end.L") == "Hair_R_end.R"
+    assert [side_names.side(name) for name in names] == [1, -1, 1, -1]
+    assert [side_names.counterpart(name, names) for name in names] == [names[1], names[0], names[3], names[2]]
+    pair = ["Hair_R_end.L", "Hair_R_end.R"]
+    assert [side_names.counterpart(name, pair) for name in pair] == pair[::-1]
