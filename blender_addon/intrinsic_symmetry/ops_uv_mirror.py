@@ -55,10 +55,20 @@ class INTRINSIC_SYMMETRY_OT_mirror_uvs(MirrorProperties, MapOperator, bpy.types.
             raise mesh_data.MeshProblem("No UVs of the losing side have a mirror image")
         if self.placement == "BESIDE":
             source = layout.in_place(corners, source)
-        uvs[corners] = source
+        free = ~_pinned(mesh, attribute.name)[corners]
+        if not free.all():
+            self.warn(f"{(~free).sum():,} pinned UVs stay")
+        corners = corners[free]
+        uvs[corners] = source[free]
         mesh_data.update_attribute(mesh.attributes[attribute.name], uvs)
         mesh.update()
         return f"{len(corners):,} UVs in {len(np.unique(layout.island[corners])):,} islands laid out anew"
+
+
+def _pinned(mesh, name):
+    """(corners,) bool: those that are pinned in a UV map."""
+    pins = mesh.attributes.get(f".pn.{name}")
+    return np.zeros(len(mesh.loops), bool) if pins is None else mesh_data.read_attribute(pins)
 
 
 class _Layout:

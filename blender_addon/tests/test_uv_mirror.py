@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, positions, select
+from conftest import attribute, enter, module, positions, said, select
 
 ops = bpy.ops.intrinsic_symmetry
 
@@ -124,6 +124,21 @@ def test_only_the_selection(head):
     enter("OBJECT")
     changed = _corners(mesh)[np.abs(attribute(mesh, "UVMap") - before).max(axis=1) > 1e-7]
     assert len(changed) and set(changed) <= set(chosen) | set(np.flatnonzero(side == 0))
+
+
+@pytest.mark.parametrize("placement", ["BESIDE", "OVERLAP"])
+def test_pinned_uvs_stay(head, placement, capfd):
+    mesh, right = head.data, attribute(head.data, "sym_side") == -1
+    pinned = (_eyes(head) & right)[_corners(mesh)]
+    before = attribute(mesh, "UVMap")
+    ops.mirror_uvs(placement=placement)
+    free = attribute(mesh, "UVMap")
+    module("mesh_data").update_attribute(mesh.attributes["UVMap"], before)
+    module("mesh_data").write_attribute(mesh, ".pn.UVMap", "BOOLEAN", pinned, "CORNER")
+    assert mesh.uv_layers.active.pin[int(pinned.argmax())].value
+    assert f"{pinned.sum()} pinned UVs stay" in said(capfd, ops.mirror_uvs, placement=placement)
+    assert np.array_equal(attribute(mesh, "UVMap"), np.where(pinned[:, None], before, free))
+    assert not np.allclose(free[pinned], before[pinned])
 
 
 def test_a_uv_map_is_needed(human):
