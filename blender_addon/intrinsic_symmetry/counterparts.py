@@ -27,19 +27,21 @@ def balance(amounts, side):
     return (left - right) / np.maximum(left + right, 1e-12)
 
 
-def misunderstood(names, amounts, symmetry, merge):
-    """Names of groups without a side in their name that lie on one side, and may not be mirrored in place."""
+def one_sided(names, amounts, symmetry, merge):
+    """Names of groups without a side in their name that lie on one side: those that may not be mirrored in place, and
+    those that may."""
     where = balance(amounts, symmetry.side)
     sided = [column for column, name in enumerate(names) if abs(where[column]) > _ON_ONE and not side_names.side(name)]
     if not sided:
-        return []
+        return [], []
     sign = np.sign(where[sided])
     fills = sign == WINNER.get(merge)
     there = (amounts[:, sided] > 0).astype(np.float32)
     image = np.where(symmetry.partner[:, None] < 0, 0, there[symmetry.partner])
     least = np.minimum.outer(there.sum(axis=0), there.sum(axis=0))
     taken = ((image.T @ there > _SHARED * least) & (sign[:, None] != sign)).any(axis=1)
-    return [names[column] for column, good in zip(sided, fills & ~taken) if not good]
+    good = fills & ~taken
+    return tuple([names[column] for column, is_so in zip(sided, flags) if is_so] for flags in (~good, good))
 
 
 def central(names, amounts, side):

@@ -74,6 +74,11 @@ class MeshOperator:
         if names:
             self.warn(f"Left alone: {counterparts.listed(names)} ({why})")
 
+    def fill(self, names):
+        """Says which groups or keys of one side are copied onto the other, though their names say no side."""
+        if names:
+            self.warn(f"Copied onto the other side: {counterparts.listed(names)} (no side in the name)")
+
 
 class MapOperator(MeshOperator):
     """An operator that needs a stored map; `run_with` is given it."""

@@ -60,7 +60,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
         if not self.exchange_names:
             return [(name,) for name in chosen]
         sizes = mesh_data.key_sizes(object.data)[:, [keys.key_blocks.find(name) for name in names]]
-        misread = counterparts.misunderstood(names, sizes, symmetry, self.merge)
+        misread, filled = counterparts.one_sided(names, sizes, symmetry, self.merge)
+        self.fill([name for name in chosen if name in filled and not keys.key_blocks[name].lock_shape])
         self.leave([name for name in chosen if name in misread], "no side in the name, but it moves one side alone")
         return list(dict.fromkeys(_pair(name, names) for name in chosen if name not in misread))
 

@@ -70,8 +70,9 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
         if not self.exchange_names:
             return names
         every = [group.name for group in object.vertex_groups]
-        misread = counterparts.misunderstood(every, weights, symmetry, self.merge)
+        misread, filled = counterparts.one_sided(every, weights, symmetry, self.merge)
         central = counterparts.central(every, weights, symmetry.side)
+        self.fill([name for name in names if name in filled and not object.vertex_groups[name].lock_weight])
         self.leave([name for name in names if name in misread], "no side in the name, but weights on one side alone")
         self.leave([name for name in names if name in central], "a side in the name, but weights on both")
         return [name for name in names if name not in misread and name not in central]

@@ -69,8 +69,19 @@ def test_a_lone_group_without_a_side_is_filled_but_not_emptied(human, truth, arm
     _add(human, "Mask", arms[0])
     assert "Mask" in said(capfd, ops.mirror_vertex_groups, direction="RIGHT_TO_LEFT")
     assert np.array_equal(_weights(human, "Mask"), arms[0])
-    ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT")
+    assert 'onto the other side: "Mask"' in said(capfd, ops.mirror_vertex_groups, direction="LEFT_TO_RIGHT")
     assert np.allclose(_weights(human, "Mask"), arms[0] + arms[0][truth], atol=1e-6)
+
+
+def test_a_lone_key_without_a_side_is_named_when_it_is_filled(human, arms, capfd):
+    human.shape_key_add(name="Basis")
+    key = human.shape_key_add(name="ウィンク")
+    module("mesh_data").set_key_positions(key, positions(human.data) + 0.01 * arms[0][:, None])
+    human.active_shape_key_index = 1
+    key.lock_shape = True
+    assert "onto the other side" not in said(capfd, ops.mirror_shape_keys)
+    key.lock_shape = False
+    assert 'onto the other side: "ウィンク"' in said(capfd, ops.mirror_shape_keys)
 
 
 def test_a_central_group_with_a_side_in_its_name_is_left_alone(human, capfd):
