@@ -1,9 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What all operators of this add-on have in common."""
 
+import re
+
 import intrinsym
 
 from . import assembly, counterparts, mesh_data, stored_map
+
+#: A sentence that says that nothing happened: "0 vertices selected", "mask: 0 of 8 values changed".
+_NOTHING = re.compile(r"(.*: )?0 ")
 
 
 class MeshOperator:
@@ -90,7 +95,8 @@ class MapOperator(MeshOperator):
     def run(self, context, object, mode):
         symmetry = stored_map.load(object.data)
         said = self.run_with(symmetry, context, object, mode)
-        return ". ".join(filter(None, [said, self._untouched(symmetry)]))
+        held = _held(object, mode) if _NOTHING.match(said) else ""
+        return ". ".join(filter(None, [said, held, self._untouched(symmetry)]))
 
     def _untouched(self, symmetry):
         """What share of the vertices a tool that trusts some and others not has not touched."""
@@ -100,6 +106,12 @@ class MapOperator(MeshOperator):
         share = ((symmetry.partner < 0) | (symmetry.confidence < least)).mean()
         certain = ", or none certain enough," if least else ""
         return f"{share:.1%} of the vertices have no mirror image{certain} and are not touched" if share else ""
+
+
+def _held(object, mode):
+    """Why vertices do not change or are not selected, in words."""
+    count = int((mesh_data.changeable(object.data, mode) == 0).sum())
+    return f"{count} vertices are hidden, masked or outside the paint selection, and stay" if count else ""
 
 
 def sentence(problem):

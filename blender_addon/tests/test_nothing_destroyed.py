@@ -278,6 +278,22 @@ def test_hidden_vertices_are_not_selected(human, truth, capfd):
     assert set(selected(human)) == set(truth[left[250:]])
 
 
+def test_why_nothing_happens_is_said(human, capfd):
+    right = attribute(human.data, "sym_side") == -1
+    _add(human, "Arm.L", _patch(human, 1))
+    group = human.vertex_groups.new(name="Arm.R")
+    group.lock_weight = True
+    text = said(capfd, ops.mirror_vertex_groups, direction="LEFT_TO_RIGHT")
+    assert "0 vertices changed" in text and 'alone: "Arm.R" (locked)' in text and "hidden" not in text
+    group.lock_weight = False
+    select(human, np.flatnonzero(attribute(human.data, "sym_side") == 1)[:9])
+    module("mesh_data").write_attribute(human.data, ".hide_vert", "BOOLEAN", right)
+    enter("EDIT")
+    for tool in (ops.mirror_vertex_groups, ops.select):
+        text = said(capfd, tool)
+        assert "Info: 0 vertices" in text and f"{right.sum()} vertices are hidden" in text
+
+
 @pytest.mark.parametrize("mask", ["faces", "vertices", "sculpt"])
 def test_masks_are_respected(human, mask):
     mesh_data, mesh = module("mesh_data"), human.data
