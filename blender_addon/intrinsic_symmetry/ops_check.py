@@ -87,7 +87,8 @@ class INTRINSIC_SYMMETRY_OT_select_asymmetric(MapOperator, bpy.types.Operator):
             raise mesh_data.MeshProblem("The object has no vertex groups")
         weights = read_weights(object)
         of_nothing = np.column_stack([weights, np.zeros(len(weights))])
-        flipped = [names.index(other) if (other := side_names.flip(name)) in names else -1 for name in names]
+        others = [side_names.counterpart(name, names) for name in names]
+        flipped = [names.index(other) if other in names else -1 for other in others]
         differences = np.abs(weights - symmetry.mirror_values(of_nothing[:, flipped], Merge.SWAP))
         return differences, lambda counts: f"have other weights ({_largest(names, counts)})"
 
@@ -95,7 +96,7 @@ class INTRINSIC_SYMMETRY_OT_select_asymmetric(MapOperator, bpy.types.Operator):
         keys, key = object.data.shape_keys, object.active_shape_key
         if key is None or key == keys.reference_key:
             raise mesh_data.MeshProblem("Choose a shape key that is not the basis")
-        other = keys.key_blocks.get(side_names.flip(key.name)) or key
+        other = keys.key_blocks.get(side_names.counterpart(key.name, keys.key_blocks.keys())) or key
         base = mesh_data.key_positions(key.relative_key).astype(float)
         ends = ((mesh_data.key_positions(one), mesh_data.key_positions(one.relative_key)) for one in (key, other))
         moved, image = (there - rest for there, rest in ends)

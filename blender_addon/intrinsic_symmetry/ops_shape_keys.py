@@ -95,12 +95,13 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
         return sum(self._write(keys, key, values) for key, values in new)
 
     def _write(self, keys, key, values):
-        """Whether the key could be written."""
+        """Whether the key could be written and changes."""
         if key.lock_shape:
             self.leave([key.name], "locked")
             return False
+        before = mesh_data.key_positions(key)
         mesh_data.move_key(keys, key, values)
-        return True
+        return not np.array_equal(mesh_data.key_positions(key), before)
 
 
 def _pair(name, names):

@@ -69,8 +69,9 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
             return self._give_weights(joined, object, other)
         return self._give_keys(joined, object, other, scale)
 
-    def _name(self, name):
-        return side_names.flip(name) if self.across else name
+    def _name(self, name, names):
+        """What one of the names of the active object is called on the other ones."""
+        return side_names.counterpart(name, names) if self.across else name
 
     def _give_keys(self, joined, object, other, scale):
         """How many keys were given, and names of those that were there or locked."""
@@ -78,21 +79,24 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
         if other.data.shape_keys is None:
             other.shape_key_add(name="Basis", from_mix=False)
         there = mesh_data.key_positions(other.data.shape_keys.reference_key).astype(float)
+        every = object.data.shape_keys.key_blocks.keys()
         for key in keys:
-            target = other.data.shape_keys.key_blocks.get(self._name(key.name))
+            name = self._name(key.name, every)
+            target = other.data.shape_keys.key_blocks.get(name)
             if target is not None and (not self.replace or target.lock_shape):
                 kept.append(target.name)
                 continue
             base = mesh_data.key_positions(key.relative_key).astype(float)
             both = np.vstack([mesh_data.key_positions(key) - base, np.zeros_like(there)])
             carried = joined.carry_displacement(np.vstack([base, there / scale]), both, Merge.SWAP)[len(base) :]
-            target = target or _at_rest(other, self._name(key.name), key)
+            target = target or _at_rest(other, name, key)
             mesh_data.set_key_positions(target, there + scale * carried)
         return len(keys) - len(kept), kept
 
     def _give_weights(self, joined, object, other):
         """How many groups were given, and names of those that were there or locked."""
-        names, groups = [self._name(group.name) for group in object.vertex_groups], other.vertex_groups
+        own, groups = object.vertex_groups.keys(), other.vertex_groups
+        names = [self._name(name, own) for name in own]
         if not names:
             raise mesh_data.MeshProblem(f'"{object.name}" has no vertex groups')
         may_write = [name not in groups or self.replace and not groups[name].lock_weight for name in names]

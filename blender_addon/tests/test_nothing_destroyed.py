@@ -286,12 +286,16 @@ def test_why_nothing_happens_is_said(human, capfd):
     text = said(capfd, ops.mirror_vertex_groups, direction="LEFT_TO_RIGHT")
     assert "0 vertices changed" in text and 'alone: "Arm.R" (locked)' in text and "hidden" not in text
     group.lock_weight = False
+    human.shape_key_add(name="Basis")
+    key = human.shape_key_add(name="Swell.L")
+    module("mesh_data").set_key_positions(key, positions(human.data) + 0.01 * _patch(human, 1)[:, None])
+    human.active_shape_key_index = 1
     select(human, np.flatnonzero(attribute(human.data, "sym_side") == 1)[:9])
     module("mesh_data").write_attribute(human.data, ".hide_vert", "BOOLEAN", right)
     enter("EDIT")
-    for tool in (ops.mirror_vertex_groups, ops.select):
+    for tool in (ops.mirror_vertex_groups, ops.mirror_shape_keys, ops.select):
         text = said(capfd, tool)
-        assert "Info: 0 vertices" in text and f"{right.sum()} vertices are hidden" in text
+        assert "Info: 0 " in text and f"{right.sum()} vertices are hidden" in text
 
 
 @pytest.mark.parametrize("mask", ["faces", "vertices", "sculpt"])

@@ -64,6 +64,15 @@ def test_weights(pair, across):
     assert np.allclose(column, np.where(side == (-1 if across else 1), 0.75, 0))
 
 
+def test_names_with_two_sides_across(pair):
+    human, other, _ = pair
+    human.vertex_groups[0].name = "Hair_R_end.L"
+    human.vertex_groups.new(name="Hair_R_end.R")
+    ops.transfer(what="WEIGHTS", across=True)
+    assert sorted(other.vertex_groups.keys()) == ["Hair_R_end.L", "Hair_R_end.R"]
+    assert module("weights").read_weights(other)[:, other.vertex_groups["Hair_R_end.R"].index].any()
+
+
 def test_what_is_there_stays(pair):
     human, other, _ = pair
     group = other.vertex_groups.new(name="Arm.L")
