@@ -7,6 +7,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     mesh_data       meshes and attributes as numpy arrays, in any mode
     stored_map      the map that is kept on a mesh, and when it is refused
     undo            puts the map's record back after undo in edit mode
+    entered         the shape with which edit mode was entered
     detection       one detection in a worker thread
     labels          what the network and the user say of each eigenfunction
     eigenfunctions  those that are shown in this session
@@ -32,6 +33,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
 """
 
 from . import (
+    entered,
     labels,
     live,
     menus,
@@ -62,6 +64,7 @@ _MODULES = (
     preferences,
     labels,
     undo,
+    entered,
     live,
     overlay,
     ops_detect,

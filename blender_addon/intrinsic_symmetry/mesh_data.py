@@ -12,6 +12,10 @@ import intrinsym
 import numpy as np
 
 
+#: Whether `object_mode` is between leaving a mode and coming back.
+passing = False
+
+
 class MeshProblem(Exception):
     """What the user has to know; the text is shown as it is."""
 
@@ -40,15 +44,21 @@ def worked_on(context):
 @contextmanager
 def object_mode(context):
     """The active object, in object mode; the mode it was in comes back at the end."""
+    global passing
     object = context.active_object
     mode = object.mode
-    if mode != "OBJECT":
-        bpy.ops.object.mode_set(mode="OBJECT")
-    try:
+    if mode == "OBJECT":
         yield object
-    finally:
-        if mode != "OBJECT":
+        return
+    passing = True
+    try:
+        bpy.ops.object.mode_set(mode="OBJECT")
+        try:
+            yield object
+        finally:
             bpy.ops.object.mode_set(mode=mode)
+    finally:
+        passing = False
 
 
 def polygons(mesh):

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
-from . import mesh_data, stored_map
+from . import entered, mesh_data, stored_map
 from .mirroring import DIRECTIONS, MERGE, ConfidenceProperties, MirrorProperties, blend
 from .operator_base import MapOperator, MeshOperator
 
@@ -84,15 +84,10 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
             problem = "Remember Shape first, then edit"
         return problem
 
-    def execute(self, context):
-        # In edit mode the mesh still has the shape with which that was entered.
-        edited = mesh_data.worked_on(context) if context.active_object.mode == "EDIT" else []
-        self._entered = {object.name: mesh_data.shown_positions(object) for object in edited}
-        return super().execute(context)
-
     def run_with(self, symmetry, _context, object, mode):
         before = self._remembered(object)
-        edit = mesh_data.shown_positions(object).astype(float) - before
+        edited = mesh_data.shown_positions(object)
+        edit = edited.astype(float) - before
         merge = MERGE.get(self.direction, Merge.SWAP)
         carried = symmetry.carry_displacement(before, edit, merge, **self.how())
         if self.direction == "EDITED":
@@ -103,6 +98,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
         mesh_data.set_shown_positions(object, after)
         if remembered_name(object) in object.data.attributes:
             mesh_data.update_attribute(object.data.attributes[remembered_name(object)], after)
+        entered.restart(object, edited)
         changed = np.abs(carried - edit).max(axis=1) > 1e-7 * np.abs(before).max()
         return f"{int(changed.sum())} vertices moved; the new shape is remembered"
 
@@ -112,10 +108,10 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
             return mesh_data.read_attribute(object.data.attributes[wanted]).astype(float)
         if any(name.startswith(REMEMBERED) for name in names):
             raise mesh_data.MeshProblem("The shape of another shape key is remembered: Remember Shape again, then edit")
-        entered = self._entered.get(object.name)
-        if entered is None or np.array_equal(entered, mesh_data.shown_positions(object)):
+        shape = entered.shape_of(object)
+        if shape is None or np.array_equal(shape, mesh_data.shown_positions(object)):
             raise mesh_data.MeshProblem("Nothing is remembered or edited in this mode: Remember Shape first, then edit")
-        return entered.astype(float)
+        return shape.astype(float)
 
 
 register, unregister = bpy.utils.register_classes_factory(

@@ -152,3 +152,39 @@ def test_a_half_turn_has_no_sides(human):
     human.data["intrinsic_symmetry"]["kind"] = 1
     with pytest.raises(RuntimeError, match="(?i)half turn"):
         ops.symmetrize(direction="LEFT_TO_RIGHT")
+
+
+def test_what_edit_mode_began_with_outlives_our_operators_and_a_save(human, tmp_path):
+    """All that was moved since edit mode was entered is mirrored, until the user leaves it."""
+    side, before = attribute(human.data, "sym_side"), positions(human.data)
+    left = np.flatnonzero(side == 1)[:30]
+    select(human, left)
+    enter("EDIT")
+    for moved, between in enumerate((lambda: bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"), copy=True),
+                                     lambda: ops.select(extend=True))):
+        bpy.ops.transform.translate(value=(0, 0, 0.01))
+        between()
+    assert ops.mirror_edit(direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    enter("OBJECT")
+    far = np.linalg.norm(positions(human.data) - before, axis=1)
+    assert np.abs(far[left] - 0.02).max() < 1e-5 and far[side == -1].sum() > 0.9 * far[left].sum()
+    enter("EDIT")
+    with pytest.raises(RuntimeError, match="Nothing is remembered or edited"):
+        ops.mirror_edit()
+
+
+def test_an_undone_mirror_edit_can_be_done_again(human):
+    side, before = attribute(human.data, "sym_side"), positions(human.data)
+    select(human, np.flatnonzero(side == 1)[:30])
+    enter("EDIT")
+    bpy.ops.ed.undo_push(message="entered")
+    bpy.ops.transform.translate(value=(0, 0, 0.01))
+    bpy.ops.ed.undo_push(message="moved")
+    ops.mirror_edit()
+    bpy.ops.ed.undo_push(message="mirrored")
+    bpy.ops.ed.undo()
+    human = bpy.context.object
+    ops.mirror_edit()
+    enter("OBJECT")
+    far = np.linalg.norm(positions(human.data) - before, axis=1)
+    assert far[side == 1].sum() > 0.29 and far[side == -1].sum() > 0.9 * far[side == 1].sum()

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shape with which edit mode was entered, of each object that is in it: what Mirror Edit starts from.
+
+It is kept until the user leaves edit mode, edits another shape key or changes the topology. Saving writes the edit into
+the mesh, and our own operators go through object mode and back; neither ends what is kept.
+"""
+
+import zlib
+from dataclasses import dataclass, replace
+
+import bpy
+import numpy as np
+
+from . import mesh_data
+
+
+@dataclass(frozen=True)
+class _Entered:
+    key: str
+    topology: tuple
+    positions: np.ndarray  # (vertices, 3) float32
+    before: tuple | None = None  # the edited shape that was mirrored, and what it started from; undo leads back there
+
+
+#: By the object's number in this session.
+_entered = {}
+
+
+def shape_of(object):
+    """(vertices, 3) float32, or nothing; in object mode."""
+    found = _entered.get(object.session_uid)
+    if found is not None and found.before and np.array_equal(found.before[0], mesh_data.shown_positions(object)):
+        return found.before[1]
+    return None if found is None else found.positions
+
+
+def note(object):
+    """Keeps the shape of an object in edit mode, if that of the shape key is not kept yet. The mesh has it, as edits
+    are in the edit mesh."""
+    found, key = _entered.get(object.session_uid), _key(object)
+    if found is None or found.key != key:
+        _entered[object.session_uid] = _Entered(key, _topology(object.data), mesh_data.shown_positions(object))
+
+
+def restart(object, edited):
+    """The shape of now is what is kept, in object mode; it came of mirroring the edited one."""
+    number, before = object.session_uid, shape_of(object)
+    if before is not None:
+        shape = mesh_data.shown_positions(object)
+        _entered[number] = replace(_entered[number], positions=shape, before=(edited, before))
+
+
+def _key(object):
+    key = object.active_shape_key
+    return "" if key is None else key.name
+
+
+def _topology(mesh):
+    return len(mesh.vertices), zlib.crc32(mesh_data.edges(mesh).tobytes())
+
+
+def _update(object):
+    found = _entered.get(object.session_uid)
+    if object.mode == "EDIT":
+        note(object)
+    elif found is not None and (not mesh_data.passing or found.topology != _topology(object.data)):
+        del _entered[object.session_uid]
+
+
+@bpy.app.handlers.persistent
+def _on_update(_scene, depsgraph):
+    for update in depsgraph.updates:
+        object = update.id.original
+        if isinstance(object, bpy.types.Object) and object.type == "MESH":
+            _update(object)
+
+
+@bpy.app.handlers.persistent
+def _on_load(*_):
+    _entered.clear()
+
+
+def register():
+    bpy.app.handlers.depsgraph_update_post.append(_on_update)
+    bpy.app.handlers.load_post.append(_on_load)
+
+
+def unregister():
+    bpy.app.handlers.depsgraph_update_post.remove(_on_update)
+    bpy.app.handlers.load_post.remove(_on_load)
+    _entered.clear()
