@@ -62,7 +62,11 @@ def whole(members, edited=None):
         yield body
         after = _State(body)
         for number, member in enumerate(members):
-            _give_back(member, _Place(body, members, number), before, after)
+            place = _Place(body, members, number)
+            if member.visible_get():
+                _give_back(member, place, before, after)
+            else:
+                _give_map(member.data, place, before, after)
         _keep_records(members, body)
 
 
@@ -120,12 +124,22 @@ def _choose_as(body, active):
         body.data.attributes.active = body.data.attributes[attribute.name]
 
 
+def of_members(body, members, shapes):
+    """(vertices, 3) the shown positions of the joined object, with other shapes, by number, for some of the members."""
+    points = mesh_data.shown_positions(body).astype(float)
+    for number, shape in shapes.items():
+        place = _Place(body, members, number)
+        points[place.rows()] = place.brought(shape)
+    return points
+
+
 class _Place:
     """Where one of the objects is in the joined one."""
 
     def __init__(self, body, members, number):
         self.body, self.members, self._number = body, members, number
         self._turn = np.array((members[number].matrix_world.inverted() @ body.matrix_world).to_3x3())
+        self._origin = np.array((body.matrix_world.inverted() @ members[number].matrix_world).translation)
 
     def rows(self, domain="POINT"):
         """Its elements, in its own order, in the joined mesh."""
@@ -137,6 +151,15 @@ class _Place:
     def turned(self, vectors):
         """(own vertices, 3) vectors of the joined mesh in the object's own space."""
         return vectors[self.rows()] @ self._turn.T
+
+    def images_of(self, values):
+        """(own vertices,) of the joined mesh's values, those at the mirror images."""
+        partner = mesh_data.read_attribute(self.body.data.attributes[stored_map.PARTNER])[self.rows()]
+        return np.where(partner < 0, 0, values[partner])
+
+    def brought(self, points):
+        """(own vertices, 3) points of the object in the space of the joined mesh."""
+        return points @ np.linalg.inv(self._turn).T + self._origin
 
 
 class _State:
@@ -168,6 +191,12 @@ def _give_back(member, place, before, after):
     mesh.update()
 
 
+def _give_map(mesh, place, before, after):
+    """What is not work of the user is given to hidden objects, too."""
+    own = [{name: value for name, value in state.attributes.items() if name.startswith("sym_")} for state in (before, after)]
+    _give_attributes(mesh, place, *own)
+
+
 def _give_attributes(mesh, place, before, after):
     for name in before.keys() - after.keys():
         if name in mesh.attributes:
@@ -193,7 +222,8 @@ def _give_weights(member, rows, before, after):
 
 
 def _give_key(member, place, name, before, after):
-    """Moves a key by as much as it was moved, or makes it, if it moves anything of the object."""
+    """Moves a key by as much as it was moved, or makes it, if it moves anything of the object; one that was
+    there, only where it moves the mirror image of something of the object."""
     keys, points = member.data.shape_keys, after.keys[name]
     if keys is not None and name in keys.key_blocks:
         key, moved = keys.key_blocks[name], place.turned(points - before.keys[name])
@@ -201,11 +231,19 @@ def _give_key(member, place, name, before, after):
             mesh_data.set_key_positions(key, mesh_data.key_positions(key) + moved)
         return
     model = place.body.data.shape_keys.key_blocks[name]
+    if name in before.keys and not place.images_of(_moved_by(before, model)).any():
+        return
     moved = place.turned(points - after.keys[model.relative_key.name])
     if np.abs(moved).max(initial=0) > _STILL * np.abs(after.positions).max():
         if keys is None:
             member.shape_key_add(name=place.body.data.shape_keys.reference_key.name, from_mix=False)
         made_key.like_another(member, model, moved, place.members)
+
+
+def _moved_by(state, key):
+    """(vertices,) bool: what a key of the joined mesh moves."""
+    moved = np.abs(state.keys[key.name] - state.keys[key.relative_key.name]).max(axis=1)
+    return moved > _STILL * np.abs(state.positions).max()
 
 
 def _keep_records(members, body):

@@ -26,12 +26,13 @@ class _Entered:
 _entered = {}
 
 
-def shape_of(object):
-    """(vertices, 3) float32, or nothing; in object mode."""
+def shape_of(object, key=None):
+    """(vertices, 3) float32, or nothing; nothing either where another shape key than that is edited; in object mode."""
     found = _entered.get(object.session_uid)
-    if found is not None and found.before and np.array_equal(found.before[0], mesh_data.shown_positions(object)):
-        return found.before[1]
-    return None if found is None else found.positions
+    if found is None or key is not None and key.name != found.key:
+        return None
+    undone = found.before and np.array_equal(found.before[0], mesh_data.shown_positions(object))
+    return found.before[1] if undone else found.positions
 
 
 def note(object):
@@ -43,11 +44,13 @@ def note(object):
 
 
 def restart(object, edited):
-    """The shape of now is what is kept, in object mode; it came of mirroring the edited one."""
-    number, before = object.session_uid, shape_of(object)
-    if before is not None:
-        shape = mesh_data.shown_positions(object)
-        _entered[number] = replace(_entered[number], positions=shape, before=(edited, before))
+    """The shape of now is what is kept; it came of mirroring the edited one. The mesh has it."""
+    found = _entered.get(object.session_uid)
+    if found is not None:
+        undone = found.before and np.array_equal(found.before[0], edited)
+        before, shape = (edited, found.before[1] if undone else found.positions), mesh_data.shown_positions(object)
+        changed = not np.array_equal(edited, shape)
+        _entered[object.session_uid] = replace(found, positions=shape, before=before if changed else None)
 
 
 def _key(object):

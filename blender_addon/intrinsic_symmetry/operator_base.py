@@ -60,11 +60,13 @@ class MeshOperator:
             raise mesh_data.MeshProblem(missing)
         if self.one_object:
             return self.run(context, object, mode)
-        members = assembly.members_of(object)
+        self.members = members = assembly.members_of(object)
         if any(earlier in members for earlier in self.objects[: self.objects.index(object)]):
             return ""
         with assembly.whole(members, self.objects if mode == "EDIT" else None) as body:
-            return self.run(context, body, mode)
+            said = self.run(context, body, mode)
+        self.leave([member.name for member in members if member not in self.objects and not member.visible_get()], "hidden")
+        return said
 
     def _named(self, object, text):
         """The text with the object's name, where several are worked on."""

@@ -7,13 +7,15 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
-from . import entered, mesh_data, stored_map
+from . import assembly, entered, mesh_data, stored_map
 from .mirroring import DIRECTIONS, MERGE, ConfidenceProperties, MirrorProperties, blend
 from .operator_base import MapOperator, MeshOperator
 
 #: POINT attribute, FLOAT_VECTOR: positions of the shape that is being edited, when they were remembered. That of a
 #: shape key ends in a number made of the key's name, so that what was edited on one is not mirrored on another.
 REMEMBERED = "sym_remembered"
+#: An edit that counts, as a share of the largest one; and how far edits of both sides may differ, as a share of their own.
+_STILL, _ALIKE = 1e-3, 0.1
 
 
 def remembered_name(object):
@@ -84,23 +86,39 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
             problem = "Remember Shape first, then edit"
         return problem
 
+    def execute(self, context):
+        self._edited = {}  # of each object that was worked on
+        done = super().execute(context)
+        for object, edited in self._edited.items():
+            entered.restart(object, edited)
+        return done
+
     def run_with(self, symmetry, _context, object, mode):
         before = self._remembered(object)
-        edited = mesh_data.shown_positions(object)
-        edit = edited.astype(float) - before
+        edit = mesh_data.shown_positions(object).astype(float) - before
         merge = MERGE.get(self.direction, Merge.SWAP)
         carried = symmetry.carry_displacement(before, edit, merge, **self.how())
         if self.direction == "EDITED":
             farther = np.linalg.norm(carried, axis=1) > np.linalg.norm(edit, axis=1)
+            self._say_what_was_replaced(symmetry.side, edit, carried, farther)
             carried = np.where(farther[:, None], carried, edit)
         carried = blend(edit, carried, self.may_change(object, mode, symmetry))
         after = before + carried
+        now = {member: mesh_data.shown_positions(member) for member in self.members}
         mesh_data.set_shown_positions(object, after)
         if remembered_name(object) in object.data.attributes:
             mesh_data.update_attribute(object.data.attributes[remembered_name(object)], after)
-        entered.restart(object, edited)
+        self._edited.update(now)
         changed = np.abs(carried - edit).max(axis=1) > 1e-7 * np.abs(before).max()
         return f"{int(changed.sum())} vertices moved; the new shape is remembered"
+
+    def _say_what_was_replaced(self, side, edit, carried, farther):
+        """Where both sides were edited, and not alike, which of them won."""
+        size, differs = np.linalg.norm(edit, axis=1), np.linalg.norm(carried - edit, axis=1)
+        replaced = farther & (size > _STILL * size.max()) & (differs > _ALIKE * size)
+        left, right = (np.count_nonzero(replaced & (side == losing)) for losing in (-1, 1))
+        if left or right:
+            self.warn(f"Both sides were edited: the farther edit won, the left one on {left} vertices, the right one on {right}")
 
     def _remembered(self, object):
         names, wanted = object.data.attributes.keys(), remembered_name(object)
@@ -108,10 +126,12 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
             return mesh_data.read_attribute(object.data.attributes[wanted]).astype(float)
         if any(name.startswith(REMEMBERED) for name in names):
             raise mesh_data.MeshProblem("The shape of another shape key is remembered: Remember Shape again, then edit")
-        shape = entered.shape_of(object)
-        if shape is None or np.array_equal(shape, mesh_data.shown_positions(object)):
+        key, members = object.active_shape_key, self.members
+        shapes = {number: entered.shape_of(member, key) for number, member in enumerate(members)}
+        shapes = {number: shape for number, shape in shapes.items() if shape is not None}
+        if all(np.array_equal(shape, mesh_data.shown_positions(members[number])) for number, shape in shapes.items()):
             raise mesh_data.MeshProblem("Nothing is remembered or edited in this mode: Remember Shape first, then edit")
-        return shape.astype(float)
+        return assembly.of_members(object, members, shapes) if len(members) > 1 else shapes[0].astype(float)
 
 
 register, unregister = bpy.utils.register_classes_factory(

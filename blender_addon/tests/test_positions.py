@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, positions, select
+from conftest import attribute, enter, module, positions, said, select
 
 ops = bpy.ops.intrinsic_symmetry
 
@@ -188,3 +188,15 @@ def test_an_undone_mirror_edit_can_be_done_again(human):
     enter("OBJECT")
     far = np.linalg.norm(positions(human.data) - before, axis=1)
     assert far[side == 1].sum() > 0.29 and far[side == -1].sum() > 0.9 * far[side == 1].sum()
+
+
+def test_edits_of_both_sides_are_said(human, truth, capfd):
+    """Where both sides were edited the farther edit wins; the message says on how many vertices, and which."""
+    left, before = np.flatnonzero(attribute(human.data, "sym_side") == 1)[:30], positions(human.data)
+    ops.remember()
+    edit = np.zeros_like(before)
+    edit[left, 2] = 0.01
+    edit[truth[left[:10]], 2] = -0.02
+    _move(human, edit)
+    assert "the left one on 0 vertices, the right one on 10" in said(capfd, ops.mirror_edit)
+    assert "Both sides" not in said(capfd, ops.mirror_edit)

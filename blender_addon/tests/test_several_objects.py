@@ -239,3 +239,40 @@ def test_a_copy_does_not_change_its_originals(parts):
     with pytest.raises(RuntimeError, match="copied from: Detect again"):
         ops.exchange_sides()
     assert np.array_equal(attribute(left.data, "sym_side"), before)
+
+
+def test_what_edit_mode_began_with_is_that_of_all_objects(parts):
+    body, left, right, partner = parts
+    before = [positions(object.data) for object in (body, left, right)]
+    for object in (body, left, right):
+        select(object, np.arange(100) if object == left else [])
+        object.select_set(object == left)
+    bpy.context.view_layer.objects.active = left
+    enter("EDIT")
+    bpy.ops.transform.translate(value=(0, 0, 0.01))
+    assert ops.mirror_edit() == {"FINISHED"}
+    with pytest.raises(RuntimeError, match="Nothing is remembered or edited"):
+        ops.mirror_edit()
+    enter("OBJECT")
+    change = np.linalg.norm(positions(right.data) - before[2], axis=1)
+    assert np.allclose(change[partner[:50]], 0.01, rtol=0.1)
+    assert np.array_equal(positions(body.data), before[0])
+
+
+def test_a_hidden_object_is_left_alone_and_named(parts, capfd):
+    body, left, right, _ = parts
+    before = positions(right.data)
+    module("mesh_data").set_shown_positions(left, 1.1 * positions(left.data))
+    right.hide_set(True)
+    assert 'Left alone: "right" (hidden)' in said(capfd, ops.symmetrize, direction="LEFT_TO_RIGHT")
+    assert np.array_equal(positions(right.data), before)
+    right.hide_set(False)
+    assert "hidden" not in said(capfd, ops.symmetrize, direction="LEFT_TO_RIGHT")
+    assert not np.array_equal(positions(right.data), before)
+
+
+def test_symmetrize_on_a_key_makes_it_only_where_it_moves_the_mirror_image(parts):
+    body, left, right, _ = parts
+    _swell(left, "Swell", np.arange(100), 0.01)
+    assert ops.symmetrize() == {"FINISHED"}
+    assert body.data.shape_keys is None and right.data.shape_keys.key_blocks.keys() == ["Basis", "Swell"]
