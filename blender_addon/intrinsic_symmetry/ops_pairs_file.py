@@ -33,7 +33,7 @@ class INTRINSIC_SYMMETRY_OT_export_pairs(ExportHelper, MapOperator, bpy.types.Op
         try:
             pairs_file.write(path, _columns(symmetry), _about(symmetry, object.data))
         except OSError as problem:
-            raise mesh_data.MeshProblem(str(problem)) from None
+            raise mesh_data.MeshProblem(f'The file "{path}" cannot be written: {problem.strerror}') from None
         return f"{np.count_nonzero(symmetry.partner >= 0):,} vertices with a mirror image saved in {path}"
 
 
@@ -50,11 +50,14 @@ class INTRINSIC_SYMMETRY_OT_import_pairs(ImportHelper, MeshOperator, bpy.types.O
         mesh = object.data
         try:
             columns, about = pairs_file.read(bpy.path.abspath(self.filepath))
+        except FileNotFoundError:
+            raise mesh_data.MeshProblem(f'There is no file "{self.filepath}"') from None
         except OSError as problem:
-            raise mesh_data.MeshProblem(str(problem)) from None
+            raise mesh_data.MeshProblem(f'The file "{self.filepath}" cannot be read: {problem.strerror}') from None
         core_mesh = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
         _check(columns, about, core_mesh)
         symmetry = _restored(core_mesh, mesh, columns, about)
+        _check_pairs(columns["partner"], mesh)
         left = (1, "the file") if "side" in columns else left_side.left_of(object, symmetry.side)
         stored_map.store(mesh, core_mesh, symmetry, left=left)
         mesh.update()
@@ -95,6 +98,19 @@ def _check(columns, about, core_mesh):
         raise mesh_data.MeshProblem(f"The file speaks of {count} vertices, the mesh has {core_mesh.vertex_count}")
     if about.get("connectivity", "") not in ("", f"{core_mesh.connectivity_hash:016x}"):
         raise mesh_data.MeshProblem("The file belongs to a mesh with other faces")
+
+
+def _check_pairs(partner, mesh):
+    """Raises MeshProblem where most partners do not lead back to their vertex or a neighbour of it."""
+    found = np.flatnonzero(partner >= 0)
+    own, back = found, partner[partner[found]]
+    steps = np.sort(np.stack([own, back], axis=1), axis=1) @ (len(partner), 1)
+    edges = np.sort(mesh_data.edges(mesh).astype(np.int64), axis=1) @ (len(partner), 1)
+    share = ((own == back) | np.isin(steps, edges)).mean() if len(found) else 1.0
+    if share <= 0.5:
+        raise mesh_data.MeshProblem(
+            f"Only {share:.0%} of the vertices are the partner of their partner: these are not pairs of a symmetry"
+        )
 
 
 def _restored(core_mesh, mesh, columns, about):

@@ -44,11 +44,11 @@ def read(path):
     path = Path(path)
     readers = {".json": _read_json, ".csv": _read_csv, ".map": _read_map}
     if path.suffix.lower() not in readers:
-        raise MeshProblem(f"{path.name}: pairs are read from .csv, .json and .map")
+        raise MeshProblem(f"Pairs are read from .csv, .json and .map, not from {path.name}")
     try:
         return readers[path.suffix.lower()](path)
     except (ValueError, KeyError, TypeError, AttributeError) as problem:
-        raise MeshProblem(f"{path.name} holds no pairs of vertices: {problem}") from None
+        raise MeshProblem(f"The file {path.name} holds no pairs of vertices: {problem}") from None
 
 
 def _read_json(path):

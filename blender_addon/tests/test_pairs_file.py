@@ -66,10 +66,10 @@ def test_partners_alone_are_enough(human, truth, tmp_path, text, kind):
     ("pairs.csv", "vertex,partner\n0,0\n", "speaks of 1 vertices"),
     ("pairs.csv", "vertex,other\n0,0\n", "no column partner"),
     ("pairs.csv", "vertex,partner\n1,0\n", "does not count from 0"),
-    ("pairs.csv", "vertex,partner\n0,x\n", "holds no pairs"),
+    ("pairs.csv", "vertex,partner\n0,x\n", "The file pairs.csv holds no pairs"),
     ("pairs.json", "{}", "its format is not"),
     ("pairs.json", "[]", "holds no pairs"),
-    ("pairs.txt", "", "are read from"),
+    ("pairs.txt", "", "Pairs are read from .csv, .json and .map, not from pairs.txt"),
 ])
 def test_files_that_are_refused(human, tmp_path, name, text, problem):
     (tmp_path / name).write_text(text)
@@ -87,5 +87,14 @@ def test_a_mesh_with_other_faces_is_refused(human, tmp_path):
         (tmp_path / "pairs.json").write_text(json.dumps(stored | changed))
         with pytest.raises(RuntimeError, match=problem):
             ops.import_pairs(filepath=str(tmp_path / "pairs.json"))
-    with pytest.raises(RuntimeError, match="No such file|there is no"):
+    with pytest.raises(RuntimeError, match='There is no file ".*nowhere.csv"'):
         ops.import_pairs(filepath=str(tmp_path / "nowhere.csv"))
+
+
+def test_partners_that_do_not_lead_back_are_refused(human, tmp_path):
+    count = len(human.data.vertices)
+    (tmp_path / "mine.map").write_text("\n".join(str((vertex + 1) % count) for vertex in range(count)))
+    before = _attributes(human.data)
+    with pytest.raises(RuntimeError, match="Only .*% of the vertices are the partner of their partner"):
+        ops.import_pairs(filepath=str(tmp_path / "mine.map"))
+    assert all(np.array_equal(values, attribute(human.data, name)) for name, values in before.items())
