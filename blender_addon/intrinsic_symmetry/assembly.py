@@ -39,6 +39,14 @@ def members_of(object):
     return [there[name] for name in names]
 
 
+def there(object):
+    """Those of the objects that share its map that can be found."""
+    try:
+        return members_of(object)
+    except mesh_data.MeshProblem:
+        return [object]
+
+
 def selected(context):
     """The selected meshes, the active one first. Raises MeshProblem."""
     others = [other for other in context.selected_objects if other.type == "MESH" and other != context.active_object]
@@ -105,7 +113,7 @@ def _numbered_copy(members, number, edited):
         mesh.flip_normals()  # a mirrored object would be inside out in the joined one
     if edited is not None and members[number] not in edited:
         for name in [name for name in mesh.attributes.keys() if name.startswith(".select_")]:
-            mesh.attributes.remove(mesh.attributes[name])
+            mesh_data.remove_attribute(mesh, name)
     return copy
 
 
@@ -200,7 +208,7 @@ def _give_map(mesh, place, before, after):
 def _give_attributes(mesh, place, before, after):
     for name in before.keys() - after.keys():
         if name in mesh.attributes:
-            mesh.attributes.remove(mesh.attributes[name])
+            mesh_data.remove_attribute(mesh, name)
     for name, (kind, domain, values) in after.items():
         if name not in before or not np.array_equal(before[name][2], values):
             own = values[place.rows(domain)]

@@ -175,11 +175,27 @@ def write_attribute(mesh, name, kind, values, domain="POINT"):
     """Stores values, one row for each element of the domain; replaces an attribute of another type or domain."""
     attribute = mesh.attributes.get(name)
     if attribute is not None and (attribute.data_type, attribute.domain) != (kind, domain):
-        mesh.attributes.remove(attribute)
+        remove_attribute(mesh, name)
         attribute = None
     if attribute is None:
-        mesh.attributes.new(name, kind, domain)
+        with _active_kept(mesh):
+            mesh.attributes.new(name, kind, domain)
     update_attribute(mesh.attributes[name], values)  # fetched again: creating one moves the others
+
+
+def remove_attribute(mesh, name):
+    with _active_kept(mesh):
+        mesh.attributes.remove(mesh.attributes[name])
+
+
+@contextmanager
+def _active_kept(mesh):
+    """The active attribute is the same before and after."""
+    active = mesh.attributes.active
+    name = None if active is None else active.name
+    yield
+    if name is not None and name in mesh.attributes:
+        mesh.attributes.active = mesh.attributes[name]
 
 
 def update_attribute(attribute, values):

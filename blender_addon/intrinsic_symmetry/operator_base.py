@@ -22,7 +22,7 @@ class MeshOperator:
 
     @classmethod
     def poll(cls, context):
-        problem = mesh_data.why_not(context) or cls.lacks(context, context.active_object)
+        problem = mesh_data.why_not(context) or cls.lacks(context, context.active_object) or cls._all_empty(context)
         if problem:
             cls.poll_message_set(problem)
         return problem is None
@@ -31,6 +31,18 @@ class MeshOperator:
     def lacks(cls, _context, _object):
         """What an object lacks for this operator, in words, or nothing."""
         return None
+
+    @classmethod
+    def is_empty(cls, _object):
+        """Why there is nothing to work on in an object, in words, or nothing."""
+        return None
+
+    @classmethod
+    def _all_empty(cls, context):
+        """Why there is nothing to work on in any of the objects."""
+        objects = [*mesh_data.worked_on(context), *assembly.there(context.active_object)]
+        problems = [cls.is_empty(object) for object in objects]
+        return problems[0] if all(problems) else None
 
     def execute(self, context):
         mode = context.active_object.mode
@@ -64,6 +76,8 @@ class MeshOperator:
         if any(earlier in members for earlier in self.objects[: self.objects.index(object)]):
             return ""
         with assembly.whole(members, self.objects if mode == "EDIT" else None) as body:
+            if problem := self.is_empty(body):
+                raise mesh_data.MeshProblem(problem)
             said = self.run(context, body, mode)
         self.leave([member.name for member in members if member not in self.objects and not member.visible_get()], "hidden")
         return said

@@ -29,7 +29,7 @@ def remembered_name(object):
 def forget(mesh):
     """Removes what is remembered."""
     for name in [name for name in mesh.attributes.keys() if name.startswith(REMEMBERED)]:
-        mesh.attributes.remove(mesh.attributes[name])
+        mesh_data.remove_attribute(mesh, name)
 
 
 class INTRINSIC_SYMMETRY_OT_symmetrize(MirrorProperties, MapOperator, bpy.types.Operator):

@@ -29,10 +29,10 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
     )
 
     @classmethod
-    def lacks(cls, context, object):
+    def is_empty(cls, object):
         keys = object.data.shape_keys
         has_some = keys is not None and len(keys.key_blocks) > 1
-        return super().lacks(context, object) or (None if has_some else "The object has no shape key beside its basis")
+        return None if has_some else "The object has no shape key beside its basis"
 
     def run_with(self, symmetry, _context, object, mode):
         symmetry = left_side.agreed(self, object, symmetry)

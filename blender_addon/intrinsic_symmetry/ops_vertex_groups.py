@@ -32,8 +32,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
     )
 
     @classmethod
-    def lacks(cls, context, object):
-        return super().lacks(context, object) or (None if object.vertex_groups else "The object has no vertex groups")
+    def is_empty(cls, object):
+        return None if object.vertex_groups else "The object has no vertex groups"
 
     def run_with(self, symmetry, _context, object, mode):
         symmetry = left_side.agreed(self, object, symmetry)

@@ -189,6 +189,6 @@ def clear(mesh):
     undo.remember(mesh)
     for name in KINDS:
         if name in mesh.attributes:
-            mesh.attributes.remove(mesh.attributes[name])
+            mesh_data.remove_attribute(mesh, name)
     if RECORD in mesh:
         del mesh[RECORD]

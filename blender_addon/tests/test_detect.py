@@ -174,3 +174,15 @@ def test_a_job_can_be_watched_and_cancelled():
     job.cancel()
     with pytest.raises(intrinsym.CancelledError):
         job.answer()
+
+
+def test_the_active_attribute_and_color_stay():
+    object = new_object(read_example("human"))
+    for name, kind in (("first", "FLOAT_COLOR"), ("mine", "FLOAT"), ("second", "FLOAT_COLOR")):
+        object.data.attributes.new(name, kind, "POINT")
+    object.data.attributes.active_color_name = "first"
+    object.data.attributes.active = object.data.attributes["mine"]
+    ops = bpy.ops.intrinsic_symmetry
+    for operator in (ops.detect, ops.remember, ops.clear):
+        assert operator() == {"FINISHED"}
+        assert object.data.attributes.active.name == "mine" and object.data.attributes.active_color_name == "first"

@@ -276,3 +276,21 @@ def test_symmetrize_on_a_key_makes_it_only_where_it_moves_the_mirror_image(parts
     _swell(left, "Swell", np.arange(100), 0.01)
     assert ops.symmetrize() == {"FINISHED"}
     assert body.data.shape_keys is None and right.data.shape_keys.key_blocks.keys() == ["Basis", "Swell"]
+
+
+def test_weights_are_mirrored_if_any_object_has_them(parts):
+    body, left, right, partner = parts
+    left.vertex_groups.new(name="Eye.L").add(list(range(100)), 0.5, "ADD")
+    assert bpy.context.active_object == body and ops.mirror_vertex_groups() == {"FINISHED"}
+    assert right.vertex_groups.keys() == ["Eye.R"] and not body.vertex_groups
+    for object in (left, right):
+        object.vertex_groups.clear()
+    assert not ops.mirror_vertex_groups.poll()
+
+
+def test_of_objects_in_edit_mode_those_without_groups_are_named(human, capfd):
+    other = _copy_of(human, "other")
+    other.vertex_groups.new(name="Arm.L").add([0], 1, "ADD")
+    enter("EDIT")
+    text = said(capfd, ops.mirror_vertex_groups)
+    assert f"{human.name}: The object has no vertex groups" in text and "other: " in text
