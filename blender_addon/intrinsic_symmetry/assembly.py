@@ -59,9 +59,10 @@ def selected(context):
 
 
 @contextmanager
-def whole(members, edited=None):
+def whole(members, edited=None, held=None):
     """One object for a tool to work on, in object mode: the object itself, or the joined ones. What was changed is
-    given back at the end, if nothing was raised. Of those not in `edited`, if that is given, nothing is selected."""
+    given back at the end, if nothing was raised. Of those not in `edited`, if that is given, nothing is selected.
+    Hidden ones are given the map alone; `held`, a list, gets the names of those that would have changed."""
     with joined(members, edited) as body:
         if len(members) == 1:
             yield body
@@ -75,6 +76,8 @@ def whole(members, edited=None):
                 _give_back(member, place, before, after)
             else:
                 _give_map(member.data, place, before, after)
+                if held is not None and _would_change(place.rows(), before, after):
+                    held.append(member.name)
         _keep_records(members, body)
 
 
@@ -197,6 +200,19 @@ def _give_back(member, place, before, after):
     for name in after.keys:
         _give_key(member, place, name, before, after)
     mesh.update()
+
+
+def _would_change(rows, before, after):
+    """Whether positions, weights or keys of some vertices of the joined mesh are other ones."""
+    def differs(one, two):
+        return one is not two and np.abs(one[rows] - two[rows]).max(initial=0) > SMALLEST
+
+    nothing = np.zeros(len(before.positions))
+    return (
+        differs(before.positions, after.positions)
+        or any(differs(before.weights.get(name, nothing), column) for name, column in after.weights.items())
+        or any(differs(before.keys.get(name, after.positions), points) for name, points in after.keys.items())
+    )
 
 
 def _give_map(mesh, place, before, after):

@@ -75,11 +75,12 @@ class MeshOperator:
         self.members = members = assembly.members_of(object)
         if any(earlier in members for earlier in self.objects[: self.objects.index(object)]):
             return ""
-        with assembly.whole(members, self.objects if mode == "EDIT" else None) as body:
+        held = []
+        with assembly.whole(members, self.objects if mode == "EDIT" else None, held) as body:
             if problem := self.is_empty(body):
                 raise mesh_data.MeshProblem(problem)
             said = self.run(context, body, mode)
-        self.leave([member.name for member in members if member not in self.objects and not member.visible_get()], "hidden")
+        self.leave(held, "hidden")
         return said
 
     def _named(self, object, text):

@@ -20,10 +20,23 @@ _STILL, _ALIKE = 1e-3, 0.1
 
 def remembered_name(object):
     """Name of the attribute that belongs to the shape that is being edited."""
-    key = object.active_shape_key
+    return _name_for(object, object.active_shape_key)
+
+
+def _name_for(object, key):
     if key is None or key == object.data.shape_keys.reference_key:
         return REMEMBERED
     return f"{REMEMBERED}_{zlib.crc32(key.name.encode()):08x}"
+
+
+def _another_is(object):
+    """In words, that the shape of another shape key is remembered, or nothing."""
+    keys, names = object.data.shape_keys, object.data.attributes.keys()
+    if remembered_name(object) in names or not any(name.startswith(REMEMBERED) for name in names):
+        return None
+    there = [key.name for key in keys.key_blocks if _name_for(object, key) in names] if keys else []
+    what = f'The shape key "{there[0]}" is remembered' if there else "A shape key that is gone is remembered"
+    return f"{what}, and another shape is active: make it active, or Remember Shape again, then edit"
 
 
 def forget(mesh):
@@ -82,6 +95,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
     @classmethod
     def lacks(cls, context, object):
         problem = super().lacks(context, object)
+        problem = problem or _another_is(object)
         if problem is None and object.mode != "EDIT" and remembered_name(object) not in object.data.attributes:
             problem = "Remember Shape first, then edit"
         return problem
@@ -124,8 +138,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
         names, wanted = object.data.attributes.keys(), remembered_name(object)
         if wanted in names:
             return mesh_data.read_attribute(object.data.attributes[wanted]).astype(float)
-        if any(name.startswith(REMEMBERED) for name in names):
-            raise mesh_data.MeshProblem("The shape of another shape key is remembered: Remember Shape again, then edit")
+        if another := _another_is(object):
+            raise mesh_data.MeshProblem(another)
         key, members = object.active_shape_key, self.members
         shapes = {number: entered.shape_of(member, key) for number, member in enumerate(members)}
         shapes = {number: shape for number, shape in shapes.items() if shape is not None}

@@ -41,6 +41,7 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
         others = [other for other in context.selected_objects if other.type == "MESH" and other.data != object.data]
         if not others:
             raise mesh_data.MeshProblem("Select the objects to transfer to, the one to transfer from last")
+        others = list({other.data: other for other in others}.values())  # one of those that share a mesh
         source = _core_mesh(object)
         kind, points = self._map(object, source)
         scales = [_scale(object, other) for other in others]

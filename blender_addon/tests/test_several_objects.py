@@ -266,6 +266,8 @@ def test_a_hidden_object_is_left_alone_and_named(parts, capfd):
     right.hide_set(True)
     assert 'Left alone: "right" (hidden)' in said(capfd, ops.symmetrize, direction="LEFT_TO_RIGHT")
     assert np.array_equal(positions(right.data), before)
+    assert "hidden" not in said(capfd, ops.exchange_sides)
+    ops.exchange_sides()
     right.hide_set(False)
     assert "hidden" not in said(capfd, ops.symmetrize, direction="LEFT_TO_RIGHT")
     assert not np.array_equal(positions(right.data), before)

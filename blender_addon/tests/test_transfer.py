@@ -120,3 +120,11 @@ def test_what_is_needed(pair):
     human.active_shape_key_index = 0
     with pytest.raises(RuntimeError, match="not the basis"):
         ops.transfer()
+
+
+def test_objects_that_share_a_mesh_are_one(pair, capfd):
+    _, other, _ = pair
+    twin = other.copy()
+    bpy.context.scene.collection.objects.link(twin)
+    twin.select_set(True)
+    assert "1 shape keys transferred to 1 objects" in said(capfd, ops.transfer, what="KEY")
