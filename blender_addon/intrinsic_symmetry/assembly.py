@@ -217,8 +217,11 @@ def _would_change(rows, before, after):
 
 def _give_map(mesh, place, before, after):
     """What is not work of the user is given to hidden objects, too."""
-    own = [{name: value for name, value in state.attributes.items() if name.startswith("sym_")} for state in (before, after)]
-    _give_attributes(mesh, place, *own)
+    _give_attributes(mesh, place, *(_of_map(state.attributes) for state in (before, after)))
+
+
+def _of_map(attributes):
+    return {name: attribute for name, attribute in attributes.items() if name.startswith("sym_")}
 
 
 def _give_attributes(mesh, place, before, after):

@@ -14,7 +14,7 @@ from .operator_base import MapOperator, MeshOperator
 #: POINT attribute, FLOAT_VECTOR: positions of the shape that is being edited, when they were remembered. That of a
 #: shape key ends in a number made of the key's name, so that what was edited on one is not mirrored on another.
 REMEMBERED = "sym_remembered"
-#: An edit that counts, as a share of the largest one; and how far edits of both sides may differ, as a share of their own.
+#: An edit that counts, as a share of the largest one; how far edits of both sides may differ, as a share of their own.
 _STILL, _ALIKE = 1e-3, 0.1
 
 
@@ -132,7 +132,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
         replaced = farther & (size > _STILL * size.max()) & (differs > _ALIKE * size)
         left, right = (np.count_nonzero(replaced & (side == losing)) for losing in (-1, 1))
         if left or right:
-            self.warn(f"Both sides were edited: the farther edit won, the left one on {left} vertices, the right one on {right}")
+            won = f"the left one on {left} vertices, the right one on {right}"
+            self.warn(f"Both sides were edited: the farther edit won, {won}")
 
     def _remembered(self, object):
         names, wanted = object.data.attributes.keys(), remembered_name(object)
