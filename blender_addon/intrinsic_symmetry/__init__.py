@@ -21,6 +21,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     weights         vertex weights as an array
     made_key        settings of a shape key that is made
     assembly        several objects with one map
+    seams           where such objects touch
     mirroring       which way values go, and how far
     vertex_map      maps that are known vertex by vertex
     line_distance   distance from the line between left and right

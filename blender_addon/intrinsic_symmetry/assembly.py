@@ -144,6 +144,14 @@ def of_members(body, members, shapes):
     return points
 
 
+def owners(body, members):
+    """(vertices,) number of the member that each vertex of the joined object is of."""
+    number = np.empty(len(body.data.vertices), int)
+    for index in range(len(members)):
+        number[_Place(body, members, index).rows()] = index
+    return number
+
+
 class _Place:
     """Where one of the objects is in the joined one."""
 

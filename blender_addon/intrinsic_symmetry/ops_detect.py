@@ -4,7 +4,7 @@
 import bpy
 import intrinsym
 
-from . import assembly, detection, labels, left_side, mesh_data, overlay, preferences, stored_map
+from . import assembly, detection, labels, left_side, mesh_data, overlay, preferences, seams, stored_map
 from .operator_base import MapOperator, MeshOperator, sentence
 from .ops_positions import forget
 
@@ -145,6 +145,8 @@ class INTRINSIC_SYMMETRY_OT_detect(preferences.DetectOptions, MeshOperator, bpy.
             return {"CANCELLED"}
         with assembly.whole(members) as body:
             text = keep(body, job.core_mesh, found)
+            if len(members) > 1:
+                seams.sort_partners(body, assembly.owners(body, members), job.core_mesh)
         if len(members) == 1:
             detection.remember(members[0].data, job.core_mesh, found)
         self.report({"WARNING" if is_doubtful(found) else "INFO"}, text)

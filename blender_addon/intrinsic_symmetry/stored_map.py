@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import intrinsym
 import numpy as np
 
-from . import mesh_data, undo
+from . import mesh_data, undo, vertex_map
 from .undo import RECORD
 
 PARTNER, CONFIDENCE, SIDE = "sym_vertex", "sym_confidence", "sym_side"
@@ -181,6 +181,20 @@ def name_sides(mesh, sign, left_from):
     undo.remember(mesh)
     mesh_data.update_attribute(mesh.attributes[SIDE], sign * mesh_data.read_attribute(mesh.attributes[SIDE]))
     mesh[RECORD].update({"checksum": _checksum(mesh), "left_from": left_from})
+    _number(mesh)
+
+
+def move_partners(mesh, core_mesh, partner):
+    """Gives vertices other partners, at the vertices themselves where they are new ones."""
+    moved = partner != mesh_data.read_attribute(mesh.attributes[PARTNER])
+    points = vertex_map.at_vertices(core_mesh, partner)
+    values = {FACE: points.faces.astype(np.int64), BARY: points.barycentrics, PARTNER: partner}
+    values.update(zip(CORNERS, points.corners.T.astype(np.int64)))
+    undo.remember(mesh)
+    for name, array in values.items():
+        old = mesh_data.read_attribute(mesh.attributes[name])
+        mesh_data.update_attribute(mesh.attributes[name], np.where(moved.reshape(-1, *[1] * (old.ndim - 1)), array, old))
+    mesh[RECORD]["checksum"] = _checksum(mesh)
     _number(mesh)
 
 

@@ -179,7 +179,7 @@ def test_a_job_can_be_watched_and_cancelled():
 def test_the_active_attribute_and_color_stay():
     object = new_object(read_example("human"))
     for name, kind in (("first", "FLOAT_COLOR"), ("mine", "FLOAT"), ("second", "FLOAT_COLOR")):
-        object.data.attributes.new(name, kind, "POINT")
+        object.data.attributes.new(name, kind, "CORNER")
     object.data.attributes.active_color_name = "first"
     object.data.attributes.active = object.data.attributes["mine"]
     ops = bpy.ops.intrinsic_symmetry

@@ -296,3 +296,36 @@ def test_of_objects_in_edit_mode_those_without_groups_are_named(human, capfd):
     enter("EDIT")
     text = said(capfd, ops.mirror_vertex_groups)
     assert f"{human.name}: The object has no vertex groups" in text and "other: " in text
+
+
+def _of_faces(mesh, name, kept):
+    """An object of some of the faces."""
+    object = bpy.data.objects.new(name, mesh.copy())
+    bpy.context.scene.collection.objects.link(object)
+    data = bmesh.new()
+    data.from_mesh(object.data)
+    data.faces.ensure_lookup_table()
+    bmesh.ops.delete(data, geom=[data.faces[index] for index in np.flatnonzero(~kept)], context="FACES")
+    data.to_mesh(object.data)
+    data.free()
+    object.select_set(True)
+    return object
+
+
+def test_objects_that_touch_are_not_mixed_at_the_seam():
+    """Hands cut off at the wrists: what is done to one hand arrives on all of the other, and not on the body."""
+    mesh, truth = read_example("human"), truth_of("human")
+    points = positions(mesh)
+    near = np.linalg.norm(points - points[points[:, 0].argmax()], axis=1) < 0.12 * np.ptp(points[:, 2])
+    is_left = np.array([near[face.vertices].all() for face in mesh.polygons])
+    is_right = np.array([near[truth[face.vertices]].all() for face in mesh.polygons])
+    parts = (("body", ~(is_left | is_right)), ("left", is_left), ("right", is_right))
+    body, left, right = (_of_faces(mesh, *part) for part in parts)
+    bpy.context.view_layer.objects.active = body
+    assert ops.detect(together=True) == {"FINISHED"}
+    before = [positions(object.data) for object in (body, left, right)]
+    ops.remember()
+    module("mesh_data").set_shown_positions(left, before[1] + (0, 0, 0.01))
+    assert ops.mirror_edit() == {"FINISHED"}
+    assert np.linalg.norm(positions(right.data) - before[2], axis=1).min() > 0.009
+    assert np.array_equal(positions(body.data), before[0])
