@@ -194,8 +194,7 @@ def _active_kept(mesh):
     active = mesh.attributes.active
     name = None if active is None else active.name
     yield
-    if name is not None and name in mesh.attributes:
-        mesh.attributes.active = mesh.attributes[name]
+    mesh.attributes.active = None if name is None else mesh.attributes.get(name)
 
 
 def update_attribute(attribute, values):
