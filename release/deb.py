@@ -23,7 +23,7 @@ SUMMARY = "mirror symmetry of surface meshes in any pose"
 DESCRIPTION = """\
  Finds for every point of a surface mesh the point that is its mirror image
  along the surface, whatever the pose and the connectivity: left and right of
- characters, animals and scans. Reads PLY, OBJ, OFF and STL; writes partners,
+ characters, animals and scans. Reads PLY, OBJ, OFF, STL and glTF; writes partners,
  confidences, sides, pair colours and pictures."""
 #: Paths below the package's root, and what is put there, of the folder that `make release` leaves.
 MANUAL = {
@@ -54,15 +54,13 @@ def _changelog() -> str:
 
 
 def _copyright(target: Target) -> str:
-    """In Debian's format; the licences of what is linked as one comment."""
-    indented = (cargo.ROOT / "LICENSE-MIT").read_text().split("\n\n", 2)[2].strip().replace("\n\n", "\n.\n").replace("\n", "\n ")
-    linked = "".join(f"\n {part.name} {part.version}: {part.licence}" for part in components(target))
+    """Our licences, and those of what is linked, as text for people."""
+    linked = "".join(f"\n  {part.name} {part.version}: {part.licence}" for part in components(target))
     return (
-        "Format: https://www.debian.org/doc/packaging-manuals/copyright-format/1.0/\nUpstream-Name: intrinsym\n"
-        f"Comment: Statically linked, with the texts in THIRD_PARTY.txt.gz beside this file:{linked}\n\n"
-        "Files: *\nCopyright: 2026 the Intrinsym authors\nLicense: Expat or Apache-2.0\n\n"
-        f"License: Expat\n {indented}\n\n"
-        "License: Apache-2.0\n On Debian systems the text is in /usr/share/common-licenses/Apache-2.0.\n"
+        "Intrinsym, copyright 2026 the Intrinsym authors, under the MIT licence below or the Apache License 2.0, as you like.\n"
+        "The text of the latter is in /usr/share/common-licenses/Apache-2.0.\n\n"
+        f"{(cargo.ROOT / 'LICENSE-MIT').read_text().strip()}\n\n"
+        f"Statically linked, with the texts in THIRD_PARTY.txt.gz beside this file:{linked}\n"
     )
 
 

@@ -49,14 +49,15 @@ pub fn attempt<'a>(
     let assembler = Assembler::new(gatherer, domain.filled.as_ref(), &spectrum.shell, proxy, plan, options);
     let attempt = Attempt { domain, spectrum, assembler };
     let one = attempt.one_reflection()?;
-    let maps = match one.as_ref().filter(|(_, is_certain)| *is_certain) {
-        Some((one, _)) => vec![(one.map.clone(), SymmetryKind::Reflection)],
+    let maps = match one.as_ref().filter(|map| attempt.is_certain(map)) {
+        Some(map) => vec![(attempt.with_parts(map.clone())?, SymmetryKind::Reflection)],
         None => attempt.searched(finished, clock)?,
     };
     clock.lap("refinement");
     let mirrors_vertices =
         |map: &Hypothesis, kind| attempt.assembler.mirrors_vertices(map, kind, options.threads, progress);
-    let one = one.map(|(one, _)| one);
+    let has_defects = domain.question.unrivalled.as_ref().is_some_and(Automorphism::has_defects);
+    let one = one.map(|map| OneReflection { map: || attempt.with_parts(map), has_defects });
     let mut choice = choose(maps, one, mirrors_vertices, (options.plausibility, options.symmetries))?;
     if options.rotations > 0 {
         attempt.add_rotations(&mut choice)?;
@@ -82,21 +83,27 @@ impl Attempt<'_> {
         finish_best(&self.assembler, &found, finished, options, progress)
     }
 
-    /// The only reflection that the connectivity admits, and whether it needs no search. Whoever states signs asks for the symmetry that
-    /// has them.
-    fn one_reflection(&self) -> Result<Option<(OneReflection, bool)>> {
-        let Question { unrivalled, options, progress, .. } = self.domain.question;
+    /// The map of the only reflection that the connectivity admits.
+    fn one_reflection(&self) -> Result<Option<Hypothesis>> {
         let assembler = &self.assembler;
-        let Some(images) = unrivalled.as_ref().and_then(|found| assembler.images_of_all(found)) else {
+        let unrivalled = self.domain.question.unrivalled.as_ref();
+        let Some(images) = unrivalled.and_then(|found| assembler.images_of_all(found)) else {
             return Ok(None);
         };
         let map = of_images(assembler.shell, &assembler.target, images)?;
-        let map = Hypothesis { moved: assembler.moved(&map.images), ..map };
+        Ok(Some(Hypothesis { moved: assembler.moved(&map.images), ..map }))
+    }
+
+    /// Whether that needs no search. Whoever states signs asks for the symmetry that has them.
+    fn is_certain(&self, map: &Hypothesis) -> bool {
+        let options = self.domain.question.options;
         let any_will_do = options.symmetries == 1 && !options.states_signs();
-        let is_certain = any_will_do && map.judged.accepted(CERTAIN) && !map.exchanges_sheets();
-        let map = assembler.with_parts(map, SymmetryKind::Reflection, options.threads, progress.token())?;
-        let has_defects = unrivalled.as_ref().is_some_and(Automorphism::has_defects);
-        Ok(Some((OneReflection { map, has_defects }, is_certain)))
+        any_will_do && map.judged.accepted(CERTAIN) && !map.exchanges_sheets()
+    }
+
+    fn with_parts(&self, reflection: Hypothesis) -> Result<Hypothesis> {
+        let Question { options, progress, .. } = *self.domain.question;
+        self.assembler.with_parts(reflection, SymmetryKind::Reflection, options.threads, progress.token())
     }
 
     /// Adds rotations of order three or more.

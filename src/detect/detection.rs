@@ -132,7 +132,9 @@ impl Detection {
     /// The same where time ended what could remove its doubts.
     pub(crate) fn out_of_time(mut self) -> Detection {
         self.outcome = self.outcome.max(Outcome::Doubtful);
-        self.report.reasons.push(Reason::TimeLimit);
+        if !self.report.reasons.contains(&Reason::TimeLimit) {
+            self.report.reasons.push(Reason::TimeLimit);
+        }
         self
     }
 

@@ -16,10 +16,10 @@ const LIKELY: f64 = 0.5;
 /// Maps of the searched shell, the best first.
 pub type Maps = Vec<(Hypothesis, SymmetryKind)>;
 
-/// The map of the only reflection that the connectivity admits.
-pub struct OneReflection {
-    /// The map.
-    pub map: Hypothesis,
+/// The only reflection that the connectivity admits.
+pub struct OneReflection<F> {
+    /// Makes its map: asked only if that is the answer.
+    pub map: F,
     /// Whether the connectivity admits it but for a few defects.
     pub has_defects: bool,
 }
@@ -40,10 +40,10 @@ pub struct Choice {
 /// that of the connectivity; else the best one, if it is half as plausible as asked and `mirrors_vertices` of it.
 ///
 /// # Errors
-/// Those of `mirrors_vertices`.
-pub fn choose(
+/// Those of `mirrors_vertices` and of the connectivity's map.
+pub fn choose<F: FnOnce() -> Result<Hypothesis>>(
     finished: Maps,
-    one: Option<OneReflection>,
+    one: Option<OneReflection<F>>,
     mirrors_vertices: impl FnOnce(&Hypothesis, SymmetryKind) -> Result<bool>,
     (asked, count): (usize, usize),
 ) -> Result<Choice> {
@@ -56,7 +56,7 @@ pub fn choose(
         let is_answer = choice.maps.is_empty();
         choice.reasons.push(Reason::OneReflection { has_defects, is_answer });
         if is_answer {
-            choice.take((map, SymmetryKind::Reflection));
+            choice.take((map()?, SymmetryKind::Reflection));
         }
     }
     let refused = choice.best.clone().filter(|_| choice.maps.is_empty());
@@ -147,7 +147,8 @@ mod tests {
         let moved = |place: usize| (place + 1) as f64 / 10.0;
         let maps = plausibilities.iter().enumerate();
         let maps = maps.map(|(place, &own)| (hypothesis(own, moved(place)), Reflection)).collect();
-        let one = by_connectivity.then(|| OneReflection { map: hypothesis(0.3, 9.0), has_defects: true });
+        let one =
+            by_connectivity.then_some(OneReflection { map: || Ok(hypothesis(0.3, 9.0)), has_defects: true });
         let mut choice = choose(maps, one, |_, _| Ok(mirrors_vertices), (50, 2)).unwrap();
         choice.or_doubtful();
         (choice.maps.iter().map(|(map, _)| map.moved).collect(), choice)
