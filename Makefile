@@ -1,7 +1,7 @@
 # `make demo` and `make test` each set up a fresh Debian or Ubuntu machine by themselves.
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test fmt examples clean setup setup-test header check-header public-api check-public-api test-c
+.PHONY: help demo test fmt examples clean setup setup-test header check-header check-folders public-api check-public-api test-c
 
 help: ## Say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -21,6 +21,7 @@ test: setup-test ## Check format and lints, run all tests
 	cargo clippy --release --locked --all-targets --features criterion -- -D warnings
 	# Without the feature `internals` what tests alone use is dead code.
 	cargo clippy --release --locked -p intrinsym --lib -- -D warnings
+	@$(MAKE) --no-print-directory check-folders
 	@$(MAKE) --no-print-directory check-public-api
 	cargo test --release --locked --doc --quiet
 	cargo nextest run --release --locked
@@ -43,6 +44,9 @@ header: ## Make include/isym.h again from capi/src
 
 check-header: ## Check that include/isym.h is what capi/src says
 	cargo run --quiet --locked --target-dir target/header --manifest-path tools/header/Cargo.toml
+
+check-folders: ## Check that each folder of src/ compiles without those after it
+	@scripts/check_folders.sh
 
 # Pages of the library alone: rustdoc's warnings are errors.
 DOC = RUSTDOCFLAGS="-D warnings" cargo doc --release --locked --quiet --no-deps -p intrinsym

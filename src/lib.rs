@@ -14,7 +14,7 @@
 //! ```
 //!
 //! The names here, with [`io`], [`mirror`] and [`report`], are the interface. Behind it the folders of the source stand in the order of
-//! the data; each imports only from those above it.
+//! the data; each imports only from those above it, and is compiled without those below it to show it (`make check-folders`).
 //!
 //! | folder | what it does |
 //! |---|---|
@@ -30,39 +30,52 @@
 //! | `mirror` | a symmetry -> mirrored selections, attributes, displacements, positions, colours |
 #![forbid(unsafe_code)]
 
+// Each sees those before it: scripts/check_folders.sh leaves the others out.
 mod base;
-mod connectivity;
-mod detect;
-mod geometry;
+#[cfg(not(without = "mesh"))]
 mod mesh;
-pub mod mirror;
-mod refine;
-mod search;
+#[cfg(not(without = "geometry"))]
+mod geometry;
+#[cfg(not(without = "spectral"))]
 mod spectral;
+#[cfg(not(without = "search"))]
+mod search;
+#[cfg(not(without = "refine"))]
+mod refine;
+#[cfg(not(without = "connectivity"))]
+mod connectivity;
+#[cfg(not(without = "verify"))]
 mod verify;
+#[cfg(not(without = "detect"))]
+mod detect;
+#[cfg(not(without = "mirror"))]
+pub mod mirror;
 
-pub use base::error::{Error, MeshFault, Result};
-pub use base::limits::Limits;
-pub use base::options::{Effort, OPTIONS, OptionSpec, Options};
-pub use base::progress::{CancelToken, Progress};
-pub use base::symmetry_kind::SymmetryKind;
-pub use detect::correspondence::{EdgePoint, Polyline, SurfacePoint, Symmetry};
-pub use detect::coverage::Coverage;
-pub use detect::detect_again::{Previous, detect_again};
-pub use detect::detection::{Detection, Report};
-pub use detect::driver::detect;
-pub use detect::eigen::{Eigen, eigen};
-pub use detect::judging_mesh::JudgingMesh;
-pub use detect::report;
-pub use mesh::{Mesh, NONE, PolygonMesh, RepairReport, connectivity_hash, io};
-pub use search::candidate_score::Score;
-pub use search::sign_network::SignPrediction;
-pub use verify::acceptance::Judgement;
-pub use verify::outcome::Outcome;
-pub use verify::reason::Reason;
+#[cfg(not(without = "mirror"))]
+pub use {
+    base::error::{Error, MeshFault, Result},
+    base::limits::Limits,
+    base::options::{Effort, OPTIONS, OptionSpec, Options},
+    base::progress::{CancelToken, Progress},
+    base::symmetry_kind::SymmetryKind,
+    detect::correspondence::{EdgePoint, Polyline, SurfacePoint, Symmetry},
+    detect::coverage::Coverage,
+    detect::detect_again::{Previous, detect_again},
+    detect::detection::{Detection, Report},
+    detect::driver::detect,
+    detect::eigen::{Eigen, eigen},
+    detect::judging_mesh::JudgingMesh,
+    detect::report,
+    mesh::{Mesh, NONE, PolygonMesh, RepairReport, connectivity_hash, io},
+    search::candidate_score::Score,
+    search::sign_network::SignPrediction,
+    verify::acceptance::Judgement,
+    verify::outcome::Outcome,
+    verify::reason::Reason,
+};
 
 /// The inside, for this project's tests, measurements and command line. It changes without notice.
-#[cfg(feature = "internals")]
+#[cfg(all(feature = "internals", not(without = "mirror")))]
 #[doc(hidden)]
 pub mod internals {
     pub mod base {

@@ -13,7 +13,7 @@ use intrinsym::internals::refine::full_refinement::MatchTarget;
 use intrinsym::internals::refine::mesh_descent::{MeshDescent, Seeds};
 use intrinsym::internals::refine::rigid_parts::Rigidity;
 use intrinsym::internals::refine::vertex_rows::Guide;
-use intrinsym::internals::search::candidate_score::{Score, Scorer};
+use intrinsym::internals::search::candidate_score::{Score, ScoreTerms, Scorer};
 use intrinsym::internals::search::extrema_starts;
 use intrinsym::internals::search::functional_map::{
     Projection, commutator, estimate, from_parity, mean_trace, nearest_involution, nearest_orthogonal,
@@ -288,7 +288,7 @@ fn refinement_leaves_the_true_map_in_place() {
         [(Shape::creature(3, 0.0), 1e-9), (Shape::creature(3, 0.4), 0.01), (Shape::quadruped(), 0.02)];
     for (shape, largest) in shapes {
         let samples = Samples::farthest(&shape.basis, 600);
-        let refiner = SampleRefiner::new(&samples);
+        let refiner = SampleRefiner::new(samples.clone());
         let map = shape.true_map(20);
         let sizes = [20, 20, 20, 26, 32, 40, 50];
         let refined = refiner.refine(map.clone(), &sizes, Projection::Involution).unwrap();
@@ -365,7 +365,7 @@ fn ends_of_limbs_that_are_nearly_alike_are_paired() {
     let truth = creature_truth(&mesh);
     let shape = Shape::new(&mesh, truth);
     let samples = Samples::farthest(&shape.basis, 500);
-    let refiner = SampleRefiner::new(&samples);
+    let refiner = SampleRefiner::new(samples.clone());
     let starts = extrema_starts::starts(&shape.surface, &refiner, 1, &CancelToken::default()).unwrap();
     assert!(!starts.is_empty());
     let sizes: Vec<usize> = (12..=30).step_by(3).collect();
@@ -385,8 +385,9 @@ fn the_score_tells_a_reflection_from_the_identity_and_from_a_wrong_map() {
     // The creature is symmetric in space; the quadruped's pose stretches it.
     for (shape, largest) in [(Shape::creature(3, 0.4), 0.02), (Shape::quadruped(), 0.15)] {
         let samples = Samples::farthest(&shape.basis, 500);
-        let refiner = SampleRefiner::new(&samples);
-        let scorer = Scorer::new(&shape.surface, &shape.basis, &refiner, Vec::new());
+        let refiner = SampleRefiner::new(samples.clone());
+        let terms = ScoreTerms::new(&shape.surface, &shape.basis, &samples);
+        let scorer = Scorer::new(&refiner, &terms, Vec::new());
         let reflection = scorer.score(&shape.true_map(30)).unwrap();
         println!("{reflection:?}");
         assert!(reflection.orientation < -0.8, "{reflection:?}");
@@ -412,8 +413,9 @@ fn a_half_turn_is_turned_over_to_the_reflection() {
     let half_turn = Shape::new(&mesh, half_turned).true_map(30);
     let shape = Shape::new(&mesh, creature_truth(&mesh));
     let samples = Samples::farthest(&shape.basis, 500);
-    let refiner = SampleRefiner::new(&samples);
-    let scorer = Scorer::new(&shape.surface, &shape.basis, &refiner, Vec::new());
+    let refiner = SampleRefiner::new(samples.clone());
+    let terms = ScoreTerms::new(&shape.surface, &shape.basis, &samples);
+    let scorer = Scorer::new(&refiner, &terms, Vec::new());
     let before = scorer.score(&half_turn).unwrap();
     assert_eq!(before.kind(), Some(SymmetryKind::HalfTurn), "{before:?}");
     let (map, partners) = scorer.turned_over(&half_turn).unwrap().expect("sides can be told");

@@ -3,8 +3,8 @@
     python -m training.generate --count 20 --seed 1 --kind biped --out DIR
 
 writes NAME.ply, NAME.mirror (line v: the exact partner of vertex v, -1 if it has none) and NAME.json
-(kind, parameters). `--kind` may be repeated: the kinds of creatures.py and solids.py, `person`, or the groups
-`symmetric` (procedural), `stout`, `asymmetric`, `all` (symmetric and people), `solid`. Shape number i depends on the
+(kind, parameters). `--kind` may be repeated: the kinds of creatures.py, lopsided.py and solids.py, `person`, or the groups
+`symmetric` (procedural), `stout`, `asymmetric`, `lopsided` (lopsided.py: none has a symmetry), `all` (symmetric and people), `solid`. Shape number i depends on the
 seed and i only, so any part of a set can be made again alone.
 """
 
@@ -18,6 +18,7 @@ import numpy as np
 from . import damage
 from .creatures import ASYMMETRIC_KINDS, STOUT_KINDS, SYMMETRIC_KINDS
 from .implicit import bounds, rest_mesh
+from .lopsided import LOPSIDED_KINDS
 from .meshfile import write_shape
 from .mirror_truth import NO_PARTNER, mirror_map
 from .people import People
@@ -28,6 +29,7 @@ GROUPS = {
     "symmetric": list(SYMMETRIC_KINDS),
     "stout": list(STOUT_KINDS),
     "asymmetric": list(ASYMMETRIC_KINDS),
+    "lopsided": list(LOPSIDED_KINDS),
     "all": [*SYMMETRIC_KINDS, "person"],
     "solid": list(SOLID_KINDS),
 }
@@ -56,19 +58,19 @@ class Generator:
     def _attempt(self, rng, kind: str):
         wanted = int(np.exp(rng.uniform(*np.log(self.vertices))))
         trouble = str(rng.choice(DAMAGES, p=DAMAGE_SHARES)) if self.damaged else "none"
-        lopsided = kind in ASYMMETRIC_KINDS or trouble == "glued"  # a mirrored grid would mirror the shape
-        shared = bool(rng.random() >= self.remeshed_share) and not lopsided and kind not in SOLID_KINDS
+        asymmetric, solid = kind in ASYMMETRIC_KINDS or kind in LOPSIDED_KINDS, {**SOLID_KINDS, **LOPSIDED_KINDS}.get(kind)
+        lopsided = asymmetric or trouble == "glued"  # a mirrored grid would mirror the shape
+        shared = bool(rng.random() >= self.remeshed_share) and not lopsided and not solid
         amount = float(rng.uniform(0.1, 0.6))
         if kind == "person":
             sample = self._person(rng, shared, amount, wanted)
-        elif kind in SOLID_KINDS:
-            sample = solid_shape(rng, kind, amount, wanted)
+        elif solid:
+            sample = solid_shape(rng, solid, kind == "plate", amount, wanted)
         else:
             sample = _procedural(rng, kind, shared, amount, wanted, trouble == "glued")
         if sample is None:
             return None
         sample = _spoil(rng, sample, trouble)
-        asymmetric = kind in ASYMMETRIC_KINDS
         mirror = np.full(len(sample.rest), NO_PARTNER) if asymmetric else mirror_map(sample.rest, sample.faces)
         if not asymmetric and not _usable(sample, mirror, self.vertices):
             return None
@@ -138,7 +140,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, required=True)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--kind", action="append", choices=[*SYMMETRIC_KINDS, *STOUT_KINDS, *ASYMMETRIC_KINDS, *SOLID_KINDS, "person", *GROUPS])
+    parser.add_argument("--kind", action="append", choices=[*SYMMETRIC_KINDS, *STOUT_KINDS, *ASYMMETRIC_KINDS, *LOPSIDED_KINDS, *SOLID_KINDS, "person", *GROUPS])
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--min-vertices", type=int, default=500)
     parser.add_argument("--max-vertices", type=int, default=50_000)

@@ -150,11 +150,11 @@ def bent(rng, points: np.ndarray, upward: np.ndarray, curvature: float) -> np.nd
     return moved + np.outer(away * np.sin(angle), along) + np.outer(1 / curvature - away * np.cos(angle), upward)
 
 
-def solid_shape(rng, kind: str, amount: float, wanted: int) -> Sample:
-    """A meshed solid, every second one bent: plates along the sheet, which keeps lengths, others a little along any line."""
-    rest, faces = surface(rng, SOLID_KINDS[kind](rng), wanted)
-    upward = np.array([0, 0, 1.0]) if kind == "plate" else unit(rng.normal(size=3))
-    curvature = amount * (2.0 if kind == "plate" else 0.4)
+def solid_shape(rng, draw, is_sheet: bool, amount: float, wanted: int) -> Sample:
+    """A meshed solid that `draw` draws, every second one bent: sheets along themselves, which keeps lengths, others a little along any line."""
+    rest, faces = surface(rng, draw(rng), wanted)
+    upward = np.array([0, 0, 1.0]) if is_sheet else unit(rng.normal(size=3))
+    curvature = amount * (2.0 if is_sheet else 0.4)
     posed = bent(rng, rest, upward, curvature) if rng.random() < 0.5 else rest.copy()
     return Sample(rest, posed, faces)
 

@@ -11,15 +11,16 @@ use crate::connectivity::mirrored_vertices;
 use crate::detect::assembly::{PointMap, Summary, symmetry};
 use crate::detect::companions::{self, Companion, Primary};
 use crate::detect::correspondence::Symmetry;
+use crate::detect::domain::mean_distance;
 use crate::detect::filled_holes::FilledShell;
 use crate::detect::fixed_curve::{odd_function, zero_set};
 use crate::detect::mirror_plane::{MIRRORED, MOSTLY, MirrorPlane};
 use crate::detect::proxy::Proxy;
 use crate::detect::shell_symmetry::PreparedShell;
 use crate::geometry::adjacency::nearest_seeds;
-use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
+use crate::geometry::embedded_triangles::Fans;
 use crate::geometry::vertex_map::VertexMap;
-use crate::mesh::vector::{Vector, dot, point_areas, squared_norm, subtract};
+use crate::mesh::vector::{dot, point_areas, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell, anchors};
 use crate::refine::full_refinement::MatchTarget;
 use crate::refine::rigid_parts::{self, Carrier, Fitted};
@@ -308,18 +309,14 @@ impl<'a> Assembler<'a> {
                 found.judged.with_displacement(mean_displacement(basis, areas, &images.partners))
             }
         };
-        let moved = self.moved(&images);
-        Ok(Hypothesis { images, judged, moved, ..found })
+        Ok(Hypothesis { images, judged, ..found })
     }
 
-    /// How far in space the searched shell's vertices are from their images: mean over the surface, in sqrt(area).
-    pub fn moved(&self, images: &VertexMap) -> f64 {
-        let (Shell { positions, triangles, .. }, areas) = (self.solved(), &self.shell.surface.lumped_mass);
-        let moved = |(place, image): (&Vector, &TrianglePoint)| {
-            squared_norm(subtract(*place, image.interpolate_vectors(triangles, positions))).sqrt()
-        };
-        let sum: f64 = positions.iter().zip(&images.points).map(moved).zip(areas).map(|(m, a)| m * a).sum();
-        sum / areas.iter().sum::<f64>()
+    /// Whether a map exchanges the sides of a thin sheet.
+    pub fn exchanges_sheets(&self, map: &Hypothesis) -> bool {
+        let Shell { positions, triangles, .. } = self.solved();
+        let image = |own: usize| map.images.points[own].interpolate_vectors(triangles, positions);
+        exchanges_sheets(mean_distance(self.solved(), image))
     }
 
     /// The searched shell, joined of several or the largest one, filled if it has holes.

@@ -90,15 +90,14 @@ impl Attempt<'_> {
         let Some(images) = unrivalled.and_then(|found| assembler.images_of_all(found)) else {
             return Ok(None);
         };
-        let map = of_images(assembler.shell, &assembler.target, images)?;
-        Ok(Some(Hypothesis { moved: assembler.moved(&map.images), ..map }))
+        of_images(assembler.shell, &assembler.target, images).map(Some)
     }
 
     /// Whether that needs no search. Whoever states signs asks for the symmetry that has them.
     fn is_certain(&self, map: &Hypothesis) -> bool {
         let options = self.domain.question.options;
         let any_will_do = options.symmetries == 1 && !options.states_signs();
-        any_will_do && map.judged.accepted(CERTAIN) && !map.exchanges_sheets()
+        any_will_do && map.judged.accepted(CERTAIN) && !self.assembler.exchanges_sheets(map)
     }
 
     fn with_parts(&self, reflection: Hypothesis) -> Result<Hypothesis> {

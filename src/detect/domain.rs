@@ -65,7 +65,9 @@ impl<'a> Domain<'a> {
         else {
             return Ok(None);
         };
-        if !change.agrees() || exchanges_sheets(mean_distance(&shells[0], &partners)) {
+        if !change.agrees()
+            || exchanges_sheets(mean_distance(&shells[0], |own| shells[0].positions[partners[own] as usize]))
+        {
             return Ok(None);
         }
         let symmetry = self.gatherer(None).exact(&found, partners, options.threads, progress)?;
@@ -103,12 +105,9 @@ impl<'a> Domain<'a> {
     }
 }
 
-/// Mean distance of a shell's vertices from their partners, in sqrt(area).
-fn mean_distance(shell: &Shell, partners: &[u32]) -> f64 {
+/// Mean distance in space of a shell's vertices from where they go, over the surface, in sqrt(area).
+pub fn mean_distance(shell: &Shell, image: impl Fn(usize) -> Vector) -> f64 {
     let areas = point_areas(&shell.positions, &shell.triangles);
-    let moved = |(place, &partner): (&Vector, &u32)| {
-        squared_norm(subtract(*place, shell.positions[partner as usize])).sqrt()
-    };
-    let sum: f64 = shell.positions.iter().zip(partners).map(moved).zip(&areas).map(|(m, a)| m * a).sum();
-    sum / areas.iter().sum::<f64>()
+    let moved = |own: usize| squared_norm(subtract(shell.positions[own], image(own))).sqrt();
+    areas.iter().enumerate().map(|(own, area)| area * moved(own)).sum::<f64>() / areas.iter().sum::<f64>()
 }

@@ -60,7 +60,7 @@ pub fn finish_best(
         let at_once = if known.maps.is_empty() { 1 } else { options.threads.clamp(1, left.len()) };
         let group = left.drain(..at_once).collect();
         let (own, token) = (options.threads / at_once, progress.token());
-        let samples = &assembler.shell.samples.vertices;
+        let samples = assembler.shell.sampled();
         let one = |candidate: &Candidate| match again(earlier, candidate, samples) {
             Some(finished) => Ok(Some(finished)),
             None => finish_new(assembler, candidate, &known.maps, own, token),
@@ -70,10 +70,10 @@ pub fn finish_best(
             if earlier.iter().all(|other| other.candidate != finished.candidate) {
                 earlier.push(finished.clone());
             }
-            known.add(assembler.shell, finished, options);
+            known.add(assembler, finished, options);
         }
     }
-    rank(&mut known.maps, |(map, kind)| (*kind, map.judged.plausibility, map.exchanges_sheets()));
+    rank(&mut known.maps, |(map, kind)| (*kind, map.judged.plausibility, assembler.exchanges_sheets(map)));
     Ok(known.maps)
 }
 
@@ -110,12 +110,12 @@ impl Known {
     }
 
     /// Adds a map unless those before it, with which it was finished side by side, make it needless.
-    fn add(&mut self, shell: &PreparedShell, finished: Finished, options: &Options) {
+    fn add(&mut self, assembler: &Assembler, finished: Finished, options: &Options) {
         let Finished { map, partners, kind, .. } = finished;
-        if !self.asks_for(&map.score, options) || is_met(shell, &partners, kind, &self.maps) {
+        if !self.asks_for(&map.score, options) || is_met(assembler.shell, &partners, kind, &self.maps) {
             return;
         }
-        let exchanges_sheets = map.exchanges_sheets();
+        let exchanges_sheets = assembler.exchanges_sheets(&map);
         self.sure += usize::from(doubt(map.judged.plausibility) == 0.0 && !exchanges_sheets);
         if map.judged.accepted(options.plausibility) && !exchanges_sheets {
             let own = map.judged.isometry_score;

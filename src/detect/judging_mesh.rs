@@ -121,7 +121,7 @@ impl JudgingMesh {
         let (own, vertices) = JudgingMesh::simplified(mesh, shell, proxy, options);
         match vertices {
             Some(vertices) => drop(own.keep(&solved.basis.at(&vertices, Start::functions(eigenfunctions)))),
-            None => own.keep_from(&solved.basis, solved.samples.prefix(own.size.samples).vertices),
+            None => own.keep_from(&solved.basis, solved.refiner.samples.prefix(own.size.samples).vertices),
         }
         Some(own)
     }
@@ -155,12 +155,13 @@ impl JudgingMesh {
         if let Some(kept) = self.kept.get() {
             let basis = Eigenbasis::continued(&surface, &kept.start, count, threads, progress)?;
             let samples = Samples::at(&basis, kept.samples.clone());
-            return Ok(PreparedShell { surface, basis, samples });
+            return Ok(PreparedShell::new(surface, basis, samples));
         }
         let more = Eigenbasis::new(&surface, Start::functions(count), threads, progress)?;
         let basis = more.truncated(count);
         let samples = self.keep(&more);
-        Ok(PreparedShell { samples: Samples::at(&basis, samples), surface, basis })
+        let samples = Samples::at(&basis, samples);
+        Ok(PreparedShell::new(surface, basis, samples))
     }
 
     /// Chooses samples by the `basis` of one shape. They are kept with it, if other shapes can start from it.

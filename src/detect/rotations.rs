@@ -61,14 +61,14 @@ pub fn find(
     progress: &Progress,
 ) -> Result<Vec<(Hypothesis, SymmetryKind)>> {
     progress.report("rotations", 0.92)?;
-    let refiner = SampleRefiner::new(&shell.samples);
-    let scorer = Scorer::new(&shell.surface, &shell.basis, &refiner, Vec::new());
+    let refiner = &shell.refiner;
+    let scorer = shell.scorer(Vec::new());
     let everywhere = Samples::at(&shell.basis, (0..shell.surface.vertex_count() as u32).collect());
     let best = involutions.iter().map(|(map, _)| map.score.isometry()).fold(f64::INFINITY, f64::min);
     let mut groups = Groups {
         shell,
         target: target.with_projection(Projection::Orthogonal),
-        refiner: &refiner,
+        refiner,
         scorer: &scorer,
         plan,
         options,
@@ -111,7 +111,7 @@ struct Groups<'a> {
     shell: &'a PreparedShell,
     target: MatchTarget<'a>,
     /// Of the samples on which candidates are refined.
-    refiner: &'a SampleRefiner<'a>,
+    refiner: &'a SampleRefiner,
     scorer: &'a Scorer<'a>,
     plan: &'a Plan,
     options: &'a Options,
@@ -130,7 +130,7 @@ struct Groups<'a> {
 impl Groups<'_> {
     /// Candidates from starts, the best first.
     fn search(&self) -> Result<Vec<Candidate>> {
-        let (samples, eigenvalues) = (self.refiner.samples, &self.shell.basis.eigenvalues);
+        let (samples, eigenvalues) = (&self.refiner.samples, &self.shell.basis.eigenvalues);
         let lengths = LENGTHS.map(|length| length.min(samples.rows.ncols()));
         let of_order = |order: usize| -> Vec<Mat<f64>> {
             let width = self.plan.search.beam_width;

@@ -9,7 +9,7 @@ use crate::geometry::vertex_map::VertexMap;
 use crate::refine::full_refinement::{self, MatchTarget};
 use crate::refine::mesh_descent::Seeds;
 use crate::refine::vertex_rows::Guide;
-use crate::search::candidate_score::{Score, Scorer};
+use crate::search::candidate_score::{Score, ScoreTerms, Scorer};
 use crate::search::candidates::{self, CANDIDATE_SIZE, Candidate, Hints, parities};
 use crate::search::compositions;
 use crate::search::refinement::SampleRefiner;
@@ -31,14 +31,34 @@ const COARSE_SIZE: usize = 50;
 /// Vertices the network looks at.
 const NETWORK_POINTS: usize = 512;
 
-/// A shell with its operators and eigenbasis.
+/// A shell with all that its maps are made and scored by.
 pub struct PreparedShell {
     /// Laplacian.
     pub surface: IntrinsicSurface,
     /// Eigenbasis.
     pub basis: Eigenbasis,
-    /// Farthest-point samples.
-    pub samples: Samples,
+    /// Farthest-point samples, and what refines maps on them.
+    pub refiner: SampleRefiner,
+    /// What scores maps.
+    terms: ScoreTerms,
+}
+
+impl PreparedShell {
+    /// O(triangles + samples x functions^2).
+    pub fn new(surface: IntrinsicSurface, basis: Eigenbasis, samples: Samples) -> PreparedShell {
+        let terms = ScoreTerms::new(&surface, &basis, &samples);
+        PreparedShell { surface, basis, refiner: SampleRefiner::new(samples), terms }
+    }
+
+    /// Scores its maps. `predicted` are parities of its first functions, and may be empty.
+    pub fn scorer(&self, predicted: Vec<f64>) -> Scorer<'_> {
+        Scorer::new(&self.refiner, &self.terms, predicted)
+    }
+
+    /// The vertices at its samples.
+    pub fn sampled(&self) -> &[u32] {
+        &self.refiner.samples.vertices
+    }
 }
 
 /// Parity of a shell's first eigenfunctions as the network sees it, overruled by the signs that are `known`.
@@ -94,21 +114,20 @@ pub fn candidates(
     options: &Options,
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
-    let (surface, basis, samples) = (&shell.surface, &shell.basis, &shell.samples);
-    let refiner = SampleRefiner::new(samples);
-    let scorer = Scorer::new(surface, basis, &refiner, parities(hints.signs));
-    let found = candidates::find(surface, &refiner, &scorer, hints, search, options, progress)?;
+    let PreparedShell { surface, basis, refiner, .. } = shell;
+    let scorer = shell.scorer(parities(hints.signs));
+    let found = candidates::find(surface, refiner, &scorer, hints, search, options, progress)?;
     let most = options.symmetries;
     let of_kind = |kind| {
         let found: Vec<Candidate> =
             found.iter().filter(|candidate| candidate.score.kind() == Some(kind)).cloned().collect();
-        candidates::distinct(&found, samples, &basis.eigenvalues, most, most == 1)
+        candidates::distinct(&found, &refiner.samples, &basis.eigenvalues, most, most == 1)
     };
     let mut kept = of_kind(SymmetryKind::Reflection);
     if most > 1 {
         kept.extend(of_kind(SymmetryKind::HalfTurn));
         kept =
-            compositions::complete(&refiner, &scorer, &basis.eigenvalues, kept, &found, 3 * most, progress)?;
+            compositions::complete(refiner, &scorer, &basis.eigenvalues, kept, &found, 3 * most, progress)?;
         kept.sort_by(|a, b| {
             let scores = a.score.total_of_kind().total_cmp(&b.score.total_of_kind());
             a.score.kind().cmp(&b.score.kind()).then(scores)
@@ -132,10 +151,9 @@ pub fn finish(
     least: usize,
     progress: &Progress,
 ) -> Result<Hypothesis> {
-    let refiner = SampleRefiner::new(&shell.samples);
-    let map = refiner.refine(candidate.map.clone(), &POLISH_SIZES, target.projection())?;
-    let samples = &shell.samples.vertices;
-    let images = refiner.partners(&map).into_iter().map(|sample| samples[sample as usize]);
+    let map = shell.refiner.refine(candidate.map.clone(), &POLISH_SIZES, target.projection())?;
+    let samples = shell.sampled();
+    let images = shell.refiner.partners(&map).into_iter().map(|sample| samples[sample as usize]);
     let seeds: Vec<(u32, u32)> = samples.iter().copied().zip(images).collect();
     let token = progress.token();
     progress.report("refining", 0.75)?;
@@ -152,7 +170,7 @@ pub fn finish(
     };
     let judged = judge(shell, &candidate.score, mismatch, &images);
     let doubts = samples.iter().copied().zip(candidate.doubts.iter().copied()).collect();
-    Ok(Hypothesis { map, images, score: candidate.score, doubts, judged, moved: f64::INFINITY })
+    Ok(Hypothesis { map, images, score: candidate.score, doubts, judged })
 }
 
 /// The symmetry with the given `images`, which the connectivity says; no rival.
@@ -162,13 +180,12 @@ pub fn finish(
 pub fn of_images(shell: &PreparedShell, target: &MatchTarget, images: VertexMap) -> Result<Hypothesis> {
     let size = shell.basis.count();
     let map = target.map_of(&images.points, size)?;
-    let refiner = SampleRefiner::new(&shell.samples);
     let scored = size.min(CANDIDATE_SIZE);
     let leading = map.submatrix(0, 0, scored, scored).to_owned();
-    let score = Scorer::new(&shell.surface, &shell.basis, &refiner, Vec::new()).score(&leading)?;
+    let score = shell.scorer(Vec::new()).score(&leading)?;
     let mismatch = signature_mismatch(shell, &images);
     let judged = judge(shell, &score, mismatch, &images);
-    Ok(Hypothesis { map, images, score, doubts: Vec::new(), judged, moved: f64::INFINITY })
+    Ok(Hypothesis { map, images, score, doubts: Vec::new(), judged })
 }
 
 /// `images` are those of all vertices.

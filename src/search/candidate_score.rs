@@ -93,29 +93,40 @@ impl Score {
     }
 }
 
-/// What scoring needs to know of a shell, prepared once.
-pub struct Scorer<'a> {
-    refiner: &'a SampleRefiner<'a>,
+/// What scoring needs to know of a shell.
+pub struct ScoreTerms {
     /// Those of the functions.
-    pub eigenvalues: &'a [f64],
+    eigenvalues: Vec<f64>,
     orientation: Option<OrientationOperator>,
     spread: Vec<[f64; SPREAD_COORDINATES]>,
+}
+
+impl ScoreTerms {
+    /// O(triangles + samples).
+    pub fn new(surface: &IntrinsicSurface, basis: &Eigenbasis, samples: &Samples) -> ScoreTerms {
+        let orientation = surface.orientable.then(|| OrientationOperator::new(surface, basis, samples));
+        let spread = spread_rows(samples, &basis.eigenvalues);
+        ScoreTerms { eigenvalues: basis.eigenvalues.clone(), orientation, spread }
+    }
+}
+
+/// Scores maps of a shell.
+pub struct Scorer<'a> {
+    refiner: &'a SampleRefiner,
+    terms: &'a ScoreTerms,
     /// Predicted parity of the first eigenfunctions, P(even) - P(odd): -1 odd .. +1 even.
     predicted: Vec<f64>,
 }
 
 impl<'a> Scorer<'a> {
-    /// `predicted` may be empty. O(triangles + samples).
-    pub fn new(
-        surface: &IntrinsicSurface,
-        basis: &'a Eigenbasis,
-        refiner: &'a SampleRefiner<'a>,
-        predicted: Vec<f64>,
-    ) -> Scorer<'a> {
-        let orientation =
-            surface.orientable.then(|| OrientationOperator::new(surface, basis, refiner.samples));
-        let spread = spread_rows(refiner.samples, &basis.eigenvalues);
-        Scorer { refiner, eigenvalues: &basis.eigenvalues, orientation, spread, predicted }
+    /// `predicted` may be empty.
+    pub fn new(refiner: &'a SampleRefiner, terms: &'a ScoreTerms, predicted: Vec<f64>) -> Scorer<'a> {
+        Scorer { refiner, terms, predicted }
+    }
+
+    /// Those of the functions.
+    pub fn eigenvalues(&self) -> &'a [f64] {
+        &self.terms.eigenvalues
     }
 
     /// Judges `map` after re-estimating it, unprojected, from the points it gives.
@@ -127,9 +138,9 @@ impl<'a> Scorer<'a> {
     pub fn score_of(&self, map: &Mat<f64>, partners: &[u32]) -> Result<Score> {
         let free = self.refiner.estimate(partners, map.nrows(), Projection::None)?;
         let orientation =
-            self.orientation.as_ref().map_or(0.0, |operator| operator.correlation(&free, partners));
+            self.terms.orientation.as_ref().map_or(0.0, |operator| operator.correlation(&free, partners));
         Ok(Score {
-            commutator: commutator(&free, self.eigenvalues),
+            commutator: commutator(&free, self.eigenvalues()),
             orientation,
             fixed: self.fixed_share(partners),
             disagreement: self.disagreement(&free),
@@ -146,7 +157,7 @@ impl<'a> Scorer<'a> {
     /// # Errors
     /// [`crate::Error::Internal`] if a decomposition fails.
     pub fn turned_over(&self, map: &Mat<f64>) -> Result<Option<(Mat<f64>, Vec<u32>)>> {
-        let Some(operator) = &self.orientation else { return Ok(None) };
+        let Some(operator) = &self.terms.orientation else { return Ok(None) };
         let mut turned = map.clone();
         for _ in 0..TURNING_ROUNDS {
             let partners = operator.reversed_partners(self.refiner, &turned);
@@ -158,7 +169,7 @@ impl<'a> Scorer<'a> {
 
     fn fixed_share(&self, partners: &[u32]) -> f64 {
         let moved = |i: usize| {
-            let (from, to) = (&self.spread[i], &self.spread[partners[i] as usize]);
+            let (from, to) = (&self.terms.spread[i], &self.terms.spread[partners[i] as usize]);
             from.iter().zip(to).map(|(a, b)| (a - b).powi(2)).sum::<f64>()
         };
         let fixed = (0..partners.len()).filter(|&i| moved(i) < FIXED_RADIUS * FIXED_RADIUS).count();

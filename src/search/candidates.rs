@@ -79,7 +79,7 @@ pub fn find(
     options: &Options,
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
-    let (samples, eigenvalues, token) = (refiner.samples, scorer.eigenvalues, progress.token());
+    let (samples, eigenvalues, token) = (&refiner.samples, scorer.eigenvalues(), progress.token());
     let mut starts = propose_signs(hints.signs);
     starts.truncate(search.network_starts);
     // Without a network the beam search stands alone.

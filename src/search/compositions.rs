@@ -33,7 +33,7 @@ pub fn complete(
     most: usize,
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
-    let samples = refiner.samples;
+    let samples = &refiner.samples;
     let rows = spread_rows(samples, eigenvalues);
     let best = found.iter().map(|candidate| candidate.score.isometry()).fold(f64::INFINITY, f64::min);
     let is_good = |candidate: &Candidate| candidate.score.isometry() < best + COMPOSED_GAP;

@@ -14,9 +14,9 @@ use faer::{Accum, Mat, MatRef, Par, Side};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Samples prepared for repeated estimation: their Gram matrix is formed and factorised once.
-pub struct SampleRefiner<'a> {
+pub struct SampleRefiner {
     /// The samples.
-    pub samples: &'a Samples,
+    pub samples: Samples,
     gram: Mat<f64>,
     /// Its Cholesky factor; `None` if there are too few samples for all functions.
     lower: Option<Mat<f64>>,
@@ -24,9 +24,9 @@ pub struct SampleRefiner<'a> {
     packed: PackedRows,
 }
 
-impl<'a> SampleRefiner<'a> {
+impl SampleRefiner {
     /// O(samples x count^2).
-    pub fn new(samples: &'a Samples) -> Self {
+    pub fn new(samples: Samples) -> Self {
         let rows = samples.rows.as_ref();
         let gram = product(rows.transpose(), rows);
         let single = Mat::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] as f32);

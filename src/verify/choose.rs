@@ -126,8 +126,8 @@ mod tests {
     use SymmetryKind::{HalfTurn, Reflection};
     use faer::Mat;
 
-    /// A map of this plausibility, known by how far it moves vertices.
-    fn hypothesis(plausibility: f64, moved: f64) -> Hypothesis {
+    /// A map of this plausibility, known by its size.
+    fn hypothesis(plausibility: f64, size: usize) -> Hypothesis {
         let score = Score {
             commutator: 0.05,
             orientation: -1.0,
@@ -138,46 +138,45 @@ mod tests {
         };
         let judged = Judgement { plausibility, ..Judgement::new(&score, 0.3, 0.7) };
         let images = VertexMap { partners: Vec::new(), points: Vec::new() };
-        Hypothesis { map: Mat::zeros(0, 0), images, score, doubts: Vec::new(), judged, moved }
+        Hypothesis { map: Mat::zeros(size, size), images, score, doubts: Vec::new(), judged }
     }
 
-    /// What is chosen of reflections of these plausibilities, which move 0.1, 0.2 and so on, for whoever asks for 50 percent; that of the
-    /// connectivity moves 9.
-    fn chosen(plausibilities: &[f64], by_connectivity: bool, mirrors_vertices: bool) -> (Vec<f64>, Choice) {
-        let moved = |place: usize| (place + 1) as f64 / 10.0;
+    /// What is chosen of reflections of these plausibilities, of sizes 1, 2 and so on, for whoever asks for 50 percent; that of the
+    /// connectivity is of size 9.
+    fn chosen(plausibilities: &[f64], by_connectivity: bool, mirrors_vertices: bool) -> (Vec<usize>, Choice) {
         let maps = plausibilities.iter().enumerate();
-        let maps = maps.map(|(place, &own)| (hypothesis(own, moved(place)), Reflection)).collect();
+        let maps = maps.map(|(place, &own)| (hypothesis(own, place + 1), Reflection)).collect();
         let one =
-            by_connectivity.then_some(OneReflection { map: || Ok(hypothesis(0.3, 9.0)), has_defects: true });
+            by_connectivity.then_some(OneReflection { map: || Ok(hypothesis(0.3, 9)), has_defects: true });
         let mut choice = choose(maps, one, |_, _| Ok(mirrors_vertices), (50, 2)).unwrap();
         choice.or_doubtful();
-        (choice.maps.iter().map(|(map, _)| map.moved).collect(), choice)
+        (choice.maps.iter().map(|(map, _)| map.map.nrows()).collect(), choice)
     }
 
     #[test]
     fn accepted_maps_are_the_answer_as_many_as_are_asked_for() {
         let (given, choice) = chosen(&[0.9, 0.8, 0.7, 0.2], false, false);
-        assert_eq!((given, choice.asked), (vec![0.1, 0.2], 50));
+        assert_eq!((given, choice.asked), (vec![1, 2], 50));
         let (given, _) = chosen(&[0.2, 0.8], false, false);
-        assert_eq!(given, [0.2]);
+        assert_eq!(given, [2]);
         assert_eq!(choice.judged().unwrap().plausibility, 0.9);
     }
 
     #[test]
     fn the_reflection_of_the_connectivity_is_the_answer_where_no_map_is_accepted() {
         let (given, choice) = chosen(&[0.4], true, true);
-        assert_eq!((given, choice.asked), (vec![9.0], ANY));
+        assert_eq!((given, choice.asked), (vec![9], ANY));
         let reason = |is_answer| Reason::OneReflection { has_defects: true, is_answer };
         assert_eq!(choice.reasons[1..], [reason(true)]);
         let (given, choice) = chosen(&[0.6], true, true);
-        assert_eq!((given, choice.asked), (vec![0.1], 50));
+        assert_eq!((given, choice.asked), (vec![1], 50));
         assert_eq!(choice.reasons[1..], [reason(false)]);
     }
 
     #[test]
     fn mirrored_vertices_speak_for_a_map_that_is_half_as_plausible_as_asked() {
         let (given, choice) = chosen(&[0.25], false, true);
-        assert_eq!((given, choice.asked), (vec![0.1], ANY));
+        assert_eq!((given, choice.asked), (vec![1], ANY));
         assert_eq!(choice.reasons[1..], [Reason::MirroredVertices]);
         assert_eq!(chosen(&[0.24], false, true).1.reasons.len(), 1);
     }
@@ -185,7 +184,7 @@ mod tests {
     #[test]
     fn what_is_refused_is_given_as_doubtful_unless_it_is_hopeless() {
         let (given, choice) = chosen(&[0.06, 0.05], false, false);
-        assert_eq!((given, choice.asked), (vec![0.1], 50));
+        assert_eq!((given, choice.asked), (vec![1], 50));
         assert!(chosen(&[0.04], false, false).0.is_empty());
         let (given, choice) = chosen(&[], false, false);
         assert!(given.is_empty() && choice.judged().is_none());

@@ -23,18 +23,10 @@ pub struct Hypothesis {
     pub doubts: Vec<(u32, f64)>,
     /// Whether the map is a symmetry at all.
     pub judged: Judgement,
-    /// Mean distance in space of vertices from their images, in sqrt(area); infinite until positions are looked at.
-    pub moved: f64,
 }
 
-impl Hypothesis {
-    /// Whether it exchanges the sides of a thin sheet: a symmetry, but hardly one that anybody asks for.
-    pub fn exchanges_sheets(&self) -> bool {
-        exchanges_sheets(self.moved)
-    }
-}
-
-/// Whether a map exchanges the sides of a thin sheet that moves vertices by so much, in sqrt(area), in the mean.
+/// Whether a map exchanges the sides of a thin sheet that moves vertices by so much in space, in sqrt(area), in the mean: a symmetry, but hardly one
+/// that anybody asks for.
 pub fn exchanges_sheets(moved: f64) -> bool {
     moved < SHEETS
 }
