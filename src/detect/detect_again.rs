@@ -23,7 +23,6 @@ use crate::refine::full_refinement::MatchTarget;
 use crate::search::functional_map::Projection;
 use crate::spectral::continuous_family::orbits;
 use crate::spectral::laplacian::IntrinsicSurface;
-use crate::verify::acceptance::doubt;
 use crate::verify::choose::{retain_symmetries, verdict};
 use crate::verify::hypothesis::Hypothesis;
 use crate::verify::outcome::Outcome;
@@ -166,7 +165,7 @@ fn keep(
         maps.iter().map(|(map, symmetry)| judged_again(mesh, symmetry, map)).collect();
     symmetries.sort_by(|a, b| {
         let doubt = |symmetry: &Symmetry| {
-            if symmetry.kind.is_rotation() { 0.0 } else { doubt(symmetry.plausibility) }
+            if symmetry.kind.is_rotation() { 0.0 } else { 1.0 - symmetry.plausibility }
         };
         let doubts = doubt(a).total_cmp(&doubt(b));
         a.kind.place().cmp(&b.kind.place()).then(doubts).then(a.score.total_cmp(&b.score))

@@ -6,7 +6,7 @@ use crate::detect::shell_symmetry::PreparedShell;
 use crate::mesh::{Mesh, RepairReport};
 use crate::search::sign_network::SignPrediction;
 use crate::spectral::continuous_family::Orbits;
-use crate::verify::acceptance::{Judgement, doubt};
+use crate::verify::acceptance::Judgement;
 use crate::verify::outcome::{CONFIDENT, Outcome, outcome};
 use crate::verify::reason::{Reason, in_words};
 use std::sync::Arc;
@@ -91,8 +91,7 @@ impl Report {
 pub struct Detection {
     /// Found, doubtful or none: that of the first symmetry.
     pub outcome: Outcome,
-    /// At most `options.symmetries`: reflections, best first, then half turns, best first: those of a plausibility of 0.95 or more
-    /// by their scores, then the others by their plausibilities; reflections that exchange the sides of a thin sheet come behind those
+    /// At most `options.symmetries`: reflections, the most plausible first, then half turns likewise; reflections that exchange the sides of a thin sheet come behind those
     /// of a plausibility of 0.5 or more. Then at most `options.rotations` rotations of order three or more (EXPERIMENTAL), one of each cyclic group: those of highest order first, then the best.
     pub symmetries: Vec<Symmetry>,
     /// Numbers behind the outcome.
@@ -156,7 +155,7 @@ impl Detection {
     /// Whether this answer, by a larger plan, takes the place of an earlier one.
     pub(crate) fn is_better(&self, earlier: &Detection) -> bool {
         let doubts = |detection: &Detection| {
-            detection.symmetries.first().map_or(f64::INFINITY, |best| doubt(best.plausibility))
+            detection.symmetries.first().map_or(f64::INFINITY, |best| 1.0 - best.plausibility)
         };
         (self.outcome, doubts(self)) <= (earlier.outcome, doubts(earlier))
     }

@@ -10,7 +10,6 @@ use crate::detect::shell_symmetry::{PreparedShell, finish};
 use crate::search::candidate_score::Score;
 use crate::search::candidates::{Candidate, DISTINCT, GAP};
 use crate::spectral::displacement::mean_displacement;
-use crate::verify::acceptance::doubt;
 use crate::verify::choose::{Maps, rank};
 use crate::verify::hypothesis::Hypothesis;
 
@@ -116,7 +115,7 @@ impl Known {
             return;
         }
         let exchanges_sheets = assembler.exchanges_sheets(&map);
-        self.sure += usize::from(doubt(map.judged.plausibility) == 0.0 && !exchanges_sheets);
+        self.sure += usize::from(map.judged.is_sure() && !exchanges_sheets);
         if map.judged.accepted(options.plausibility) && !exchanges_sheets {
             let own = map.judged.isometry_score;
             self.best = Some(self.best.map_or(own, |best| best.min(own)));

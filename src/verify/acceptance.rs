@@ -11,7 +11,7 @@ const WEIGHTS: [f64; 4] = [-14.2018, -2.3760, -5.8793, 3.9466];
 /// The same for reflections once rigid parts are fitted.
 const WEIGHTS_WITH_PARTS: [f64; 6] = [-32.0808, -2.0594, -4.6257, 5.1475, -4.8258, -49.3234];
 
-/// Of maps as plausible as this, the score tells which is best.
+/// A map as plausible as this leaves no doubts.
 const SURE: f64 = 0.95;
 
 /// No map comes to count whose plausibility, by the three measures, is less than this share of what is asked (`docs/notebook/2026-11-25-method.md`).
@@ -85,15 +85,15 @@ impl Judgement {
         100.0 * self.plausibility < HOPELESS * percent as f64
     }
 
+    /// Whether the map leaves no doubts.
+    pub(crate) fn is_sure(&self) -> bool {
+        self.plausibility >= SURE
+    }
+
     /// Whether the map counts as a symmetry for who asks for at least `percent` of plausibility.
     pub fn accepted(&self, percent: usize) -> bool {
         100.0 * self.plausibility >= percent as f64
     }
-}
-
-/// How much less plausible a map is than one that is a symmetry for sure: the greater, the later in a list. 0 for those.
-pub fn doubt(plausibility: f64) -> f64 {
-    SURE - plausibility.min(SURE)
 }
 
 /// That of the logistic model: `weights` are the constant's, then those of the features.

@@ -3,7 +3,7 @@
 use crate::base::error::Result;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::search::candidates::GAP;
-use crate::verify::acceptance::{Judgement, doubt};
+use crate::verify::acceptance::Judgement;
 use crate::verify::hypothesis::Hypothesis;
 use crate::verify::outcome::{Outcome, outcome};
 use crate::verify::reason::Reason;
@@ -104,17 +104,16 @@ pub fn retain_symmetries<T>(maps: &mut Vec<(Hypothesis, T)>, least: usize) {
     maps.retain(|(map, _)| std::mem::take(&mut first) || map.judged.isometry_score < best + GAP);
 }
 
-/// Leaves maps of one kind in their order, that of the scores, but for those that may be none, which come behind, the more plausible
-/// first. `kind_plausibility_sheets` says of a map whether it exchanges sheets, too: then it comes behind all that are likely.
+/// Sorts maps by kind, those of a kind by their plausibility, the highest first. `kind_plausibility_sheets` says of a map whether it exchanges sheets,
+/// too: then it comes behind all that are likely.
 pub fn rank<M>(maps: &mut [M], kind_plausibility_sheets: impl Fn(&M) -> (SymmetryKind, f64, bool)) {
-    let doubt_of = |map: &M| {
+    let merit = |map: &M| {
         let (kind, plausibility, exchanges_sheets) = kind_plausibility_sheets(map);
-        let least = if exchanges_sheets { doubt(LIKELY) } else { 0.0 };
-        (kind, doubt(plausibility).max(least))
+        (kind, if exchanges_sheets { plausibility.min(LIKELY) } else { plausibility })
     };
     maps.sort_by(|a, b| {
-        let ((kind, own), (other_kind, other)) = (doubt_of(a), doubt_of(b));
-        kind.cmp(&other_kind).then(own.total_cmp(&other))
+        let ((kind, own), (other_kind, other)) = (merit(a), merit(b));
+        kind.cmp(&other_kind).then(other.total_cmp(&own))
     });
 }
 
@@ -192,17 +191,12 @@ mod tests {
     }
 
     #[test]
-    fn plausibility_ranks_maps_of_a_kind_only_where_there_is_doubt() {
+    fn plausibility_ranks_maps_of_a_kind() {
         let ranked = |mut maps: Vec<(SymmetryKind, f64)>| {
             rank(&mut maps, |(kind, plausibility)| (*kind, *plausibility, false));
             maps.into_iter().map(|(_, plausibility)| plausibility).collect::<Vec<f64>>()
         };
-        assert_eq!(ranked(vec![(Reflection, 0.96), (Reflection, 0.99)]), [0.96, 0.99]);
         assert_eq!(ranked(vec![(Reflection, 0.6), (Reflection, 0.4), (Reflection, 0.9)]), [0.9, 0.6, 0.4]);
-        assert_eq!(
-            ranked(vec![(Reflection, 0.5), (Reflection, 0.98), (Reflection, 0.96)]),
-            [0.98, 0.96, 0.5]
-        );
         assert_eq!(ranked(vec![(Reflection, 0.1), (HalfTurn, 1.0)]), [0.1, 1.0]);
     }
 
