@@ -1,17 +1,18 @@
 """Fits `src/verify/acceptance.rs`: the plausibility that a finished map is a symmetry, without and with its rigid parts.
 
-    python -m evaluation.acceptance SYMMETRIC ASYMMETRIC [--program target/release/intrinsym] [--keep FOLDER]
+    python -m evaluation.acceptance FOLDER... [--program target/release/intrinsym] [--keep FOLDER]
 
-Both are folders of `training.generate`. Runs the program with `--plausibility 0`, which answers with the best map
+Folders are those of `training.generate`. Runs the program with `--plausibility 0`, which answers with the best map
 whatever it is, and tells right maps of symmetric shapes (mean error at most 0.1 sqrt(area)) from maps of asymmetric ones,
 which weigh three times as much. Wrong maps of symmetric shapes are left out: many are another near-symmetry of the shape.
-Prints the weights beside those in the source. `--keep` keeps the answers, so that a second run need not detect again.
+Prints the weights beside those in the source, and what models say of kinds of shapes that they have not seen. `--keep` keeps the answers, so that a second run need not detect again.
 """
 
 from __future__ import annotations
 
 import argparse
 import tempfile
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -29,25 +30,19 @@ FEATURES = {
     "ln(disagreement + 0.0005)": lambda judged: np.log(judged["disagreement"] + 0.0005),
     "scatter": lambda judged: judged["scatter"],
 }
-# The models by their names in the source, and how many of the measures each takes.
-MODELS = {"WEIGHTS": 3, "WEIGHTS_WITH_PARTS": 5}
-SCATTER = list(FEATURES).index("scatter")
-# What no scatter adds to the log-odds. A fit that is left free adds more than three times as much; but hardly one in a hundred of these
-# asymmetric shapes has a map without scatter, others may: `examples/blob.ply` has, and was called symmetric.
-NO_SCATTER = 1.0
-# Share of the shapes that have a symmetry, where a plausibility is a probability: so small that of these asymmetric shapes less than 1 % pass
-# at 50 %. With 0.4, 2 % of these and 2.4 % of fresh ones passed, and less than 2 % of those are the goal.
-SYMMETRIC_SHARE = 0.25
+# The models by their names in the source: the measures that each takes, and the share of shapes with a symmetry where its plausibility is a
+# probability.
+MODELS = {"WEIGHTS": ([0, 1, 2], 0.4), "WEIGHTS_WITH_PARTS": ([1, 2, 3, 4], 0.25)}
 LEVELS = (0.33, 0.5, 0.67)
 
 
 def read_table(program: str, shapes: list[Shape], folder: Path):
-    """For each shape that has a map and rigid parts: its features, what the program thinks of it, and whether the map is right."""
+    """For each shape that has a map and rigid parts: its features, what the program thinks of it, whether the map is right, and its kind."""
     missing = [shape.path for shape in shapes if not (folder / f"{shape.name}.json").exists()]
     if missing:
         folder.mkdir(parents=True, exist_ok=True)
         detect(program, missing, folder, ["--plausibility", "0"])
-    features, plausibility, right, names = [], [], [], []
+    features, plausibility, right, kinds = [], [], [], []
     for shape in shapes:
         answer = read_answer(folder, shape.name)
         judged = answer.report["report"]["judged"]
@@ -55,23 +50,8 @@ def read_table(program: str, shapes: list[Shape], folder: Path):
             features.append([measure(judged) for measure in FEATURES.values()])
             plausibility.append(judged["plausibility"])
             right.append(shape.symmetric and float(shape.errors(answer.partners).mean()) <= WRONG)
-            names.append(shape.name)
-    return np.array(features).reshape(len(names), -1), np.array(plausibility), np.array(right, bool), names
-
-
-def balanced(right: np.ndarray) -> np.ndarray:
-    """Weights of both classes as shares of the shapes."""
-    return logistic.balanced(right, SYMMETRIC_SHARE)
-
-
-def fit(features: np.ndarray, right: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """Weights (1 + columns), the constant first: of all columns at once, but scatter's after the others."""
-    others = logistic.fit(features[:, :SCATTER], right, weight)
-    if features.shape[1] <= SCATTER:
-        return others
-    others[0] += NO_SCATTER
-    logit, scatter = others[0] + features[:, :SCATTER] @ others[1:], features[:, SCATTER]
-    return np.r_[others, logistic.fit_slope(logit, scatter, right, weight)]
+            kinds.append(shape.description["kind"])
+    return np.array(features).reshape(len(kinds), -1), np.array(plausibility), np.array(right, bool), np.array(kinds)
 
 
 def report(positive: np.ndarray, negative: np.ndarray, shapes: tuple[int, int]) -> str:
@@ -87,30 +67,31 @@ def report(positive: np.ndarray, negative: np.ndarray, shapes: tuple[int, int]) 
 def main() -> None:
     """Command line entry."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("symmetric", type=Path)
-    parser.add_argument("asymmetric", type=Path, nargs="+")
+    parser.add_argument("folders", type=Path, nargs="+", help="of shapes with a symmetry or without")
     parser.add_argument("--program", default="target/release/intrinsym")
     parser.add_argument("--keep", type=Path, help="folder for the program's answers")
     arguments = parser.parse_args()
-    symmetric = read_shapes(arguments.symmetric)
-    asymmetric = [shape for folder in arguments.asymmetric for shape in read_shapes(folder)]
+    shapes = [shape for folder in arguments.folders for shape in read_shapes(folder)]
+    symmetric, asymmetric = [shape for shape in shapes if shape.symmetric], [shape for shape in shapes if not shape.symmetric]
     with tempfile.TemporaryDirectory() as temporary:
         folder = arguments.keep or Path(temporary)
-        features, now, right, _ = read_table(arguments.program, symmetric, folder)
-        others, others_now, _, _ = read_table(arguments.program, asymmetric, folder)
+        features, now, right, kinds = read_table(arguments.program, symmetric, folder)
+        others, others_now, _, others_kinds = read_table(arguments.program, asymmetric, folder)
     print(f"{len(symmetric)} symmetric shapes: {right.sum()} right maps, {(~right).sum()} wrong, {len(symmetric) - len(right)} without a map")
     print(f"{len(asymmetric)} asymmetric shapes: {len(others)} with a map\n")
     counts = len(symmetric), len(asymmetric)
     label = np.r_[np.ones(right.sum(), bool), np.zeros(len(others), bool)]
     print("\nas the program judges now:\n" + report(now[right], others_now, counts))
-    for model, columns in MODELS.items():
-        rows, names = np.r_[features[right], others][:, :columns], list(FEATURES)[:columns]
-        weights = fit(rows, label, balanced(label))
+    group = np.unique(np.r_[kinds[right], others_kinds], return_inverse=True)[1]
+    for model, (columns, share) in MODELS.items():
+        balanced = partial(logistic.balanced, share=share)
+        rows, names = np.r_[features[right], others][:, columns], [list(FEATURES)[column] for column in columns]
+        weights = logistic.fit(rows, label, balanced(label))
         print(f"\n{model}\n" + logistic.weights_table(names, weights, logistic.rust_weights(SOURCE, model)))
         stated = logistic.probability(weights, rows)
         print("\nfitted now:\n" + report(stated[label], stated[~label], counts))
-        stated = logistic.cross_validated(rows, label, np.arange(len(label)), balanced, fit_rows=fit)
-        print("\nfour-fold cross-validation:\n" + report(stated[label], stated[~label], counts))
+        stated = logistic.cross_validated(rows, label, group, balanced, folds=group.max() + 1)
+        print("\nof kinds not seen:\n" + report(stated[label], stated[~label], counts))
 
 
 if __name__ == "__main__":

@@ -52,12 +52,15 @@ $(EVALUATE_DATA)/fit.ready: | $(TRAIN_OUT)/venv/.ready
 	$(call GENERATE,--kind lump --count 70 --seed 104,asymmetric)
 	$(call GENERATE,--kind lump --count 70 --seed 204,asymmetric)
 	$(call GENERATE,--kind asymmetric-tree --kind unbalanced --kind lump --count 240 --seed 303 --clean,asymmetric_clean)
+	$(call GENERATE,--kind lopsided --count 240 --seed 503,lopsided)
+	$(call GENERATE,--kind solid --count 160 --seed 105,solid)
+	$(call GENERATE,--kind stout --count 160 --seed 106,stout)
 	touch $@
 
 evaluate-fit: $(EVALUATE_DATA)/fit.ready ## Fit the models of src/verify/acceptance.rs and src/verify/confidence.rs again, beside the shipped weights
 	cargo build --release --locked --bin intrinsym --example evidence
 	rm -rf $(EVALUATE_DATA)/answers $(EVALUATE_DATA)/evidence
-	$(EVALUATE_PYTHON) evaluation.acceptance $(EVALUATE_DATA)/symmetric $(EVALUATE_DATA)/asymmetric $(EVALUATE_DATA)/asymmetric_clean --keep $(EVALUATE_DATA)/answers
+	$(EVALUATE_PYTHON) evaluation.acceptance $(addprefix $(EVALUATE_DATA)/,symmetric solid stout asymmetric asymmetric_clean lopsided) --keep $(EVALUATE_DATA)/answers
 	$(EVALUATE_PYTHON) evaluation.confidence $(EVALUATE_DATA)/symmetric --answers $(EVALUATE_DATA)/answers --keep $(EVALUATE_DATA)/evidence
 
 evaluate-family: train-setup ## Measure the test for a continuous family (EVALUATE_MESHES: others, which have none)

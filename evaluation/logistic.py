@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import numpy as np
-from scipy.optimize import minimize, minimize_scalar
+from scipy.optimize import minimize
 from scipy.stats import rankdata
 
 # Keeps weights finite where the classes can be told apart without error; too weak to matter elsewhere.
@@ -30,17 +30,6 @@ def fit(features: np.ndarray, right: np.ndarray, weight: np.ndarray | None = Non
     return np.r_[found[0] - slopes @ centre, slopes]
 
 
-def fit_slope(logit: np.ndarray, feature: np.ndarray, right: np.ndarray, weight: np.ndarray) -> float:
-    """The weight of one more feature (n) that, added to known log-odds (n), makes `right` most likely."""
-    weight = weight / weight.sum()
-
-    def loss(slope):
-        whole = logit + slope * feature
-        return weight @ (np.logaddexp(0, whole) - right * whole)
-
-    return float(minimize_scalar(loss).x)
-
-
 def probability(weights: np.ndarray, features: np.ndarray) -> np.ndarray:
     """What the fitted model says of each row."""
     return 1 / (1 + np.exp(-(weights[0] + features @ weights[1:])))
@@ -52,14 +41,14 @@ def balanced(right: np.ndarray, share: float = 0.5) -> np.ndarray:
 
 
 def cross_validated(
-    features: np.ndarray, right: np.ndarray, group: np.ndarray, weigh=None, folds: int = 4, fit_rows=fit
+    features: np.ndarray, right: np.ndarray, group: np.ndarray, weigh=None, folds: int = 4
 ) -> np.ndarray:
-    """Probability of each row by a model that has not seen the row's group; `fit_rows` fits as `fit` does."""
+    """Probability of each row by a model that has not seen the row's group."""
     fold = np.random.default_rng(0).permutation(group.max() + 1)[group] % folds
     stated = np.zeros(len(right))
     for own in range(folds):
         seen = fold != own
-        weights = fit_rows(features[seen], right[seen], weigh(right[seen]) if weigh else None)
+        weights = fit(features[seen], right[seen], weigh(right[seen]) if weigh else None)
         stated[~seen] = probability(weights, features[~seen])
     return stated
 

@@ -1,6 +1,7 @@
 //! A validated triangle mesh: its only constructor, one function per refusal or repair.
 
 mod attachment;
+mod canonical;
 mod connectivity_hash;
 mod edges;
 mod fans;
@@ -25,6 +26,7 @@ use polygons::Polygons;
 use vector::Vector;
 
 pub use attachment::anchors;
+pub use canonical::Canonical;
 pub use connectivity_hash::connectivity_hash;
 pub use polygons::bucket;
 pub use shells::Shell;
@@ -90,7 +92,7 @@ pub struct Mesh {
     pub polygon_offsets: Vec<u32>,
     /// The corners of the kept polygons.
     pub polygon_points: Vec<u32>,
-    /// The caller's face of each kept polygon, rising.
+    /// The caller's face of each kept polygon.
     pub face_of_polygon: Vec<u32>,
     /// Point of each caller's vertex, or [`NONE`] if no used face refers to it.
     pub point_of_vertex: Vec<u32>,

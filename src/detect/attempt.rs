@@ -23,7 +23,7 @@ use crate::verify::reason::Reason;
 use std::sync::Arc;
 
 /// A reflection that the connectivity alone admits and that is as plausible as this, in percent, needs no search.
-const CERTAIN: usize = 90;
+const CERTAIN: usize = 80;
 
 /// A plan on what is solved for it.
 struct Attempt<'a> {
@@ -128,7 +128,8 @@ impl Attempt<'_> {
 
     /// The choice on the caller's mesh, and what the next call on the same connectivity needs.
     fn answer(&self, choice: Choice) -> Result<Detection> {
-        let Domain { shells, filled, question: Question { mesh, options, progress, .. }, .. } = self.domain;
+        let Domain { shells, filled, question, .. } = self.domain;
+        let Question { mesh, options, progress, .. } = **question;
         let Spectrum { shell, orbits, signs, proxy, .. } = self.spectrum;
         let assembled = choice
             .maps
@@ -138,7 +139,8 @@ impl Attempt<'_> {
         // A judging mesh has no fillings; `detect_again` makes its own of the mesh as it is.
         let judging = match choice.maps.is_empty() || filled.is_some() {
             true => None,
-            false => JudgingMesh::of_solved(mesh, &shells[0], proxy.as_ref(), shell, options),
+            false => JudgingMesh::of_solved(mesh, &shells[0], proxy.as_ref(), shell, options)
+                .map(|judging| judging.renumbered(question.given, question.given_points)),
         };
         drop_repeated(&mut symmetries);
         let filled_holes = filled.as_ref().map_or(0, FilledShell::hole_count);

@@ -41,7 +41,9 @@ pub fn detect_by(
 ) -> Result<Detection> {
     let mut clock = Clock::start();
     progress.report("shells", 0.0)?;
-    let found = Question::new(mesh, options, mechanisms, progress, &mut clock)
+    let canonical = mesh.canonical();
+    clock.lap("shells");
+    let found = Question::new(mesh, &canonical, options, mechanisms, progress, &mut clock)
         .and_then(|question| answer(&question, plans, &mut clock));
     let mut best = progress.name_stage(found)?;
     progress.done()?;

@@ -52,7 +52,7 @@ pub struct JudgingMesh {
     size: Size,
     /// [`Mesh::connectivity_hash`] of the mesh.
     connectivity: u64,
-    /// The mesh's point of each vertex, rising.
+    /// The mesh's point of each vertex.
     points: Vec<u32>,
     triangles: Vec<[u32; 3]>,
     orientable: bool,
@@ -124,6 +124,16 @@ impl JudgingMesh {
             None => own.keep_from(&solved.basis, solved.refiner.samples.prefix(own.size.samples).vertices),
         }
         Some(own)
+    }
+
+    /// The same of the `given` mesh, of which each point of its own is one of `given_points`.
+    pub(crate) fn renumbered(self, given: &Mesh, given_points: &[u32]) -> JudgingMesh {
+        let mut nearest = vec![NONE; self.nearest.len()];
+        for (&point, &vertex) in given_points.iter().zip(&self.nearest) {
+            nearest[point as usize] = vertex;
+        }
+        let points = self.points.iter().map(|&point| given_points[point as usize]).collect();
+        JudgingMesh { connectivity: given.connectivity_hash(), points, nearest, ..self }
     }
 
     /// Whether it was made of `mesh` or another shape of it, with options that want the same. O(corners).

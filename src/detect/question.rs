@@ -10,13 +10,17 @@ use crate::detect::clock::Clock;
 use crate::detect::companions;
 use crate::detect::detection::{Detection, Report};
 use crate::detect::mirror_plane::MirrorPlane;
-use crate::mesh::Mesh;
+use crate::mesh::{Canonical, Mesh};
 use crate::verify::reason::Reason;
 
 /// A mesh, what is asked of it, and what is known of it before its shells are joined.
 pub struct Question<'a> {
-    /// The mesh.
+    /// The mesh as the caller gives it.
+    pub given: &'a Mesh,
+    /// The same in its own frame and numbering.
     pub mesh: &'a Mesh,
+    /// The given mesh's point that each of its points is.
+    pub given_points: &'a [u32],
     /// What is asked.
     pub options: &'a Options,
     /// What may be used.
@@ -35,7 +39,8 @@ impl<'a> Question<'a> {
     /// # Errors
     /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
     pub fn new(
-        mesh: &'a Mesh,
+        given: &'a Mesh,
+        Canonical { mesh, given: given_points }: &'a Canonical,
         options: &'a Options,
         mechanisms: Mechanisms,
         progress: &'a Progress<'a>,
@@ -48,7 +53,7 @@ impl<'a> Question<'a> {
             None => None,
         };
         clock.lap("connectivity");
-        Ok(Question { mesh, options, mechanisms, progress, connectivity, unrivalled })
+        Ok(Question { given, mesh, given_points, options, mechanisms, progress, connectivity, unrivalled })
     }
 
     /// The answer where a plane in space mirrors the mesh, as it does what is not posed yet: nothing is solved then.

@@ -1,18 +1,18 @@
 //! Whether a finished map is a symmetry at all: "none" is an answer too.
 //!
-//! A logistic model of three measures of the map that need no truth, and of two more once its rigid parts are fitted. The weights are
+//! A logistic model of three measures of the map that need no truth; of two of them and two more once its rigid parts are fitted. The weights are
 //! fitted on generated shapes with and without a symmetry (`docs/method.md`).
 
 use crate::refine::rigid_parts::Rigidity;
 use crate::search::candidate_score::Score;
 
 /// Weights of the logistic model: constant, then those of [`Judgement::features`].
-const WEIGHTS: [f64; 4] = [-14.2018, -2.3760, -5.8793, 3.9466];
-/// The same for reflections once rigid parts are fitted.
-const WEIGHTS_WITH_PARTS: [f64; 6] = [-32.0808, -2.0594, -4.6257, 5.1475, -4.8258, -49.3234];
+const WEIGHTS: [f64; 4] = [-6.3962, -0.3687, -4.8875, 3.9198];
+/// The same for reflections once rigid parts are fitted: of the signature mismatch, the displacement, the parts' disagreement and the scatter.
+const WEIGHTS_WITH_PARTS: [f64; 5] = [-13.9391, -3.4618, 3.8687, -2.6964, -38.8520];
 
 /// A map as plausible as this leaves no doubts.
-const SURE: f64 = 0.95;
+const SURE: f64 = 0.8;
 
 /// No map comes to count whose plausibility, by the three measures, is less than this share of what is asked (`docs/notebook/2026-11-25-method.md`).
 const HOPELESS: f64 = 0.04;
@@ -26,7 +26,7 @@ pub struct Judgement {
     pub signature_mismatch: f64,
     /// Mean distance of vertices from their images in the finished map, as the eigenfunctions measure it: 0 for the identity.
     pub displacement: f64,
-    /// How far apart overlapping rigid parts put a point, in sqrt(area); `None` where no parts are fitted, and for half turns and rotations.
+    /// How far apart overlapping rigid parts put a point of most of the surface at most, in sqrt(area); `None` where no parts are fitted, and for half turns and rotations.
     pub disagreement: Option<f64>,
     /// Share of the surface, 0..=1, that images leave empty beyond what is usual; `None` likewise.
     pub scatter: Option<f64>,
@@ -63,8 +63,8 @@ impl Judgement {
     /// Judges a reflection anew by what its rigid parts say, too, if any were fitted.
     pub fn with_parts(self, rigidity: Option<Rigidity>) -> Judgement {
         let Some(Rigidity { disagreement, scatter }) = rigidity else { return self };
-        let [score, mismatch, displacement] = self.features();
-        let features = [score, mismatch, displacement, (disagreement + 0.0005).ln(), scatter];
+        let [_, mismatch, displacement] = self.features();
+        let features = [mismatch, displacement, (disagreement + 0.0005).ln(), scatter];
         Judgement {
             disagreement: Some(disagreement),
             scatter: Some(scatter),

@@ -1,7 +1,8 @@
 //! What is answered about a mesh: that it has a symmetry, that a map is doubtful, or that there is none.
 
-/// A map of at least this share of the plausibility that is asked for is given as doubtful; one of less is not given at all.
-const GIVEN: f64 = 0.1;
+/// A map of at least this share of the plausibility that is asked for is given as doubtful; one of less is not given at all: of the shapes that the verdict is
+/// fitted to 4 % of the right maps are not then, and 85 % of those of shapes without a symmetry.
+const GIVEN: f64 = 0.2;
 /// A map of less mean confidence over the surface is doubtful, however plausible it is.
 pub const CONFIDENT: f64 = 0.5;
 /// The same of a map that leaves more than this share of the surface without a partner.

@@ -1,0 +1,296 @@
+//! A mesh in a frame and a numbering that depend on its shape alone.
+//!
+//! Whoever exports a mesh twice may get other numbers, another order of faces, another place, size and direction. Ties, spreads of samples and
+//! simplification depend on these, and so would the answer. Points are turned into the frame of their principal axes and numbered along a
+//! Z-curve (G. M. Morton, "A Computer Oriented Geodetic Data Base and a New Technique in File Sequencing", 1966), which keeps neighbours near
+//! each other in memory, too. Shapes without single principal axes, as a cube, have no such frame.
+
+use super::rotation::{principal_axes, turned};
+use super::vector::{Vector, cross, dot, subtract, triangle_area};
+use super::{Mesh, bucket};
+use std::cmp::Ordering;
+
+/// Cells of the Z-curve along the longest side of the bounding box, as a power of two.
+const BITS: u32 = 21;
+/// Positions are rounded to multiples of this, in sqrt(area), so that the rounding errors of another writing are the same numbers: they would grow in the
+/// eigenfunctions and in each choice of a nearest vertex.
+const GRAIN: f64 = 1.0 / (1 << 28) as f64;
+/// Areas of shells nearer to each other than this factor count as equal: those of twins are, but for rounding.
+const EQUAL: f64 = 1e-6;
+
+/// A mesh in its own frame and numbering.
+pub struct Canonical {
+    /// The same mesh; the way back to the caller's vertices and faces is in it.
+    pub mesh: Mesh,
+    /// The point of the given mesh that each of its points is.
+    pub given: Vec<u32>,
+}
+
+impl Mesh {
+    /// This mesh in its own frame and numbering. O(corners log corners).
+    pub fn canonical(&self) -> Canonical {
+        let axes = own_axes(&self.positions, &self.triangles);
+        let rounded = |x: f64| (x / GRAIN).round() * GRAIN;
+        let place = |&position: &Vector| turned(&axes, position).map(rounded);
+        let positions: Vec<Vector> = self.positions.iter().map(place).collect();
+        let given = along_z_curve(&positions);
+        let mut new = vec![0; given.len()];
+        (0..).zip(&given).for_each(|(point, &old)| new[old as usize] = point);
+        let of_points = |values: &[u32]| given.iter().map(|&old| values[old as usize]).collect::<Vec<u32>>();
+
+        let (triangles, face_of_triangle) = self.canonical_triangles(&new);
+        let (polygon_offsets, polygon_points, face_of_polygon) = self.canonical_polygons(&new);
+        let mut mesh = Mesh {
+            positions: given.iter().map(|&old| positions[old as usize]).collect(),
+            triangles,
+            face_of_triangle,
+            polygon_offsets,
+            polygon_points,
+            face_of_polygon,
+            point_of_vertex: self.point_of_vertex.clone(),
+            vertex_of_point: of_points(&self.vertex_of_point),
+            shell_of_point: of_points(&self.shell_of_point),
+            shell_orientable: self.shell_orientable.clone(),
+            repairs: self.repairs.clone(),
+            ..*self
+        };
+        for point in mesh.point_of_vertex.iter_mut().filter(|point| **point != super::NONE) {
+            *point = new[*point as usize];
+        }
+        mesh.number_shells();
+        Canonical { mesh, given }
+    }
+
+    /// The triangles over new numbers, sorted, with their faces.
+    fn canonical_triangles(&self, new: &[u32]) -> (Vec<[u32; 3]>, Vec<u32>) {
+        let renumbered = |(corners, face): (&[u32; 3], &u32)| {
+            let mut corners = corners.map(|point| new[point as usize]);
+            from_smallest(&mut corners);
+            (corners, *face)
+        };
+        let mut triangles: Vec<([u32; 3], u32)> =
+            self.triangles.iter().zip(&self.face_of_triangle).map(renumbered).collect();
+        triangles.sort_unstable();
+        triangles.into_iter().unzip()
+    }
+
+    /// The same of the polygons: offsets, corners, faces.
+    fn canonical_polygons(&self, new: &[u32]) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
+        let mut corners: Vec<u32> = self.polygon_points.iter().map(|&point| new[point as usize]).collect();
+        let ends = |polygon: u32| {
+            let polygon = polygon as usize;
+            self.polygon_offsets[polygon] as usize..self.polygon_offsets[polygon + 1] as usize
+        };
+        let mut order: Vec<u32> = (0..self.face_of_polygon.len() as u32).collect();
+        order.iter().for_each(|&polygon| from_smallest(&mut corners[ends(polygon)]));
+        order.sort_unstable_by(|&a, &b| corners[ends(a)].cmp(&corners[ends(b)]).then(a.cmp(&b)));
+        let (mut offsets, mut sorted) = (vec![0], Vec::with_capacity(corners.len()));
+        for &polygon in &order {
+            sorted.extend_from_slice(&corners[ends(polygon)]);
+            offsets.push(sorted.len() as u32);
+        }
+        let faces = order.into_iter().map(|polygon| self.face_of_polygon[polygon as usize]).collect();
+        (offsets, sorted, faces)
+    }
+
+    /// Numbers shells by falling area, equal ones by their lowest points.
+    fn number_shells(&mut self) {
+        let mut areas = vec![0.0; self.shell_count];
+        for triangle in &self.triangles {
+            let [a, b, c] = triangle.map(|point| self.positions[point as usize]);
+            areas[self.shell_of_point[triangle[0] as usize] as usize] += triangle_area(a, b, c);
+        }
+        let (starts, points) = bucket(self.shell_of_point.iter().copied(), self.shell_count);
+        let lowest = |shell: u32| points[starts[shell as usize] as usize];
+        let mut order: Vec<u32> = (0..self.shell_count as u32).collect();
+        order.sort_by(|&a, &b| areas[b as usize].total_cmp(&areas[a as usize]));
+        let are_equal = |a: &u32, b: &u32| areas[*b as usize] >= (1.0 - EQUAL) * areas[*a as usize];
+        order.chunk_by_mut(are_equal).for_each(|equal| equal.sort_by_key(|&shell| lowest(shell)));
+        let mut new = vec![0; self.shell_count];
+        (0..).zip(&order).for_each(|(shell, &old)| new[old as usize] = shell);
+        self.shell_of_point.iter_mut().for_each(|shell| *shell = new[*shell as usize]);
+        self.shell_orientable = order.iter().map(|&old| self.shell_orientable[old as usize]).collect();
+    }
+}
+
+/// Turns a cycle so that the smallest comes first.
+fn from_smallest(cycle: &mut [u32]) {
+    let smallest = (0..cycle.len()).min_by_key(|&place| cycle[place]).unwrap_or(0);
+    cycle.rotate_left(smallest);
+}
+
+/// The principal axes of a surface, the longest first, as a rotation. Along the two about which it is least balanced the heavier end is ahead; the third
+/// follows. O(triangles).
+fn own_axes(positions: &[Vector], triangles: &[[u32; 3]]) -> [Vector; 3] {
+    let corners = || triangles.iter().map(|triangle| triangle.map(|point| positions[point as usize]));
+    let areas: Vec<f64> = corners().map(|[a, b, c]| triangle_area(a, b, c)).collect();
+    let total = areas.iter().sum::<f64>();
+    let integral = |of: &dyn Fn(Vector, Vector, Vector) -> f64| -> f64 {
+        corners().zip(&areas).map(|([a, b, c], area)| area * of(a, b, c)).sum::<f64>() / total
+    };
+    let mean: Vector = std::array::from_fn(|k| integral(&|a, b, c| (a[k] + b[k] + c[k]) / 3.0));
+    let moments = std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            let product = |at: Vector| (at[i] - mean[i]) * (at[j] - mean[j]);
+            // Exact for a product of linear functions: the middles of the sides.
+            let middle = |a: Vector, b: Vector| std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
+            integral(&|a, b, c| (product(middle(a, b)) + product(middle(b, c)) + product(middle(c, a))) / 3.0)
+        })
+    });
+    let along = |axis: &Vector| dot(*axis, std::array::from_fn(|i| dot(moments[i], *axis)));
+    let mut axes = principal_axes(moments);
+    axes.sort_by(|a, b| along(b).total_cmp(&along(a)));
+    let third_moment = |axis: Vector| {
+        let away = |at: Vector| dot(axis, subtract(at, mean));
+        integral(&|a, b, c| {
+            let [x, y, z] = [a, b, c].map(away);
+            // A tenth of all products of three.
+            (x * x * (x + y + z) + y * y * (y + z) + z * z * (z + y) + x * (y * y + y * z + z * z)) / 10.0
+        })
+    };
+    let skewness = axes.map(third_moment);
+    let mut balance = [0, 1, 2];
+    balance.sort_by(|&a, &b| skewness[b].abs().total_cmp(&skewness[a].abs()));
+    for &k in &balance[..2] {
+        axes[k] = axes[k].map(|x| if skewness[k] < 0.0 { -x } else { x });
+    }
+    let third = balance[2];
+    axes[third] = cross(axes[(third + 1) % 3], axes[(third + 2) % 3]);
+    axes
+}
+
+/// Points sorted along a Z-curve.
+fn along_z_curve(positions: &[Vector]) -> Vec<u32> {
+    let bound = |start: f64, pick: fn(f64, f64) -> f64| -> Vector {
+        std::array::from_fn(|k| positions.iter().fold(start, |bound, at| pick(bound, at[k])))
+    };
+    let (low, high) = (bound(f64::INFINITY, f64::min), bound(f64::NEG_INFINITY, f64::max));
+    let longest = (0..3).map(|k| high[k] - low[k]).fold(f64::MIN_POSITIVE, f64::max);
+    let last = f64::from((1u32 << BITS) - 1);
+    let code = |at: &Vector| {
+        (0..3).fold(0, |code, k| code | spread(((at[k] - low[k]) / longest * last) as u64) << k)
+    };
+    let mut keyed: Vec<(u64, u32)> = positions.iter().map(code).zip(0..).collect();
+    let lexicographic = |a: u32, b: u32| {
+        let (a, b) = (positions[a as usize], positions[b as usize]);
+        (0..3).map(|k| a[k].total_cmp(&b[k])).fold(Ordering::Equal, Ordering::then)
+    };
+    keyed.sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| lexicographic(a.1, b.1)).then(a.1.cmp(&b.1)));
+    keyed.into_iter().map(|(_, point)| point).collect()
+}
+
+/// The lowest [`BITS`] bits of a number, each followed by two zeros.
+fn spread(number: u64) -> u64 {
+    let mut bits = number & ((1 << BITS) - 1);
+    for (shift, mask) in [
+        (32, 0x001f_0000_0000_ffff),
+        (16, 0x001f_0000_ff00_00ff),
+        (8, 0x100f_00f0_0f00_f00f),
+        (4, 0x10c3_0c30_c30c_30c3),
+        (2, 0x1249_2492_4924_9249),
+    ] {
+        bits = (bits | bits << shift) & mask;
+    }
+    bits
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::limits::Limits;
+    use crate::mesh::PolygonMesh;
+    use crate::mesh::rotation::rotation;
+
+    /// Two unlike boxes of quads side by side, and a tetrahedron.
+    fn shape() -> PolygonMesh {
+        let mut mesh = PolygonMesh { face_offsets: vec![0], ..PolygonMesh::default() };
+        let mut add = |corners: Vec<Vector>, faces: &[&[u32]]| {
+            let first = mesh.positions.len() as u32;
+            mesh.positions.extend(corners);
+            for face in faces {
+                mesh.face_vertices.extend(face.iter().map(|corner| first + corner));
+                mesh.face_offsets.push(mesh.face_vertices.len() as u32);
+            }
+        };
+        let cuboid = |low: Vector, size: Vector| {
+            (0..8).map(|i| std::array::from_fn(|k| low[k] + size[k] * f64::from(i >> k & 1))).collect()
+        };
+        let sides: [&[u32]; 6] =
+            [&[0, 2, 3, 1], &[4, 5, 7, 6], &[0, 1, 5, 4], &[2, 6, 7, 3], &[0, 4, 6, 2], &[1, 3, 7, 5]];
+        add(cuboid([0.0; 3], [3.0, 1.3, 0.7]), &sides);
+        add(cuboid([3.5, 0.2, -0.4], [1.0, 2.0, 0.5]), &sides);
+        add(
+            vec![[5.0, 0.0, 1.0], [6.0, 0.1, 1.0], [5.2, 1.2, 1.1], [5.4, 0.3, 2.0]],
+            &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[0, 3, 2]],
+        );
+        mesh
+    }
+
+    fn canonical(mesh: &PolygonMesh) -> Canonical {
+        Mesh::new(mesh, &Limits::default()).expect("a usable mesh").canonical()
+    }
+
+    #[test]
+    fn the_same_shape_is_the_same_mesh_however_it_is_written() {
+        let (given, expected) = (shape(), canonical(&shape()).mesh);
+        let turn = rotation([0.3, -1.0, 0.5], 2.1);
+        let count = given.positions.len();
+        // Vertex i of the other writing is vertex 7 i + 3 of the first.
+        let first = |vertex: usize| (7 * vertex + 3) % count;
+        let place = |vertex: usize| turned(&turn, given.positions[first(vertex)]).map(|x| 40.0 * x + 5.0);
+        let mut other = PolygonMesh {
+            positions: (0..count).map(place).collect(),
+            face_offsets: vec![0],
+            face_vertices: Vec::new(),
+        };
+        for ends in given.face_offsets.windows(2).rev() {
+            let corners = &given.face_vertices[ends[0] as usize..ends[1] as usize];
+            let number =
+                |corner: u32| (0..count).find(|&vertex| first(vertex) == corner as usize).unwrap() as u32;
+            let mut corners: Vec<u32> = corners.iter().map(|&corner| number(corner)).collect();
+            corners.rotate_left(1);
+            other.face_vertices.extend(corners);
+            other.face_offsets.push(other.face_vertices.len() as u32);
+        }
+        let Canonical { mesh: found, .. } = canonical(&other);
+        assert_eq!(found.polygon_points, expected.polygon_points);
+        assert_eq!(found.shell_of_point, expected.shell_of_point);
+        let apart = |(a, b): (&Vector, &Vector)| (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max);
+        assert!(found.positions.iter().zip(&expected.positions).map(apart).all(|apart| apart < 1e-12));
+        let in_first = |&vertex: &u32| first(vertex as usize) as u32;
+        assert_eq!(found.vertex_of_point.iter().map(in_first).collect::<Vec<_>>(), expected.vertex_of_point);
+    }
+
+    #[test]
+    fn the_way_back_leads_to_the_same_vertices_and_faces() {
+        let given = Mesh::new(&shape(), &Limits::default()).unwrap();
+        let Canonical { mesh, given: old } = given.canonical();
+        for (point, &old) in old.iter().enumerate() {
+            assert_eq!(mesh.vertex_of_point[point], given.vertex_of_point[old as usize]);
+            assert_eq!(mesh.point_of_vertex[mesh.vertex_of_point[point] as usize] as usize, point);
+        }
+        let corners_of = |mesh: &Mesh, face: u32| {
+            let place = mesh.face_of_polygon.iter().position(|&own| own == face).unwrap();
+            let ends = mesh.polygon_offsets[place] as usize..mesh.polygon_offsets[place + 1] as usize;
+            let mut corners: Vec<u32> =
+                mesh.polygon_points[ends].iter().map(|&point| mesh.vertex_of_point[point as usize]).collect();
+            from_smallest(&mut corners);
+            corners
+        };
+        for face in 0..given.face_count as u32 {
+            assert_eq!(corners_of(&mesh, face), corners_of(&given, face));
+        }
+        let same = |a: u32, b: u32| {
+            (given.squared_distance(old[a as usize], old[b as usize]) - mesh.squared_distance(a, b)).abs()
+                < 1e-12
+        };
+        assert!((1..old.len() as u32).all(|point| same(0, point)));
+    }
+
+    #[test]
+    fn bits_are_spread_to_every_third_place() {
+        assert_eq!(spread(0b1011), 0b1_000_001_001);
+        assert_eq!(spread((1 << BITS) - 1).count_ones(), BITS);
+        assert_eq!(spread(1 << (BITS - 1)), 1 << (3 * (BITS - 1)));
+    }
+}
