@@ -293,16 +293,12 @@ impl Roads {
 /// What the documentation of [`Detection`] and [`Symmetry`] promises.
 pub fn assert_keeps_its_contract(mesh: &Mesh, options: &Options, found: &Detection) {
     assert_eq!(found.outcome == Outcome::None, found.symmetries.is_empty());
-    let rotations = found.symmetries.iter().filter(|symmetry| symmetry.kind.is_rotation()).count();
-    assert!(found.symmetries.len() - rotations <= options.symmetries && rotations <= options.rotations);
+    assert!(found.symmetries.len() <= options.symmetries);
     let rank = |symmetry: &Symmetry| {
-        let sure = symmetry.kind.is_rotation() || symmetry.plausibility >= 0.95;
-        (symmetry.kind.place(), !sure, if sure { symmetry.score } else { -symmetry.plausibility })
+        let sure = symmetry.plausibility >= 0.95;
+        (symmetry.kind, !sure, if sure { symmetry.score } else { -symmetry.plausibility })
     };
-    assert!(
-        found.symmetries.iter().map(rank).is_sorted(),
-        "reflections, half turns, rotations, each best first"
-    );
+    assert!(found.symmetries.iter().map(rank).is_sorted(), "reflections, half turns, each best first");
     assert!(found.report.eigenvalues.is_sorted() && !found.report.evidence().is_empty());
     assert_eq!((found.report.vertices, found.report.faces), (mesh.point_of_vertex.len(), mesh.face_count));
     for symmetry in &found.symmetries {
