@@ -294,11 +294,11 @@ impl Roads {
 pub fn assert_keeps_its_contract(mesh: &Mesh, options: &Options, found: &Detection) {
     assert_eq!(found.outcome == Outcome::None, found.symmetries.is_empty());
     assert!(found.symmetries.len() <= options.symmetries);
-    let rank = |symmetry: &Symmetry| {
-        let sure = symmetry.plausibility >= 0.95;
-        (symmetry.kind, !sure, if sure { symmetry.score } else { -symmetry.plausibility })
-    };
-    assert!(found.symmetries.iter().map(rank).is_sorted(), "reflections, half turns, each best first");
+    let rank = |symmetry: &Symmetry| (symmetry.kind, -symmetry.plausibility);
+    assert!(
+        found.symmetries.iter().map(rank).is_sorted(),
+        "reflections, half turns, the most plausible first"
+    );
     assert!(found.report.eigenvalues.is_sorted() && !found.report.evidence().is_empty());
     assert_eq!((found.report.vertices, found.report.faces), (mesh.point_of_vertex.len(), mesh.face_count));
     for symmetry in &found.symmetries {
