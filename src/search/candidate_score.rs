@@ -60,7 +60,7 @@ impl Score {
             + DISAGREEMENT_WEIGHT * self.disagreement
     }
 
-    /// What the orientation says the map is, if it is its own inverse; `None` between the two.
+    /// What the orientation says the map is; `None` between the two.
     ///
     /// A shell that cannot be oriented gives no evidence (exactly 0) and passes as a reflection.
     pub fn kind(&self) -> Option<SymmetryKind> {
