@@ -1,6 +1,6 @@
 """How many of a solid's symmetries the program lists, and how many that it lists are none (docs/method.md).
 
-    python -m evaluation.several_symmetries --work FOLDER [--symmetries 32] [--rotations 32] [--seed 0]
+    python -m evaluation.several_symmetries --work FOLDER [--symmetries 32] [--seed 0]
 
 meshes solids with several symmetries in FOLDER, each turned at random so that no symmetry maps the mesh onto itself, and
 compares what is listed with the solid's own isometries.
@@ -160,32 +160,11 @@ def isometries(solid: Distance) -> list[np.ndarray]:
     return [m for m in orthogonal_matrices() if np.abs(solid(points @ m.T) - solid(points)).max() < 1e-9]
 
 
-def order(matrix: np.ndarray) -> int:
-    """After how many times it is the identity."""
-    power, times = matrix, 1
-    while not np.allclose(power, np.eye(3)):
-        power, times = power @ matrix, times + 1
-    return times
-
-
 def kind(matrix: np.ndarray) -> str:
     """As the program names it; "" for what it does not look for, and the identity."""
-    reverses, times = np.linalg.det(matrix) < 0, order(matrix)
-    if times > 2:
-        return "" if reverses else "rotation"
-    return ("reflection" if reverses else "half_turn") if times == 2 else ""
-
-
-def same_symmetry(matrix: np.ndarray, group: list[np.ndarray]) -> frozenset[int]:
-    """Which of the `group` the program lists as one: of rotations, the largest cyclic group that holds them."""
-    def index(m):
-        return int(np.abs(np.array(group) - m).max((1, 2)).argmin())
-
-    if kind(matrix) != "rotation":
-        return frozenset({index(matrix)})
-    rotations = [m for m in group if kind(m) == "rotation"]
-    powers = [frozenset(index(np.linalg.matrix_power(m, p)) for p in range(order(m))) for m in rotations]
-    return max((cyclic for cyclic in powers if index(matrix) in cyclic), key=len)
+    if np.allclose(matrix, np.eye(3)) or not np.allclose(matrix @ matrix, np.eye(3)):
+        return ""
+    return "reflection" if np.linalg.det(matrix) < 0 else "half_turn"
 
 
 def meshed(solid: Distance, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -201,11 +180,11 @@ def meshed(solid: Distance, turn: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 class Listed:
     """What the program listed of one solid."""
 
-    # Different isometries of the solid, of rotations different cyclic groups, by kind.
+    # Different isometries of the solid, by kind.
     true: dict[str, int]
     # Maps near to one that another map was nearest to already.
     repeated: int
-    # Maps of no isometry of the solid of the kind and order that they are listed with, and parts of larger cyclic groups.
+    # Maps of no isometry of the solid of the kind that they are listed with.
     other: int
 
 
@@ -220,7 +199,6 @@ class Map:
     """One symmetry as the program lists it."""
 
     kind: str
-    order: int
     # Of each vertex.
     partners: np.ndarray
 
@@ -230,15 +208,13 @@ def judge(vertices, faces, maps: list[Map], group: list[np.ndarray]) -> Listed:
     unit, met, listed = np.sqrt(area(vertices, faces)), set(), Listed({}, 0, 0)
     for found in maps:
         errors = [np.linalg.norm(vertices[found.partners] - vertices @ m.T, axis=1).mean() / unit for m in group]
-        best = group[int(np.argmin(errors))]
-        as_listed = (kind(best), order(best)) == (found.kind, found.order)
-        same = same_symmetry(best, group) if as_listed else frozenset()
-        if min(errors) > RIGHT or not as_listed or found.kind == "rotation" and found.order < len(same):
+        best = int(np.argmin(errors))
+        if errors[best] > RIGHT or kind(group[best]) != found.kind:
             listed.other += 1
-        elif same in met:
+        elif best in met:
             listed.repeated += 1
         else:
-            met.add(same)
+            met.add(best)
             listed.true[found.kind] = listed.true.get(found.kind, 0) + 1
     return listed
 
@@ -247,7 +223,7 @@ def listed_maps(path: Path) -> list[Map]:
     """The symmetries in the program's PLY and the report beside it."""
     data, report = ply_vertices(path), json.loads(path.with_suffix(".json").read_text())
     columns = [data[name].astype(int) for name in data.dtype.names if name.startswith("sym_vertex")]
-    return [Map(one["kind"], one["order"], partners) for one, partners in zip(report["symmetries"], columns)]
+    return [Map(one["kind"], partners) for one, partners in zip(report["symmetries"], columns)]
 
 
 def main():
@@ -255,7 +231,6 @@ def main():
     parser.add_argument("--work", type=Path, required=True)
     parser.add_argument("--program", default="target/release/intrinsym")
     parser.add_argument("--symmetries", type=int, default=32)
-    parser.add_argument("--rotations", type=int, default=32)
     parser.add_argument("--seed", type=int, default=0)
     arguments = parser.parse_args()
     arguments.work.mkdir(parents=True, exist_ok=True)
@@ -266,19 +241,17 @@ def main():
         paths.append(arguments.work / f"{name.replace(' ', '-').replace(':', '')}.ply")
         write_ply(paths[-1], *meshes[name])
     answers = arguments.work / "answers"
-    options = ["--symmetries", str(arguments.symmetries), "--rotations", str(arguments.rotations)]
+    options = ["--symmetries", str(arguments.symmetries)]
     seconds = detect(arguments.program, paths, answers, options, write="ply,json")
     rows = []
     for path, (name, solid) in zip(paths, SOLIDS.items()):
         group, (vertices, faces) = isometries(solid), meshes[name]
         answer = answers / path.name
         listed = judge(vertices, faces, listed_maps(answer) if answer.exists() else [], group)
-        numbers = []
-        for of in ("reflection", "half_turn", "rotation"):
-            there = {same_symmetry(matrix, group) for matrix in group if kind(matrix) == of}
-            numbers.append(f"{listed.true.get(of, 0)} of {len(there)}")
+        kinds = [kind(matrix) for matrix in group]
+        numbers = [f"{listed.true.get(of, 0)} of {kinds.count(of)}" for of in ("reflection", "half_turn")]
         rows.append([name, f"{len(vertices):,}", *numbers, listed.repeated, listed.other])
-    print(table(["solid", "vertices", "reflections", "half turns", "rotations", "repeated", "not the solid's"], rows))
+    print(table(["solid", "vertices", "reflections", "half turns", "repeated", "not the solid's"], rows))
     print(f"{seconds / len(SOLIDS):.2f} s of CPU a mesh")
 
 

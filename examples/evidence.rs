@@ -51,7 +51,7 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let map = finish(&shell, &target, candidate, &plan, 0, &progress)?;
     let (kind, token) = (SymmetryKind::Reflection, progress.token());
     let fitted = rigid_parts::fit(solved, &shell.surface, &map.images, kind, &plan.parts, 1, token)?;
-    let evidence = Evidence::new(&target, &Hypothesis { images: fitted.images.clone(), ..map }, 2);
+    let evidence = Evidence::new(&target, &Hypothesis { images: fitted.images.clone(), ..map });
     let vertex = |local: u32| mesh.vertex_of_point[solved.points[local as usize] as usize];
     let mut text = String::new();
     for (local, partner) in fitted.images.partners.iter().enumerate() {

@@ -114,11 +114,6 @@ enum isym_kind
     ISYM_KIND_REFLECTION = 0,
     /// Keeps orientation and is its own inverse. It has no sides and no fixed curve.
     ISYM_KIND_HALF_TURN = 1,
-    /// EXPERIMENTAL, found only with the option "rotations" above 0. Keeps orientation and is the identity after as many times as
-    /// its `order` says, three or more. Partners are images: the partner of a partner is another vertex. It has no
-    /// sides and no fixed curve, and vertices of other shells than the largest have no partner. The tools that mirror refuse it:
-    /// `ISYM_ERROR_OPTION`.
-    ISYM_KIND_ROTATION = 2,
 };
 #ifndef __cplusplus
 typedef int32_t isym_kind;
@@ -155,8 +150,7 @@ typedef struct isym_options isym_options;
 /// Progress of a call, and the way to cancel it. Make one for each call: once cancelled it stays so.
 typedef struct isym_progress isym_progress;
 
-/// What was found on a mesh: symmetries (reflections, best first, then half turns, then rotations if these were asked for)
-/// and a report. It never changes.
+/// What was found on a mesh: symmetries (reflections, best first, then half turns) and a report. It never changes.
 typedef struct isym_result isym_result;
 
 /// What a host needs to show an option.
@@ -193,10 +187,8 @@ typedef int32_t (*isym_progress_callback)(const char *stage,
 typedef struct {
     /// `sizeof` of this struct, set by the caller before the call.
     size_t size;
-    /// Reflection, half turn or rotation.
+    /// Reflection or half turn.
     isym_kind kind;
-    /// After how many times it is the identity: 2 for a reflection and a half turn, 3 or more for a rotation.
-    uint32_t order;
     /// How plausible it is, 0..=1, that it is a symmetry of the shape at all. The option "plausibility" says from where on one
     /// counts. A restored one has 1: it was accepted before.
     double plausibility;
@@ -634,8 +626,8 @@ isym_status isym_result_confidences(const isym_result *result,
 ///
 /// @param result The result.
 /// @param symmetry From 0, the best first.
-/// @param[out] sides 1 and -1 on the two sides, 0 on the fixed curve, without partner, and everywhere for a half turn and a
-/// rotation. Which side is 1 has no meaning.
+/// @param[out] sides 1 and -1 on the two sides, 0 on the fixed curve, without partner, and everywhere for a half turn.
+/// Which side is 1 has no meaning.
 /// @param vertex_count Number of the mesh's vertices.
 /// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`.
 ISYM_API
@@ -663,8 +655,8 @@ isym_status isym_result_surface_points(const isym_result *result,
                                        float *barycentrics,
                                        size_t vertex_count);
 
-/// Copies out a colour for each vertex that its partner shares (all its images under a rotation, nearly), and distinct pairs do
-/// not: the colours that the command line writes. Grey where there is no partner or no confidence.
+/// Copies out a colour for each vertex that its partner shares, and distinct pairs do not: the colours that the command line
+/// writes. Grey where there is no partner or no confidence.
 ///
 /// @param result The result.
 /// @param symmetry From 0, the best first.
@@ -741,7 +733,7 @@ isym_status isym_result_report(const isym_result *result,
 /// (compare `isym_mesh_connectivity_hash`).
 ///
 /// @param mesh The mesh.
-/// @param kind Reflection or half turn; no tool takes a rotation.
+/// @param kind Reflection or half turn.
 /// @param partners vertex_count numbers; `ISYM_NONE` for none.
 /// @param confidences vertex_count numbers, 0..=1.
 /// @param sides vertex_count numbers: -1, 0 or 1.
@@ -780,8 +772,7 @@ isym_status isym_result_free(isym_result *result);
 /// @param minimum_confidence Vertices with less, 0..=1, are not selected.
 /// @param[out] mirrored One byte per vertex, 0 or 1; may be `selected`.
 /// @param vertex_count Number of the mesh's vertices.
-/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_OPTION`: a number is outside its range, or the
-/// symmetry is a rotation.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_OPTION`: a number is outside its range.
 ISYM_API
 isym_status isym_result_mirror_selection(const isym_result *result,
                                          size_t symmetry,
@@ -801,8 +792,7 @@ isym_status isym_result_mirror_selection(const isym_result *result,
 /// @param minimum_confidence Faces with a corner of less, 0..=1, are not selected.
 /// @param[out] mirrored One byte per face, 0 or 1; may be `selected`.
 /// @param face_count Number of the mesh's faces.
-/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_OPTION`: a number is outside its range, or the
-/// symmetry is a rotation.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_OPTION`: a number is outside its range.
 ISYM_API
 isym_status isym_result_mirror_face_selection(const isym_result *result,
                                               size_t symmetry,
@@ -823,7 +813,7 @@ isym_status isym_result_mirror_face_selection(const isym_result *result,
 /// @param[out] mirrored As `values`; may be the same array.
 /// @param vertex_count Number of the mesh's vertices.
 /// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`, `ISYM_ERROR_SIZE`, `ISYM_ERROR_VALUE`; `ISYM_ERROR_OPTION`: the
-/// confidence is outside its range, a half turn has no sides, or the symmetry is a rotation.
+/// confidence is outside its range, or a half turn has no sides.
 ISYM_API
 isym_status isym_result_mirror_values(const isym_result *result,
                                       size_t symmetry,
@@ -844,7 +834,7 @@ isym_status isym_result_mirror_values(const isym_result *result,
 /// @param[out] carried As `displacements`; may be the same array.
 /// @param vertex_count Number of the mesh's vertices.
 /// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`, `ISYM_ERROR_SIZE`, `ISYM_ERROR_VALUE`; `ISYM_ERROR_OPTION`: the
-/// confidence is outside its range, a half turn has no sides, or the symmetry is a rotation.
+/// confidence is outside its range, or a half turn has no sides.
 ISYM_API
 isym_status isym_result_carry_displacement(const isym_result *result,
                                            size_t symmetry,
@@ -867,7 +857,7 @@ isym_status isym_result_carry_displacement(const isym_result *result,
 /// @param[out] symmetrized As `positions`; may be the same array.
 /// @param vertex_count Number of the mesh's vertices.
 /// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`, `ISYM_ERROR_SIZE`, `ISYM_ERROR_VALUE`; `ISYM_ERROR_OPTION`: the
-/// confidence is outside its range, a half turn has no sides, or the symmetry is a rotation. Also
+/// confidence is outside its range, or a half turn has no sides. Also
 /// `ISYM_ERROR_CANCELLED`, `ISYM_ERROR_CALLBACK`.
 ISYM_API
 isym_status isym_result_symmetrize_positions(const isym_result *result,

@@ -21,7 +21,6 @@ pub mod mirror_plane;
 pub mod proxy;
 pub mod question;
 pub mod report;
-pub mod rotations;
 pub mod shell_symmetry;
 pub mod spectrum;
 pub mod stated_signs;

@@ -46,8 +46,7 @@ impl Mirroring {
     /// Share of the mirrored value in the new value of each vertex, 0..=1.
     ///
     /// # Errors
-    /// [`Error::Option`] for a confidence outside 0..=1, for one side of a half turn, which has none, and for a rotation, which
-    /// is not its own inverse.
+    /// [`Error::Option`] for a confidence outside 0..=1, and for one side of a half turn, which has none.
     pub fn shares(&self, symmetry: &Symmetry) -> Result<Vec<f64>> {
         self.check(symmetry.kind)?;
         Ok((0..symmetry.partner.len()).map(|vertex| self.share(symmetry, vertex)).collect())
@@ -55,7 +54,6 @@ impl Mirroring {
 
     fn check(&self, kind: SymmetryKind) -> Result<()> {
         check_confidence(self.minimum_confidence)?;
-        check_kind(kind)?;
         let sided = matches!(self.merge, Merge::PositiveWins | Merge::NegativeWins);
         if sided && kind == SymmetryKind::HalfTurn {
             let message = "a half turn has no sides of which one could win; use swap or average".into();
@@ -87,16 +85,6 @@ fn check_confidence(minimum: f32) -> Result<()> {
     Err(Error::Option { name: "minimum_confidence", message })
 }
 
-/// Refuses rotations: what is mirrored by one must come back by the same.
-fn check_kind(kind: SymmetryKind) -> Result<()> {
-    if !kind.is_rotation() {
-        return Ok(());
-    }
-    let message =
-        format!("a rotation of order {} mirrors nothing: take a reflection or a half turn", kind.order());
-    Err(Error::Option { name: "symmetry", message })
-}
-
 /// Mirrors a selection: the vertices whose mirror image lies in it.
 ///
 /// A vertex belongs if half or more of the weight of its image does. A selected vertex that no such vertex
@@ -104,7 +92,7 @@ fn check_kind(kind: SymmetryKind) -> Result<()> {
 /// vanishes. Vertices below `minimum_confidence` are never selected. O(vertices).
 ///
 /// # Errors
-/// [`Error::Option`] for a confidence outside 0..=1, and for a rotation.
+/// [`Error::Option`] for a confidence outside 0..=1.
 ///
 /// # Panics
 /// If `selected` has not one entry per vertex.
@@ -114,7 +102,6 @@ pub fn mirror_selection(
     minimum_confidence: f32,
 ) -> Result<Vec<bool>> {
     check_confidence(minimum_confidence)?;
-    check_kind(symmetry.kind)?;
     assert_eq!(selected.len(), symmetry.partner.len());
     let trusted = |vertex: usize| symmetry.confidence[vertex] >= minimum_confidence;
     let indicator: Vec<f64> = selected.iter().map(|&inside| f64::from(u8::from(inside))).collect();

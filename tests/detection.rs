@@ -508,7 +508,6 @@ fn options_outside_their_range_are_refused() {
                 samples,
                 beam_width,
                 proxy_vertices,
-                rotations,
             ] = values;
             Options {
                 eigenfunctions,
@@ -520,7 +519,6 @@ fn options_outside_their_range_are_refused() {
                 memory,
                 threads,
                 time_limit,
-                rotations,
                 ..Options::default()
             }
         };

@@ -224,27 +224,6 @@ fn confidence_decides_how_much_is_taken() {
 }
 
 #[test]
-fn no_tool_mirrors_by_a_rotation() {
-    let Lump { rest, mesh, mut symmetry, .. } = lump();
-    symmetry.kind = SymmetryKind::Rotation { order: 5 };
-    let (swap, count) = (Mirroring::whole(Merge::Swap), rest.positions.len());
-    let (values, faces) = (vec![1.0; count], vec![true; rest.face_offsets.len() - 1]);
-    let errors = [
-        mirror_values(&symmetry, &values, 1, &swap).unwrap_err(),
-        mirror_selection(&symmetry, &vec![true; count], 0.0).unwrap_err(),
-        mirror_face_selection(&rest, &symmetry, &faces, 0.0).unwrap_err(),
-        carry_displacement(&mesh, &symmetry, &rest.positions, &rest.positions, &swap).unwrap_err(),
-        symmetrize(&mesh, &symmetry, &rest.positions, &swap, &Progress::default()).unwrap_err(),
-    ];
-    for error in errors {
-        assert!(
-            error.to_string().starts_with("option symmetry: a rotation of order 5 mirrors nothing"),
-            "{error}"
-        );
-    }
-}
-
-#[test]
 fn frames_at_rest_are_the_mirror_itself() {
     let Lump { rest, mesh, symmetry, .. } = lump();
     for turn in Frames::new(&mesh, &symmetry, &rest.positions).turn {

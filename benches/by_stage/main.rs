@@ -105,8 +105,8 @@ fn measure(criterion: &mut Criterion, frequency: u32) {
     };
     timer.time("rigid parts", fit);
     let found = Hypothesis { images: fit().expect("images").images, ..found.clone() };
-    timer.time("confidence", || Evidence::new(&target, &found, 2).confidence());
-    let confidence = Evidence::new(&target, &found, 2).confidence();
+    timer.time("confidence", || Evidence::new(&target, &found).confidence());
+    let confidence = Evidence::new(&target, &found).confidence();
     timer.time("sides", || odd_function(&shell.surface, &shell.basis, &found.images));
     let odd = odd_function(&shell.surface, &shell.basis, &found.images);
     let carry = |proxy: Option<&Proxy>| carried(&mesh, &shells[0], proxy, &found.images, &confidence, &odd);

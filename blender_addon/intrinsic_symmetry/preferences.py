@@ -4,9 +4,7 @@
 import bpy
 import intrinsym
 
-
-#: The options that are shown: no tool of the add-on takes a rotation.
-SPECS = [spec for spec in intrinsym.option_specs() if spec.name != "rotations"]
+SPECS = intrinsym.option_specs()
 #: What a choice is called where its own word says too little.
 _CHOICES = {"default": "Balanced"}
 

@@ -15,8 +15,7 @@ use std::ffi::{CString, c_char};
 use std::mem::MaybeUninit;
 use std::sync::Arc;
 
-/// What was found on a mesh: symmetries (reflections, best first, then half turns, then rotations if these were asked for)
-/// and a report. It never changes.
+/// What was found on a mesh: symmetries (reflections, best first, then half turns) and a report. It never changes.
 pub struct isym_result(());
 
 /// The kind of a symmetry.
@@ -27,11 +26,6 @@ pub enum isym_kind {
     ISYM_KIND_REFLECTION = 0,
     /// Keeps orientation and is its own inverse. It has no sides and no fixed curve.
     ISYM_KIND_HALF_TURN = 1,
-    /// EXPERIMENTAL, found only with the option "rotations" above 0. Keeps orientation and is the identity after as many times as
-    /// its `order` says, three or more. Partners are images: the partner of a partner is another vertex. It has no
-    /// sides and no fixed curve, and vertices of other shells than the largest have no partner. The tools that mirror refuse it:
-    /// `ISYM_ERROR_OPTION`.
-    ISYM_KIND_ROTATION = 2,
 }
 pub use isym_kind::*;
 
@@ -58,10 +52,8 @@ pub const ISYM_NONE: u32 = u32::MAX;
 pub struct isym_summary {
     /// `sizeof` of this struct, set by the caller before the call.
     pub size: usize,
-    /// Reflection, half turn or rotation.
+    /// Reflection or half turn.
     pub kind: isym_kind,
-    /// After how many times it is the identity: 2 for a reflection and a half turn, 3 or more for a rotation.
-    pub order: u32,
     /// How plausible it is, 0..=1, that it is a symmetry of the shape at all. The option "plausibility" says from where on one
     /// counts. A restored one has 1: it was accepted before.
     pub plausibility: f64,
@@ -209,9 +201,7 @@ pub unsafe extern "C" fn isym_result_summary(
             kind: match found.kind {
                 SymmetryKind::Reflection => ISYM_KIND_REFLECTION,
                 SymmetryKind::HalfTurn => ISYM_KIND_HALF_TURN,
-                SymmetryKind::Rotation { .. } => ISYM_KIND_ROTATION,
             },
-            order: found.kind.order() as u32,
             plausibility: found.plausibility,
             score: found.score,
             mean_confidence: found.mean_confidence,
@@ -279,8 +269,8 @@ pub unsafe extern "C" fn isym_result_confidences(
 ///
 /// @param result The result.
 /// @param symmetry From 0, the best first.
-/// @param[out] sides 1 and -1 on the two sides, 0 on the fixed curve, without partner, and everywhere for a half turn and a
-/// rotation. Which side is 1 has no meaning.
+/// @param[out] sides 1 and -1 on the two sides, 0 on the fixed curve, without partner, and everywhere for a half turn.
+/// Which side is 1 has no meaning.
 /// @param vertex_count Number of the mesh's vertices.
 /// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`.
 #[unsafe(no_mangle)]
@@ -339,8 +329,8 @@ pub unsafe extern "C" fn isym_result_surface_points(
     })
 }
 
-/// Copies out a colour for each vertex that its partner shares (all its images under a rotation, nearly), and distinct pairs do
-/// not: the colours that the command line writes. Grey where there is no partner or no confidence.
+/// Copies out a colour for each vertex that its partner shares, and distinct pairs do not: the colours that the command line
+/// writes. Grey where there is no partner or no confidence.
 ///
 /// @param result The result.
 /// @param symmetry From 0, the best first.
@@ -484,7 +474,7 @@ pub unsafe extern "C" fn isym_result_report(
 /// (compare `isym_mesh_connectivity_hash`).
 ///
 /// @param mesh The mesh.
-/// @param kind Reflection or half turn; no tool takes a rotation.
+/// @param kind Reflection or half turn.
 /// @param partners vertex_count numbers; `ISYM_NONE` for none.
 /// @param confidences vertex_count numbers, 0..=1.
 /// @param sides vertex_count numbers: -1, 0 or 1.
@@ -596,13 +586,10 @@ impl Stored {
 }
 
 fn kind_of(number: i32) -> Result<SymmetryKind> {
-    let known = [ISYM_KIND_REFLECTION, ISYM_KIND_HALF_TURN, ISYM_KIND_ROTATION];
-    let wrong = |what: &str| Err(Fault::new(ISYM_ERROR_VALUE, what));
-    match known.into_iter().find(|kind| *kind as i32 == number) {
+    match [ISYM_KIND_REFLECTION, ISYM_KIND_HALF_TURN].into_iter().find(|kind| *kind as i32 == number) {
         Some(ISYM_KIND_REFLECTION) => Ok(SymmetryKind::Reflection),
         Some(ISYM_KIND_HALF_TURN) => Ok(SymmetryKind::HalfTurn),
-        Some(ISYM_KIND_ROTATION) => wrong("a rotation cannot be restored: no tool takes one"),
-        None => wrong(&format!("{number} is no kind of symmetry")),
+        None => Err(Fault::new(ISYM_ERROR_VALUE, format!("{number} is no kind of symmetry"))),
     }
 }
 

@@ -109,8 +109,7 @@ unsafe fn vectors(values: *const f64, vertex_count: usize, name: &str) -> Result
 /// @param minimum_confidence Vertices with less, 0..=1, are not selected.
 /// @param[out] mirrored One byte per vertex, 0 or 1; may be `selected`.
 /// @param vertex_count Number of the mesh's vertices.
-/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_OPTION`: a number is outside its range, or the
-/// symmetry is a rotation.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_OPTION`: a number is outside its range.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_mirror_selection(
     result: *const isym_result,
@@ -143,8 +142,7 @@ pub unsafe extern "C" fn isym_result_mirror_selection(
 /// @param minimum_confidence Faces with a corner of less, 0..=1, are not selected.
 /// @param[out] mirrored One byte per face, 0 or 1; may be `selected`.
 /// @param face_count Number of the mesh's faces.
-/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_OPTION`: a number is outside its range, or the
-/// symmetry is a rotation.
+/// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`; `ISYM_ERROR_OPTION`: a number is outside its range.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_mirror_face_selection(
     result: *const isym_result,
@@ -181,7 +179,7 @@ pub unsafe extern "C" fn isym_result_mirror_face_selection(
 /// @param[out] mirrored As `values`; may be the same array.
 /// @param vertex_count Number of the mesh's vertices.
 /// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`, `ISYM_ERROR_SIZE`, `ISYM_ERROR_VALUE`; `ISYM_ERROR_OPTION`: the
-/// confidence is outside its range, a half turn has no sides, or the symmetry is a rotation.
+/// confidence is outside its range, or a half turn has no sides.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_mirror_values(
     result: *const isym_result,
@@ -218,7 +216,7 @@ pub unsafe extern "C" fn isym_result_mirror_values(
 /// @param[out] carried As `displacements`; may be the same array.
 /// @param vertex_count Number of the mesh's vertices.
 /// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`, `ISYM_ERROR_SIZE`, `ISYM_ERROR_VALUE`; `ISYM_ERROR_OPTION`: the
-/// confidence is outside its range, a half turn has no sides, or the symmetry is a rotation.
+/// confidence is outside its range, or a half turn has no sides.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_carry_displacement(
     result: *const isym_result,
@@ -256,7 +254,7 @@ pub unsafe extern "C" fn isym_result_carry_displacement(
 /// @param[out] symmetrized As `positions`; may be the same array.
 /// @param vertex_count Number of the mesh's vertices.
 /// @return `ISYM_OK`, `ISYM_ERROR_INDEX`, `ISYM_ERROR_LENGTH`, `ISYM_ERROR_SIZE`, `ISYM_ERROR_VALUE`; `ISYM_ERROR_OPTION`: the
-/// confidence is outside its range, a half turn has no sides, or the symmetry is a rotation. Also
+/// confidence is outside its range, or a half turn has no sides. Also
 /// `ISYM_ERROR_CANCELLED`, `ISYM_ERROR_CALLBACK`.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_result_symmetrize_positions(

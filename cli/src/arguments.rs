@@ -208,11 +208,6 @@ impl Detect {
         ];
         named.into_iter().filter_map(|(kind, path)| Some((kind, path.as_ref()?)))
     }
-
-    /// The most symmetries that a detection may list.
-    pub fn most_symmetries(&self) -> usize {
-        self.options.options.symmetries + self.options.options.rotations
-    }
 }
 
 /// What `--signs` holds: 1 even, -1 odd, 0 unknown.

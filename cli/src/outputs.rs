@@ -36,7 +36,7 @@ impl Outputs {
             return Err("several inputs need --output-dir DIR: one output file cannot hold them all".into());
         }
         let mut claims = Claims::of_inputs(arguments.inputs.iter().chain(&arguments.model));
-        let most = arguments.most_symmetries();
+        let most = arguments.options().symmetries;
         let of_input = |input: &PathBuf| {
             let mut outputs = Outputs::of(input, arguments);
             for (kind, path) in outputs.possible(most) {

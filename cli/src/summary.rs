@@ -134,10 +134,9 @@ fn doubts(outcome: Outcome, plausibility: f64) -> String {
     }
 }
 
-fn kind_name(kind: SymmetryKind) -> String {
+fn kind_name(kind: SymmetryKind) -> &'static str {
     match kind {
-        SymmetryKind::Reflection => "reflection".into(),
-        SymmetryKind::HalfTurn => "half turn".into(),
-        SymmetryKind::Rotation { order } => format!("rotation of order {order} (experimental)"),
+        SymmetryKind::Reflection => "reflection",
+        SymmetryKind::HalfTurn => "half turn",
     }
 }

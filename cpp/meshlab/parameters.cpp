@@ -3,8 +3,6 @@
 
 #include <common/mlexception.h>
 
-#include <algorithm>
-
 namespace {
 
 // A list in the order of isym_merge.
@@ -20,17 +18,9 @@ bool is_switch(const isym_option_spec &spec) {
   return spec.choices == nullptr && spec.minimum == 0 && spec.maximum == 1;
 }
 
-// The options that are shown: all but one, since no filter takes a rotation.
-std::vector<isym_option_spec> shown_options() {
-  std::vector<isym_option_spec> specs = isym::option_specs();
-  const auto is_left_out = [](const isym_option_spec &spec) { return QString(spec.name) == "rotations"; };
-  specs.erase(std::remove_if(specs.begin(), specs.end(), is_left_out), specs.end());
-  return specs;
-}
-
 // The options of the library, as its table describes them.
 void add_options(RichParameterList &list) {
-  for (const isym_option_spec &spec : shown_options()) {
+  for (const isym_option_spec &spec : isym::option_specs()) {
     const QString name(spec.name), label = readable(spec.name);
     const QString help = QString("%1 From %2 to %3.").arg(spec.help).arg(spec.minimum).arg(spec.maximum);
     const bool advanced = spec.is_expert == 1;
@@ -122,7 +112,7 @@ RichParameterList asymmetry_parameters(Scalarm diagonal) {
 
 OptionValues chosen_options(const RichParameterList &parameters) {
   OptionValues values;
-  for (const isym_option_spec &spec : shown_options()) {
+  for (const isym_option_spec &spec : isym::option_specs()) {
     const double value = spec.choices != nullptr ? double(parameters.getEnum(spec.name))
                          : is_switch(spec)       ? double(parameters.getBool(spec.name))
                                                  : double(parameters.getInt(spec.name));

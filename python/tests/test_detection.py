@@ -64,7 +64,7 @@ def test_every_number_of_the_report_is_a_field(detection):
     assert asdict(report.repairs) == whole["report"]["repairs"] and asdict(report.judged) == whole["report"]["judged"]
     assert [asdict(sign) for sign in report.signs] == whole["report"]["signs"]
     typed = {name for part in (report.symmetries[0], detection[0].evidence) for name in asdict(part)}
-    assert set(whole["symmetries"][0]) == typed | {"kind", "order"}
+    assert set(whole["symmetries"][0]) == typed | {"kind"}
 
 
 def test_shells_are_counted():

@@ -11,7 +11,7 @@ import intrinsym
 
 
 def assert_same(one: intrinsym.Symmetry, other: intrinsym.Symmetry) -> None:
-    for name in ("kind", "order", "evidence"):
+    for name in ("kind", "evidence"):
         assert getattr(one, name) == getattr(other, name), name
     for name in ("partner", "confidence", "side"):
         np.testing.assert_array_equal(getattr(one, name), getattr(other, name))

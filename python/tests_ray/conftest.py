@@ -208,7 +208,7 @@ def assert_same_as_command_line(row: dict, folder: Path) -> None:
         return
     best = report["symmetries"][0]
     assert np.array_equal(row["partner"], partners)
-    for name in ("kind", "order", "plausibility", "mean_confidence", "exact_share", "paired_share", "shells_paired"):
+    for name in ("kind", "plausibility", "mean_confidence", "exact_share", "paired_share", "shells_paired"):
         assert str(row[name]).replace("_", " ") == str(best[name]).replace("_", " "), name
 
 

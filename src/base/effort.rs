@@ -102,11 +102,10 @@ impl Plan {
 
     /// The plans to follow in turn until an answer leaves no doubts.
     ///
-    /// Several symmetries and rotations ask for the large one.
+    /// Several symmetries ask for the large one.
     pub fn of(options: &Options) -> Vec<Plan> {
-        let several = options.symmetries > 1 || options.rotations > 0;
         let mut plans = match options.effort {
-            _ if several => vec![Plan::large()],
+            _ if options.symmetries > 1 => vec![Plan::large()],
             Effort::Fast => vec![Plan::small()],
             Effort::Default => vec![Plan::small(), Plan::wide(), Plan::large()],
             Effort::Thorough => vec![Plan::large()],

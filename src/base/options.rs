@@ -45,8 +45,6 @@ pub struct Options {
     pub time_limit: usize,
     /// Threads that a detection uses at most; the result does not depend on it.
     pub threads: usize,
-    /// EXPERIMENTAL. Most rotations of order three or more to return after the symmetries that are their own inverses.
-    pub rotations: usize,
     /// A sign network of the caller's own instead of the embedded one: trusted input.
     pub model: Option<PathBuf>,
     /// Signs that a person knows of the mesh's eigenfunctions ([`crate::eigen`]), from the first on: 1 even, -1 odd,
@@ -74,7 +72,7 @@ pub struct OptionSpec {
 }
 
 /// The table all hosts read.
-pub const OPTIONS: [OptionSpec; 12] = [
+pub const OPTIONS: [OptionSpec; 11] = [
     OptionSpec {
         name: "effort",
         default: 1,
@@ -174,15 +172,6 @@ pub const OPTIONS: [OptionSpec; 12] = [
         expert: true,
         help: "Vertices above which the map is found on a simplified mesh of about so many and carried back; 0: as the effort says.",
     },
-    OptionSpec {
-        name: "rotations",
-        default: 0,
-        minimum: 0,
-        maximum: 32,
-        choices: &[],
-        expert: true,
-        help: "EXPERIMENTAL. Most rotations of order 3 to 12 to return after the other symmetries; 0: none is sought.",
-    },
 ];
 
 impl Default for Options {
@@ -199,7 +188,6 @@ impl Default for Options {
             samples: OPTIONS[8].default,
             beam_width: OPTIONS[9].default,
             proxy_vertices: OPTIONS[10].default,
-            rotations: OPTIONS[11].default,
             model: None,
             known_signs: Vec::new(),
         }
@@ -229,7 +217,7 @@ impl Options {
 
     /// Whether the best reflection is all that is asked for, whichever its signs.
     pub(crate) fn asks_for_one(&self) -> bool {
-        self.symmetries == 1 && self.rotations == 0 && !self.states_signs()
+        self.symmetries == 1 && !self.states_signs()
     }
 
     /// The values in the order of [`OPTIONS`].
@@ -246,7 +234,6 @@ impl Options {
             self.samples,
             self.beam_width,
             self.proxy_vertices,
-            self.rotations,
         ]
     }
 
@@ -268,7 +255,6 @@ impl Options {
             "samples" => self.samples = value,
             "beam_width" => self.beam_width = value,
             "proxy_vertices" => self.proxy_vertices = value,
-            "rotations" => self.rotations = value,
             _ => unreachable!("every option of the table is here"),
         }
         Ok(())

@@ -170,8 +170,7 @@ impl Connectivity {
     /// have one entry per point. A bijection of a whole shell is accepted if its mean distance from the
     /// estimate is a small number of edges; on a shell with most of the vertices also if the connectivity
     /// admits no other and a third of the estimate agrees, or there is none. A partial one must cover half of its
-    /// shell and of the irregular vertices there. `None` if no shell has either, and for a rotation: what is paired here is
-    /// its own inverse.
+    /// shell and of the irregular vertices there. `None` if no shell has either.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
@@ -185,9 +184,6 @@ impl Connectivity {
         kind: SymmetryKind,
         progress: &Progress,
     ) -> Result<Option<Automorphism>> {
-        if kind.is_rotation() {
-            return Ok(None);
-        }
         Ok(self.search(estimate, confidence, kind, progress)?.0)
     }
 

@@ -144,9 +144,7 @@ impl<'a> Gatherer<'a> {
         threads: usize,
         progress: &Progress,
     ) -> Result<Symmetry> {
-        let kind = known.summary.kind;
-        // Other shells are paired, and under a rotation they come in threes or more.
-        if self.shells.len() > 1 && !kind.is_rotation() {
+        if self.shells.len() > 1 {
             self.add_companions(&mut map, &known, progress)?;
         }
         self.finished(map, known.summary, threads, progress)
@@ -167,7 +165,7 @@ impl<'a> Gatherer<'a> {
             None => None,
         };
         let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
-        let mirrored = match self.mirrored_vertices && !kind.is_rotation() {
+        let mirrored = match self.mirrored_vertices {
             true => mirrored_vertices::find(self.mesh, estimate, exact.as_ref(), kind, threads, progress)?,
             false => None,
         };
@@ -180,7 +178,7 @@ impl<'a> Gatherer<'a> {
         progress.report("fixed curve", 0.98)?;
         let curve = match kind {
             SymmetryKind::Reflection => zero_set(&self.mesh.triangles, &map.odd),
-            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => Vec::new(),
+            SymmetryKind::HalfTurn => Vec::new(),
         };
         Ok(symmetry(self.mesh, &map, curve, summary))
     }
@@ -245,7 +243,7 @@ impl<'a> Assembler<'a> {
         progress: &Progress,
     ) -> Result<Symmetry> {
         let mut map = PointMap::empty(self.gatherer.mesh);
-        let trust = Evidence::new(&self.target, found, kind.order()).confidence();
+        let trust = Evidence::new(&self.target, found).confidence();
         let odd = odd_function(&self.shell.surface, &self.shell.basis, &found.images);
         self.insert_searched(&mut map, &found.images, &trust, &odd);
         let (score, plausibility) = (found.score.total(), found.judged.plausibility);
@@ -304,7 +302,7 @@ impl<'a> Assembler<'a> {
         )?;
         let judged = match kind {
             SymmetryKind::Reflection => found.judged.with_parts(rigidity),
-            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => {
+            SymmetryKind::HalfTurn => {
                 let (basis, areas) = (&self.shell.basis, &self.shell.surface.lumped_mass);
                 found.judged.with_displacement(mean_displacement(basis, areas, &images.partners))
             }

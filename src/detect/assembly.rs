@@ -238,7 +238,7 @@ fn stretch_of_shells(mesh: &Mesh, partner: &[u32]) -> Vec<f64> {
 
 /// Numbers of the symmetry as a whole.
 pub struct Summary {
-    /// Reflection, half turn or rotation.
+    /// Reflection or half turn.
     pub kind: SymmetryKind,
     /// Total score.
     pub score: f64,

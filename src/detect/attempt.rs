@@ -13,7 +13,6 @@ use crate::detect::filled_holes::FilledShell;
 use crate::detect::finishing::{Finished, finish_best};
 use crate::detect::judging_mesh::JudgingMesh;
 use crate::detect::question::Question;
-use crate::detect::rotations;
 use crate::detect::shell_symmetry::{candidates, of_images};
 use crate::detect::spectrum::Spectrum;
 use crate::search::candidates::Hints;
@@ -59,11 +58,6 @@ pub fn attempt<'a>(
     let has_defects = domain.question.unrivalled.as_ref().is_some_and(Automorphism::has_defects);
     let one = one.map(|map| OneReflection { map: || attempt.with_parts(map), has_defects });
     let mut choice = choose(maps, one, mirrors_vertices, (options.plausibility, options.symmetries))?;
-    if options.rotations > 0 {
-        attempt.add_rotations(&mut choice)?;
-        clock.lap("rotations");
-    }
-    choice.or_doubtful();
     if spectrum.orbits.continuous {
         choice.reasons.push(Reason::ContinuousFamily { listed: choice.maps.len() });
     }
@@ -95,35 +89,13 @@ impl Attempt<'_> {
 
     /// Whether that needs no search. Whoever states signs asks for the symmetry that has them.
     fn is_certain(&self, map: &Hypothesis) -> bool {
-        let options = self.domain.question.options;
-        let any_will_do = options.symmetries == 1 && !options.states_signs();
+        let any_will_do = self.domain.question.options.asks_for_one();
         any_will_do && map.judged.accepted(CERTAIN) && !self.assembler.exchanges_sheets(map)
     }
 
     fn with_parts(&self, reflection: Hypothesis) -> Result<Hypothesis> {
         let Question { options, progress, .. } = *self.domain.question;
         self.assembler.with_parts(reflection, SymmetryKind::Reflection, options.threads, progress.token())
-    }
-
-    /// Adds rotations of order three or more.
-    fn add_rotations(&self, choice: &mut Choice) -> Result<()> {
-        let Question { options, progress, .. } = *self.domain.question;
-        let Spectrum { shell, orbits, .. } = self.spectrum;
-        if orbits.continuous {
-            choice.reasons.push(Reason::RotationsOfFamily);
-            return Ok(());
-        }
-        let (listed, assembler) = (choice.maps.len(), &self.assembler);
-        let found =
-            rotations::find(shell, &assembler.target, &choice.maps, assembler.plan, options, progress)?;
-        for (map, kind) in found {
-            let map = assembler.with_parts(map, kind, options.threads, progress.token())?;
-            if map.judged.accepted(options.plausibility) {
-                choice.maps.push((map, kind));
-            }
-        }
-        choice.reasons.push(Reason::Rotations { listed: choice.maps.len() - listed });
-        Ok(())
     }
 
     /// The choice on the caller's mesh, and what the next call on the same connectivity needs.

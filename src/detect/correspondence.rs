@@ -37,11 +37,9 @@ pub struct Polyline {
 /// One symmetry of the mesh, in the caller's numbering. All vectors have one entry per caller's vertex.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct Symmetry {
-    /// Reflection, half turn or rotation.
+    /// Reflection or half turn.
     pub kind: SymmetryKind,
-    /// The partner vertex of each vertex, its image under the symmetry, or -1. A rotation of order n (EXPERIMENTAL) is not its
-    /// own inverse: the partner's partner is another vertex, and only the n-th partner is about the vertex itself. It has
-    /// partners on the largest shell alone.
+    /// The partner vertex of each vertex, its image under the symmetry, or -1.
     #[serde(skip)]
     pub partner: Vec<i32>,
     /// The exact image of each vertex on the surface; `None` where `partner` is -1.
@@ -50,8 +48,7 @@ pub struct Symmetry {
     /// Probability that the partner lies within 0.05 sqrt(area) of the true mirror image, 0..=1.
     #[serde(skip)]
     pub confidence: Vec<f32>,
-    /// +1 on one side of the fixed curve, -1 on the other, 0 on the curve, where there is no partner, and everywhere for half
-    /// turns and rotations.
+    /// +1 on one side of the fixed curve, -1 on the other, 0 on the curve, where there is no partner, and everywhere for a half turn.
     #[serde(skip)]
     pub side: Vec<i8>,
     /// Where a reflection leaves the surface in place.

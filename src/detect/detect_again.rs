@@ -20,7 +20,6 @@ use crate::detect::judging_mesh::JudgingMesh;
 use crate::detect::shell_symmetry::of_images;
 use crate::mesh::Mesh;
 use crate::refine::full_refinement::MatchTarget;
-use crate::search::functional_map::Projection;
 use crate::spectral::continuous_family::orbits;
 use crate::spectral::laplacian::IntrinsicSurface;
 use crate::verify::choose::{retain_symmetries, verdict};
@@ -61,9 +60,6 @@ const LEAST: usize = 50;
 /// and the report are new, and [`Report::kept`] says so. Otherwise, or without any, this is [`detect`], and the report
 /// says why.
 ///
-/// Rotations (EXPERIMENTAL) are kept in the same way, up to [`Options::rotations`] of them; as for other symmetries, none that
-/// `previous` has not is looked for.
-///
 /// What is kept knows nothing of vertices that were slid along the surface, on one side alone: after that call
 /// [`detect`].
 ///
@@ -87,7 +83,7 @@ pub fn detect_again<'a>(
         let message = format!("is of a mesh of {} vertices, this one has {vertices}", other.partner.len());
         return Err(Error::Option { name: "previous", message });
     }
-    if !previous.symmetries.iter().any(|symmetry| is_wanted(symmetry, options)) {
+    if previous.symmetries.is_empty() {
         return detect(mesh, options, progress);
     }
     let (mut clock, progress) = (Clock::start(), &progress.within(options.time_limit));
@@ -102,11 +98,6 @@ pub fn detect_again<'a>(
     let spent = seconds.iter().map(|(_, seconds)| seconds).sum();
     anew.report.seconds.insert(0, ("earlier maps".into(), spent));
     Ok(anew)
-}
-
-/// Whether symmetries of this kind are asked for.
-fn is_wanted(symmetry: &Symmetry, options: &Options) -> bool {
-    options.rotations > 0 || !symmetry.kind.is_rotation()
 }
 
 /// `previous` as far as they are symmetries of this shape, as judged on the kept mesh, or on a new one if that does not
@@ -148,8 +139,7 @@ fn keep(
     let judge = || -> Result<Vec<(Hypothesis, &Symmetry)>> {
         let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
         let mut maps = Vec::new();
-        for symmetry in previous.iter().filter(|symmetry| is_wanted(symmetry, options)) {
-            let target = target.with_projection(Projection::of(symmetry.kind));
+        for symmetry in previous {
             let Some(images) = judging.images(mesh, &symmetry.partner) else { break };
             maps.push((of_images(&shell, &target, images)?, symmetry));
         }
@@ -164,11 +154,8 @@ fn keep(
     let mut symmetries: Vec<Symmetry> =
         maps.iter().map(|(map, symmetry)| judged_again(mesh, symmetry, map)).collect();
     symmetries.sort_by(|a, b| {
-        let doubt = |symmetry: &Symmetry| {
-            if symmetry.kind.is_rotation() { 0.0 } else { 1.0 - symmetry.plausibility }
-        };
-        let doubts = doubt(a).total_cmp(&doubt(b));
-        a.kind.place().cmp(&b.kind.place()).then(doubts).then(a.score.total_cmp(&b.score))
+        let plausible = b.plausibility.total_cmp(&a.plausibility);
+        a.kind.cmp(&b.kind).then(plausible).then(a.score.total_cmp(&b.score))
     });
     clock.lap("earlier maps");
     let report = Report { judged, reasons: vec![reason], kept: true, ..Report::of(mesh) };
@@ -176,25 +163,19 @@ fn keep(
     Ok(Detection { judging: Some(judging), ..again })
 }
 
-/// Leaves the maps that are still symmetries, as many of each kind as are asked for; none if the first is none.
+/// Leaves the maps that are still symmetries, as many as are asked for; none if the first is none.
 fn retain_kept(maps: &mut Vec<(Hypothesis, &Symmetry)>, options: &Options, least: usize) {
     if !maps.first().is_some_and(|(map, symmetry)| is_still(map, symmetry, least)) {
         maps.clear();
     }
     maps.retain(|(map, symmetry)| is_still(map, symmetry, least));
     retain_symmetries(maps, least);
-    let mut left = [options.symmetries, options.rotations];
-    maps.retain(|(_, symmetry)| {
-        let left = &mut left[usize::from(symmetry.kind.is_rotation())];
-        let is_left = *left > 0;
-        *left = left.saturating_sub(1);
-        is_left
-    });
+    maps.truncate(options.symmetries);
 }
 
 /// Whether `map`, which is `symmetry` on this shape, counts as one of its kind.
 fn is_still(map: &Hypothesis, symmetry: &Symmetry, least: usize) -> bool {
-    map.judged.accepted(least) && map.score.is_of(symmetry.kind)
+    map.judged.accepted(least) && map.score.kind() == Some(symmetry.kind)
 }
 
 /// `symmetry` with the numbers that depend on the shape.

@@ -92,7 +92,7 @@ pub struct Detection {
     /// Found, doubtful or none: that of the first symmetry.
     pub outcome: Outcome,
     /// At most `options.symmetries`: reflections, the most plausible first, then half turns likewise; reflections that exchange the sides of a thin sheet come behind those
-    /// of a plausibility of 0.5 or more. Then at most `options.rotations` rotations of order three or more (EXPERIMENTAL), one of each cyclic group: those of highest order first, then the best.
+    /// of a plausibility of 0.5 or more.
     pub symmetries: Vec<Symmetry>,
     /// Numbers behind the outcome.
     pub report: Report,

@@ -21,7 +21,6 @@ pub fn json(mesh: &Mesh, detection: &Detection, options: &Options) -> Result<Val
     for (index, symmetry) in detection.symmetries.iter().enumerate() {
         let paired = symmetry.partner.iter().filter(|&&partner| partner >= 0).count();
         let entry = &mut report["symmetries"][index];
-        entry["order"] = json!(symmetry.kind.order());
         entry["paired_vertices"] = json!(paired);
         entry["coverage"] = json!(symmetry.coverage.in_words());
         entry["fixed_curve_length"] = json!(curve_length(mesh, &symmetry.fixed_curve));

@@ -12,6 +12,7 @@ use crate::refine::vertex_rows::Guide;
 use crate::search::candidate_score::{Score, ScoreTerms, Scorer};
 use crate::search::candidates::{self, CANDIDATE_SIZE, Candidate, Hints, parities};
 use crate::search::compositions;
+use crate::search::functional_map::Projection;
 use crate::search::refinement::SampleRefiner;
 use crate::search::sign_network::{REFERENCES, SIGNS, SignNetwork, SignPrediction};
 use crate::spectral::displacement::mean_displacement;
@@ -151,7 +152,7 @@ pub fn finish(
     least: usize,
     progress: &Progress,
 ) -> Result<Hypothesis> {
-    let map = shell.refiner.refine(candidate.map.clone(), &POLISH_SIZES, target.projection())?;
+    let map = shell.refiner.refine(candidate.map.clone(), &POLISH_SIZES, Projection::Involution)?;
     let samples = shell.sampled();
     let images = shell.refiner.partners(&map).into_iter().map(|sample| samples[sample as usize]);
     let seeds: Vec<(u32, u32)> = samples.iter().copied().zip(images).collect();

@@ -14,7 +14,7 @@ use std::collections::HashMap;
 /// O(corners) in time and memory.
 ///
 /// # Errors
-/// [`Error::Option`](crate::Error::Option) for a confidence outside 0..=1, and for a rotation.
+/// [`Error::Option`](crate::Error::Option) for a confidence outside 0..=1.
 ///
 /// # Panics
 /// If `selected` has not one entry per face, or `symmetry` one per vertex.

@@ -6,11 +6,10 @@
 //! so that equal steps look equally large. Confidence fades to grey.
 
 use crate::detect::correspondence::Symmetry;
-use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::vector::{squared_norm, subtract};
 use crate::mesh::{Mesh, NONE};
 
-/// What a pair has in common: the middle of the two positions, and half their distance; and what the images of a vertex under
-/// a rotation have, nearly: their middle, and half their mean distance from one to the next.
+/// What a pair has in common: the middle of the two positions, and half their distance.
 type Common = [f64; 4];
 
 /// Lightness and chroma of the middle of the range, and how far each is moved.
@@ -50,19 +49,9 @@ fn common_of_pair(mesh: &Mesh, symmetry: &Symmetry, vertex: usize) -> Option<Com
         let point = mesh.point_of_vertex[vertex];
         (point != NONE).then(|| mesh.positions[point as usize])
     };
-    let distance = |a: Vector, b: Vector| squared_norm(subtract(a, b)).sqrt();
-    let (order, first) = (symmetry.kind.order(), place(vertex)?);
-    let (mut image, mut last, mut sum, mut around) = (vertex, first, first, 0.0);
-    for _ in 1..order {
-        image = usize::try_from(symmetry.partner[image]).ok()?;
-        let next = place(image)?;
-        around += distance(last, next);
-        sum = std::array::from_fn(|k| sum[k] + next[k]);
-        last = next;
-    }
-    around += distance(last, first);
-    let [x, y, z] = sum.map(|value| value / order as f64);
-    Some([x, y, z, around / order as f64 / 2.0])
+    let (own, other) = (place(vertex)?, place(usize::try_from(symmetry.partner[vertex]).ok()?)?);
+    let [x, y, z] = std::array::from_fn(|k| (own[k] + other[k]) / 2.0);
+    Some([x, y, z, squared_norm(subtract(own, other)).sqrt() / 2.0])
 }
 
 /// The three directions of largest variance, by power iteration with deflation.

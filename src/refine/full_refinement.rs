@@ -12,7 +12,7 @@ use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
 use crate::geometry::vertex_map::VertexMap;
 use crate::refine::mesh_descent::{MeshDescent, Seeds};
 use crate::refine::vertex_rows::{Guide, VertexRows};
-use crate::search::functional_map::{Projection, project};
+use crate::search::functional_map::nearest_involution;
 use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
 use faer::linalg::matmul::matmul;
@@ -32,30 +32,18 @@ pub struct MatchTarget<'a> {
     /// The vertices next to each.
     pub graph: Arc<Adjacency>,
     fans: Arc<Fans>,
-    projection: Projection,
     threads: usize,
 }
 
 impl<'a> MatchTarget<'a> {
-    /// O(triangles + vertices x eigenfunctions). Images will be sought on at most `threads` threads, and maps onto itself
-    /// be involutions.
+    /// O(triangles + vertices x eigenfunctions). Images will be sought on at most `threads` threads.
     pub fn new(surface: &'a IntrinsicSurface, basis: &'a Eigenbasis, threads: usize) -> Self {
         let rows = VertexRows::new(surface, basis);
         let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
         let graph = Adjacency::new(surface.vertex_count(), surface.triangles.iter().flat_map(sides));
         let fans = Fans::new(surface.vertex_count(), &surface.triangles);
         let (rows, graph, fans) = (Arc::new(rows), Arc::new(graph), Arc::new(fans));
-        MatchTarget { surface, basis, rows, graph, fans, projection: Projection::Involution, threads }
-    }
-
-    /// The same for maps onto itself that are projected in another way.
-    pub fn with_projection(&self, projection: Projection) -> Self {
-        MatchTarget { projection, ..self.clone() }
-    }
-
-    /// What maps onto itself are projected to.
-    pub fn projection(&self) -> Projection {
-        self.projection
+        MatchTarget { surface, basis, rows, graph, fans, threads }
     }
 
     /// The same for another number of threads.
@@ -81,7 +69,7 @@ impl<'a> MatchTarget<'a> {
         }
     }
 
-    /// The least-squares map of `size` that sends each vertex to its image, projected as the target says.
+    /// The least-squares map of `size` that sends each vertex to its image, projected to an involution.
     ///
     /// # Errors
     /// [`crate::Error::Internal`] if the projection fails.
@@ -104,7 +92,7 @@ impl<'a> MatchTarget<'a> {
             let rows = Mat::from_fn(rows.nrows(), size, |i, j| f64::from(rows[(i, j)]));
             map.subrows_mut(first, rows.nrows()).copy_from(&rows);
         }
-        project(map, self.projection)
+        nearest_involution(&map)
     }
 
     /// What `rows` of the vertices give at `points`.

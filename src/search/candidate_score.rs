@@ -39,7 +39,7 @@ const IDENTITY_TRACE: f64 = 0.85;
 pub struct Score {
     /// Failure to commute with the Laplacian, 0 for an isometry.
     pub commutator: f64,
-    /// Correlation of the orientation operator before and after the map: -1 reflection, +1 rotation, 0 unknown.
+    /// Correlation of the orientation operator before and after the map: -1 reflection, +1 half turn, 0 unknown.
     pub orientation: f64,
     /// Share of samples that hardly move, 0..=1.
     pub fixed: f64,
@@ -60,7 +60,7 @@ impl Score {
             + DISAGREEMENT_WEIGHT * self.disagreement
     }
 
-    /// What the orientation says the map is, if it is its own inverse; `None` between the two.
+    /// What the orientation says the map is; `None` between the two.
     ///
     /// A shell that cannot be oriented gives no evidence (exactly 0) and passes as a reflection.
     pub fn kind(&self) -> Option<SymmetryKind> {
@@ -69,12 +69,6 @@ impl Score {
             o if o > self.unsided => Some(SymmetryKind::HalfTurn),
             _ => None,
         }
-    }
-
-    /// Whether the orientation says that the map is one of this kind, of whatever order.
-    pub(crate) fn is_of(&self, kind: SymmetryKind) -> bool {
-        let reverses = |kind| kind == SymmetryKind::Reflection;
-        self.kind().is_some_and(|own| reverses(own) == reverses(kind))
     }
 
     /// [`Score::total`] with the orientation counted as evidence for either kind.

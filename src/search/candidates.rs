@@ -9,7 +9,7 @@ use crate::base::threads;
 use crate::search::candidate_score::{Score, Scorer};
 use crate::search::extrema_starts;
 use crate::search::functional_map::{Projection, from_parity, mean_trace};
-use crate::search::parity_search::{Sought, involutions_of_three, search as beam_search};
+use crate::search::parity_search::{involutions_of_three, search as beam_search};
 use crate::search::refinement::SampleRefiner;
 use crate::search::sign_network::SignPrediction;
 use crate::search::twin_starts::TwinDistances;
@@ -100,7 +100,7 @@ pub fn find(
     for starts in starts.chunks(few) {
         let tried = threads::map(options.threads, starts.iter().collect(), |start| {
             token.check()?;
-            try_start(refiner, scorer, start, Projection::Involution, &seen)
+            try_start(refiner, scorer, start, &seen)
         });
         let tried = tried.into_iter().collect::<Result<Vec<_>>>()?;
         candidates.extend(tried.into_iter().flatten());
@@ -128,7 +128,7 @@ fn of_twins(
 ) -> Result<Vec<Candidate>> {
     let mut found = Vec::new();
     for start in twins.map_or(Ok(Vec::new()), |twins| twins.starts(refiner))? {
-        let Some(candidate) = try_start(refiner, scorer, &start, Projection::Involution, seen)? else {
+        let Some(candidate) = try_start(refiner, scorer, &start, seen)? else {
             continue;
         };
         if candidate.score.kind() != Some(SymmetryKind::Reflection)
@@ -178,14 +178,13 @@ pub(crate) fn parities(signs: &[SignPrediction]) -> Vec<f64> {
 }
 
 /// Refines and scores a start; `None` if it ends near the identity or where another start has been.
-pub(crate) fn try_start(
+fn try_start(
     refiner: &SampleRefiner,
     scorer: &Scorer,
     start: &Mat<f64>,
-    projection: Projection,
     seen: &Mutex<HashSet<Passage>>,
 ) -> Result<Option<Candidate>> {
-    let Some(map) = refine(refiner, start, projection, seen)? else { return Ok(None) };
+    let Some(map) = refine(refiner, start, seen)? else { return Ok(None) };
     let partners = refiner.partners(&map);
     let score = scorer.score_of(&map, &partners)?;
     Ok((!score.is_identity()).then(|| Candidate { map, partners, score, doubts: Vec::new() }))
@@ -195,7 +194,7 @@ pub(crate) fn try_start(
 fn propose(samples: &Samples, eigenvalues: &[f64], most: usize, beam_width: usize) -> Vec<Mat<f64>> {
     // A small mesh has fewer eigenfunctions than the shortest proposal.
     let lengths = LENGTHS.map(|length| length.min(samples.rows.ncols()));
-    let found = beam_search(samples, eigenvalues, Sought::Involutions, &lengths, beam_width);
+    let found = beam_search(samples, eigenvalues, &lengths, beam_width);
     let of_length =
         |starts: Vec<Mat<f64>>| starts.into_iter().filter(|start| mean_trace(start) < 1.0).take(most);
     found.into_iter().flat_map(of_length).collect()
@@ -229,13 +228,12 @@ fn propose_signs(signs: &[SignPrediction]) -> Vec<Mat<f64>> {
 }
 
 /// What the rest of a refinement depends on: the step by which the map grows, its next size, and the partners.
-pub(crate) type Passage = (usize, usize, Vec<u32>);
+type Passage = (usize, usize, Vec<u32>);
 
 /// ICP at the start's length, then ZoomOut to the candidates' size; `None` on meeting the path of another start.
 fn refine(
     refiner: &SampleRefiner,
     start: &Mat<f64>,
-    projection: Projection,
     seen: &Mutex<HashSet<Passage>>,
 ) -> Result<Option<Mat<f64>>> {
     let length = start.nrows();
@@ -246,7 +244,7 @@ fn refine(
         if !seen.lock().unwrap_or_else(PoisonError::into_inner).insert((step, size, partners.clone())) {
             return Ok(None);
         }
-        map = refiner.estimate(&partners, size.min(refiner.samples.rows.ncols()), projection)?;
+        map = refiner.estimate(&partners, size.min(refiner.samples.rows.ncols()), Projection::Involution)?;
     }
     Ok(Some(map))
 }

@@ -12,7 +12,7 @@ use crate::search::refinement::SampleRefiner;
 use crate::spectral::sampling::spread_rows;
 
 /// Rounds of refinement of a composition.
-pub(crate) const ROUNDS: usize = 3;
+const ROUNDS: usize = 3;
 /// Maps are composed, and compositions added, whose score is worse than the best one's by less than this. On a shape
 /// with one symmetry and many doubtful maps a wider gap adds dozens, all to be refused once they are finished.
 const COMPOSED_GAP: f64 = 0.75 * GAP;
@@ -82,7 +82,7 @@ fn words(a: &[u32], b: &[u32]) -> [Vec<u32>; 3] {
 }
 
 /// First `a`, then `b`.
-pub(crate) fn composed(a: &[u32], b: &[u32]) -> Vec<u32> {
+fn composed(a: &[u32], b: &[u32]) -> Vec<u32> {
     a.iter().map(|&image| b[image as usize]).collect()
 }
 

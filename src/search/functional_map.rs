@@ -6,7 +6,6 @@
 //! `docs/notebook/2026-11-25-method.md`).
 
 use crate::base::error::{Error, Result};
-use crate::base::symmetry_kind::SymmetryKind;
 use crate::spectral::dense::{cholesky_solve, gram_cholesky, product, symmetric_eigen};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
@@ -25,13 +24,6 @@ pub enum Projection {
     Involution,
     /// None: the least-squares estimate itself.
     None,
-}
-
-impl Projection {
-    /// The one that suits symmetries of a kind.
-    pub fn of(kind: SymmetryKind) -> Projection {
-        if kind.is_rotation() { Projection::Orthogonal } else { Projection::Involution }
-    }
 }
 
 /// The diagonal map of a parity vector.

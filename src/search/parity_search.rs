@@ -6,9 +6,6 @@
 //! any 2 x 2 reflection; a few angles of it are tried beside the four sign pairs. A start (a block
 //! diagonal matrix S) is judged by how near the transformed embedding comes to the embedding itself:
 //! `mean over x of min over y |phi(x) S - phi(y)|^2`, which is extended one block at a time.
-//!
-//! Under a rotation of order n a pair of equal eigenvalues turns by a multiple of 360 / n degrees, whatever its basis; the
-//! same search with these blocks finds starts of rotations.
 
 use crate::spectral::sampling::Samples;
 use faer::Mat;
@@ -35,15 +32,6 @@ enum Block {
     Pair([[f32; 2]; 2]),
 }
 
-/// What starts are sought.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sought {
-    /// Maps that are their own inverses.
-    Involutions,
-    /// Rotations of this order, or of one that divides it.
-    Rotations(usize),
-}
-
 struct Beam {
     blocks: Vec<Block>,
     /// sources x targets: squared distances so far.
@@ -60,24 +48,18 @@ struct Step<'a> {
 ///
 /// A start may be one longer than asked for, where a mixed pair straddles the length.
 /// Cost: O(width x longest x SOURCES x TARGETS).
-pub fn search(
-    samples: &Samples,
-    eigenvalues: &[f64],
-    sought: Sought,
-    lengths: &[usize],
-    width: usize,
-) -> Vec<Vec<Mat<f64>>> {
+pub fn search(samples: &Samples, eigenvalues: &[f64], lengths: &[usize], width: usize) -> Vec<Vec<Mat<f64>>> {
     let longest = lengths.last().copied().unwrap_or(0).min(samples.rows.ncols());
     let (sources, targets) = (samples.count().min(SOURCES), samples.count().min(TARGETS));
     let mut beams = vec![Beam { blocks: Vec::new(), distances: vec![0.0; sources * targets] }];
     let mut found = Vec::new();
     let mut index = 0;
     while index < longest {
-        let size = if is_pair(&eigenvalues[index..samples.rows.ncols()], sought) { 2 } else { 1 };
+        let size = if is_pair(&eigenvalues[index..samples.rows.ncols()]) { 2 } else { 1 };
         let columns: Vec<Vec<f32>> = (index..index + size)
             .map(|j| (0..targets).map(|i| samples.rows[(i, j)] as f32).collect())
             .collect();
-        beams = extend_all(&beams, &columns, &block_options(size, sought), sources, width);
+        beams = extend_all(&beams, &columns, &block_options(size), sources, width);
         for _ in lengths.iter().filter(|length| index < **length && **length <= index + size) {
             found.push(beams.iter().map(|beam| matrix(&beam.blocks)).collect());
         }
@@ -87,53 +69,27 @@ pub fn search(
 }
 
 /// Whether the first two of these functions form a block.
-///
-/// Under a rotation the pairs have equal eigenvalues but for noise, and functions between them stand alone: the second may
-/// belong to the third.
-fn is_pair(eigenvalues: &[f64], sought: Sought) -> bool {
-    match (eigenvalues, sought) {
-        ([first, second, third, ..], Sought::Rotations(_)) if third / second < second / first => false,
-        ([first, second, ..], _) => *second < NEAR_RATIO * first,
-        _ => false,
-    }
+fn is_pair(eigenvalues: &[f64]) -> bool {
+    matches!(eigenvalues, [first, second, ..] if *second < NEAR_RATIO * first)
 }
 
 /// Reflections in planes of all directions, and half turns about them, of the three lowest eigenfunctions, if their eigenvalues
 /// nearly coincide, as those of the regular solids do; else none.
 pub fn involutions_of_three(eigenvalues: &[f64]) -> Vec<Mat<f64>> {
-    let householder = |n: [f64; 3], sign: f64| {
-        Mat::from_fn(3, 3, |i, j| sign * (if i == j { 1.0 } else { 0.0 } - 2.0 * n[i] * n[j]))
-    };
-    directions_of_three(eigenvalues).flat_map(|n| [householder(n, 1.0), householder(n, -1.0)]).collect()
-}
-
-/// Rotations about axes of all directions, by 120, 90 and 72 degrees, of the three lowest eigenfunctions, if their eigenvalues
-/// nearly coincide; else none.
-pub fn rotations_of_three(eigenvalues: &[f64]) -> Vec<Mat<f64>> {
-    let rotation = |n: [f64; 3], order: f64| {
-        let (sine, cosine) = (std::f64::consts::TAU / order).sin_cos();
-        let cross = [[0.0, -n[2], n[1]], [n[2], 0.0, -n[0]], [-n[1], n[0], 0.0]];
-        Mat::from_fn(3, 3, |i, j| {
-            let same = if i == j { cosine } else { 0.0 };
-            same + sine * cross[i][j] + (1.0 - cosine) * n[i] * n[j]
-        })
-    };
-    directions_of_three(eigenvalues).flat_map(|n| [3.0, 4.0, 5.0].map(|order| rotation(n, order))).collect()
-}
-
-/// Directions in the space of the three lowest eigenfunctions, all over a half sphere, if their eigenvalues nearly coincide;
-/// else none.
-fn directions_of_three(eigenvalues: &[f64]) -> impl Iterator<Item = [f64; 3]> {
     let is_triple = matches!(eigenvalues, [first, _, third, ..] if *third < TRIPLE_RATIO * first);
     // A spiral of equal areas down the hemisphere; the golden angle keeps its turns apart.
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
-    let direction = move |index: usize| {
+    let direction = |index: usize| {
         let height = 1.0 - (index as f64 + 0.5) / DIRECTIONS as f64;
         let (sine, cosine) = (golden * index as f64).sin_cos();
         let radius = (1.0 - height * height).sqrt();
         [radius * cosine, radius * sine, height]
     };
-    (0..if is_triple { DIRECTIONS } else { 0 }).map(direction)
+    let householder = |n: [f64; 3], sign: f64| {
+        Mat::from_fn(3, 3, |i, j| sign * (if i == j { 1.0 } else { 0.0 } - 2.0 * n[i] * n[j]))
+    };
+    let directions = (0..if is_triple { DIRECTIONS } else { 0 }).map(direction);
+    directions.flat_map(|n| [householder(n, 1.0), householder(n, -1.0)]).collect()
 }
 
 fn extend_all(
@@ -162,29 +118,10 @@ fn extend_all(
     ranked.iter().map(extend_one).collect()
 }
 
-fn block_options(size: usize, sought: Sought) -> Vec<Block> {
-    match (size, sought) {
-        (1, Sought::Rotations(order)) if !order.is_multiple_of(2) => vec![Block::Single(1.0)],
-        (1, _) => vec![Block::Single(1.0), Block::Single(-1.0)],
-        (_, Sought::Involutions) => involutions_of_pair(),
-        (_, Sought::Rotations(order)) => rotations_of_pair(order),
+fn block_options(size: usize) -> Vec<Block> {
+    if size == 1 {
+        return vec![Block::Single(1.0), Block::Single(-1.0)];
     }
-}
-
-/// By all multiples of 360 / `order` degrees; and two functions that are no pair, but happen to lie near each other.
-fn rotations_of_pair(order: usize) -> Vec<Block> {
-    let rotation = |times: usize| {
-        let (sine, cosine) = (std::f64::consts::TAU * times as f64 / order as f64).sin_cos();
-        Block::Pair([[cosine as f32, sine as f32], [-sine as f32, cosine as f32]])
-    };
-    let mut options: Vec<Block> = (0..order).map(rotation).collect();
-    if order.is_multiple_of(2) {
-        options.extend([1.0, -1.0].map(|sign| Block::Pair([[sign, 0.0], [0.0, -sign]])));
-    }
-    options
-}
-
-fn involutions_of_pair() -> Vec<Block> {
     let reflection = |degrees: f64| {
         let (sine, cosine) = degrees.to_radians().sin_cos();
         Block::Pair([[cosine as f32, sine as f32], [sine as f32, -cosine as f32]])

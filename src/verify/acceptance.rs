@@ -26,7 +26,7 @@ pub struct Judgement {
     pub signature_mismatch: f64,
     /// Mean distance of vertices from their images in the finished map, as the eigenfunctions measure it: 0 for the identity.
     pub displacement: f64,
-    /// How far apart overlapping rigid parts put a point of most of the surface at most, in sqrt(area); `None` where no parts are fitted, and for half turns and rotations.
+    /// How far apart overlapping rigid parts put a point of most of the surface at most, in sqrt(area); `None` where no parts are fitted, and for half turns.
     pub disagreement: Option<f64>,
     /// Share of the surface, 0..=1, that images leave empty beyond what is usual; `None` likewise.
     pub scatter: Option<f64>,

@@ -37,7 +37,7 @@ pub struct Choice {
 }
 
 /// The best of the `finished` maps for whoever asks for at most `count` symmetries of `asked` percent of plausibility; if none of them counts
-/// that of the connectivity; else the best one, if it is half as plausible as asked and `mirrors_vertices` of it.
+/// that of the connectivity; else the best one, if it is half as plausible as asked and `mirrors_vertices` of it, or if it may be doubtful.
 ///
 /// # Errors
 /// Those of `mirrors_vertices` and of the connectivity's map.
@@ -66,6 +66,7 @@ pub fn choose<F: FnOnce() -> Result<Hypothesis>>(
         choice.reasons.push(Reason::MirroredVertices);
         choice.take((map, kind));
     }
+    choice.or_doubtful();
     Ok(choice)
 }
 
@@ -81,7 +82,7 @@ impl Choice {
     }
 
     /// Gives the best map where none counts but it may be doubtful.
-    pub fn or_doubtful(&mut self) {
+    fn or_doubtful(&mut self) {
         let asked = self.asked;
         let is_given = |map: &Hypothesis| outcome(map.judged.plausibility, asked, 1.0, 1.0) != Outcome::None;
         if self.maps.is_empty() {
@@ -147,8 +148,7 @@ mod tests {
         let maps = maps.map(|(place, &own)| (hypothesis(own, place + 1), Reflection)).collect();
         let one =
             by_connectivity.then_some(OneReflection { map: || Ok(hypothesis(0.3, 9)), has_defects: true });
-        let mut choice = choose(maps, one, |_, _| Ok(mirrors_vertices), (50, 2)).unwrap();
-        choice.or_doubtful();
+        let choice = choose(maps, one, |_, _| Ok(mirrors_vertices), (50, 2)).unwrap();
         (choice.maps.iter().map(|(map, _)| map.map.nrows()).collect(), choice)
     }
 

@@ -20,8 +20,7 @@ const SMOOTHING_ROUNDS: usize = 3;
 /// What is seen of a finished map without the truth.
 #[derive(Debug, Clone)]
 pub struct Evidence {
-    /// Distance of each vertex from the image of its image, about in sqrt(area); of a rotation from the last of as many
-    /// images as its order says.
+    /// Distance of each vertex from the image of its image, about in sqrt(area).
     pub round_trip: Vec<f64>,
     /// Distance of each vertex from its image; about in sqrt(area) if small, else less than that.
     pub way: Vec<f64>,
@@ -32,15 +31,11 @@ pub struct Evidence {
 }
 
 impl Evidence {
-    /// Gathers the evidence of a shell's map onto itself, which is the identity after `order` times.
-    /// O(order x vertices x eigenfunctions).
-    pub fn new(target: &MatchTarget, found: &Hypothesis, order: usize) -> Evidence {
+    /// Gathers the evidence of a shell's map onto itself. O(vertices x eigenfunctions).
+    pub fn new(target: &MatchTarget, found: &Hypothesis) -> Evidence {
         let columns = target.rows.function_columns(found.map.nrows());
         let images = target.rows_at(&target.rows, &found.images.points);
-        let mut back = target.rows_at(&images, &found.images.points);
-        for _ in 2..order {
-            back = target.rows_at(&back, &found.images.points);
-        }
+        let back = target.rows_at(&images, &found.images.points);
         let scale = embedding_scale(target.surface, &target.rows, &columns);
         let distances = |there: &VertexRows| distances(&target.rows, there, &columns, &scale);
         let doubts = found.doubts.iter().map(|(_, doubt)| doubt);

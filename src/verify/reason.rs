@@ -41,13 +41,6 @@ pub enum Reason {
     },
     /// Vertices are each other's mirror images near the best map, which is less plausible than asked for.
     MirroredVertices,
-    /// Rotations of order three or more (EXPERIMENTAL).
-    Rotations {
-        /// Those that are given.
-        listed: usize,
-    },
-    /// Rotations are not sought in a continuous family.
-    RotationsOfFamily,
     /// The shape has infinitely many symmetries.
     ContinuousFamily {
         /// Arbitrary ones of them that are given.
@@ -107,18 +100,6 @@ impl Display for Reason {
             }
             Reason::MirroredVertices => {
                 to.write_str("but vertices are each other's mirror images near it, and that is the answer")
-            }
-            Reason::Rotations { listed: 0 } => {
-                to.write_str("no rotation of order 3 to 12 was found (experimental)")
-            }
-            Reason::Rotations { listed: 1 } => {
-                to.write_str("a rotation of higher order was found (experimental)")
-            }
-            Reason::Rotations { listed } => {
-                write!(to, "{listed} rotations of higher order were found (experimental)")
-            }
-            Reason::RotationsOfFamily => {
-                to.write_str("rotations of higher order (experimental) are not sought in a continuous family")
             }
             Reason::ContinuousFamily { listed } => {
                 to.write_str("the shape has a continuous family of symmetries, as a sphere or a vase has")?;

@@ -120,7 +120,7 @@ static void wrong_sizes(const isym_result *result) {
     const size_t sizes[3] = {0, sizeof(size_t), SIZE_MAX};
     double values[27] = {77};
     for (int i = 0; i < 3; ++i) {
-        isym_summary summary = {.size = sizes[i], .order = 77};
+        isym_summary summary = {.size = sizes[i], .shells_alone = 77};
         isym_option_spec spec = {.size = sizes[i], .is_expert = 77};
         isym_mirroring how = mirroring(ISYM_MERGE_SWAP, 0, 0);
         how.size = sizes[i];
@@ -129,7 +129,7 @@ static void wrong_sizes(const isym_result *result) {
         FAILS(ISYM_ERROR_SIZE, isym_option_describe(0, &spec));
         FAILS(ISYM_ERROR_SIZE, isym_result_mirror_values(result, 0, &how, SQUARE, 3, values, 9));
         FAILS(ISYM_ERROR_SIZE, isym_result_carry_displacement(result, 0, &how, SQUARE, SQUARE, values, 9));
-        EXPECT(summary.order == 77 && spec.is_expert == 77 && values[0] == 77);
+        EXPECT(summary.shells_alone == 77 && spec.is_expert == 77 && values[0] == 77);
     }
 }
 
@@ -203,11 +203,11 @@ static void what_cannot_be(const isym_mesh *mesh, isym_options *options, const c
     EXPECT(values[0] == 1 && values[8] == 9);
     isym_summary summary = {.size = sizeof summary};
     OK(isym_result_summary(half_turn, 0, &summary));
-    EXPECT(summary.kind == ISYM_KIND_HALF_TURN && summary.order == 2 && summary.plausibility == 1);
+    EXPECT(summary.kind == ISYM_KIND_HALF_TURN && summary.plausibility == 1);
     FAILS(ISYM_ERROR_NULL, isym_result_summary(half_turn, 0, NULL));
     FAILS(ISYM_ERROR_INDEX, isym_result_summary(half_turn, 1, &summary));
     OK(isym_result_free(half_turn));
-    FAILS(ISYM_ERROR_VALUE, isym_result_restore(mesh, ISYM_KIND_ROTATION, none, zeros, sides, indices, indices, zeros, 9,
+    FAILS(ISYM_ERROR_VALUE, isym_result_restore(mesh, (isym_kind)2, none, zeros, sides, indices, indices, zeros, 9,
                                                 &found));
     EXPECT(found == UNTOUCHED);
 

@@ -293,15 +293,11 @@ impl Roads {
 /// What the documentation of [`Detection`] and [`Symmetry`] promises.
 pub fn assert_keeps_its_contract(mesh: &Mesh, options: &Options, found: &Detection) {
     assert_eq!(found.outcome == Outcome::None, found.symmetries.is_empty());
-    let rotations = found.symmetries.iter().filter(|symmetry| symmetry.kind.is_rotation()).count();
-    assert!(found.symmetries.len() - rotations <= options.symmetries && rotations <= options.rotations);
-    let rank = |symmetry: &Symmetry| {
-        let sure = symmetry.kind.is_rotation() || symmetry.plausibility >= 0.95;
-        (symmetry.kind.place(), !sure, if sure { symmetry.score } else { -symmetry.plausibility })
-    };
+    assert!(found.symmetries.len() <= options.symmetries);
+    let rank = |symmetry: &Symmetry| (symmetry.kind, -symmetry.plausibility);
     assert!(
         found.symmetries.iter().map(rank).is_sorted(),
-        "reflections, half turns, rotations, each best first"
+        "reflections, half turns, the most plausible first"
     );
     assert!(found.report.eigenvalues.is_sorted() && !found.report.evidence().is_empty());
     assert_eq!((found.report.vertices, found.report.faces), (mesh.point_of_vertex.len(), mesh.face_count));

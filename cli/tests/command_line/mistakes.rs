@@ -15,7 +15,6 @@ fn numeric_options_name_their_range() {
     refused(&["detect", "in.ply", "--eigenfunctions", "11"], "11 is not in 12..=200");
     refused(&["detect", "in.ply", "--effort", "hard"], "[possible values: fast, default, thorough]");
     refused(&["detect", "in.ply", "--symmetries", "0"], "0 is not in 1..=32");
-    refused(&["detect", "in.ply", "--rotations", "33"], "33 is not in 0..=32");
     refused(&["detect", "in.ply", "--beam-width", "wide"], "invalid digit");
     refused(&["eigen", "in.ply", "-k", "0"], "0 is not in 1..=1000");
 }

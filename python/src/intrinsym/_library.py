@@ -31,7 +31,6 @@ class Summary(Sized):
 
     _fields_ = [
         ("kind", ctypes.c_int32),
-        ("order", ctypes.c_uint32),
         ("plausibility", ctypes.c_double),
         ("score", ctypes.c_double),
         ("mean_confidence", ctypes.c_double),

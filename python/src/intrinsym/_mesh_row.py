@@ -74,7 +74,6 @@ def _symmetry(symmetry: Symmetry) -> Row:
     """What the table says of one symmetry; the arrays have one entry for each vertex."""
     return {
         "kind": symmetry.kind.name.lower(),
-        "order": symmetry.order,
         "partner": symmetry.partner,
         "confidence": symmetry.confidence,
         "side": symmetry.side,

@@ -125,7 +125,6 @@ class Mesh:
         samples: int | None = None,
         beam_width: int | None = None,
         proxy_vertices: int | None = None,
-        rotations: int | None = None,
         model: str | os.PathLike[str] | None = None,
         known_signs: ArrayLike | None = None,
         previous: Detection | Symmetry | None = None,
@@ -162,8 +161,6 @@ class Mesh:
             Width of the beam search over even and odd eigenfunctions.
         proxy_vertices : int, 1000 to 100000000
             Vertices above which the map is found on a simplified mesh of about so many, and carried back.
-        rotations : int, 0 to 32, default 0
-            EXPERIMENTAL. Most rotations of order 3 to 12 to return after the other symmetries.
         model : path
             File of a sign network of your own (ONNX); it is trusted input. It needs the ONNX Runtime library (1.24 or newer)
             that the environment variable ``ORT_DYLIB_PATH`` names.
@@ -196,7 +193,6 @@ class Mesh:
                 "samples": samples,
                 "beam_width": beam_width,
                 "proxy_vertices": proxy_vertices,
-                "rotations": rotations,
             },
             model,
             known_signs,

@@ -19,8 +19,6 @@ ReasonName = Literal[
     "not_onto_itself",
     "one_reflection",
     "mirrored_vertices",
-    "rotations",
-    "rotations_of_family",
     "continuous_family",
     "low_plausibility",
     "low_confidence",

@@ -28,10 +28,6 @@ class SymmetryKind(IntEnum):
     REFLECTION = 0
     #: Keeps orientation and is its own inverse. It has no sides and no fixed curve.
     HALF_TURN = 1
-    #: EXPERIMENTAL, found only with the option ``rotations`` above 0. Keeps orientation and is the identity after
-    #: :attr:`Symmetry.order` times, three or more. No sides, no fixed curve, no partners on other shells than the largest,
-    #: and the tools that mirror refuse it.
-    ROTATION = 2
 
 
 class Merge(IntEnum):
@@ -110,13 +106,8 @@ class Symmetry:
 
     @property
     def kind(self) -> SymmetryKind:
-        """Reflection, half turn or rotation."""
+        """Reflection or half turn."""
         return SymmetryKind(self._summary.kind)
-
-    @property
-    def order(self) -> int:
-        """After how many times it is the identity: 2, or 3 and more for a rotation (experimental)."""
-        return int(self._summary.order)
 
     @cached_property
     def evidence(self) -> Evidence:
@@ -140,11 +131,7 @@ class Symmetry:
 
     @cached_property
     def partner(self) -> NDArray[np.int32]:
-        """(vertices,) int32: the vertex that is the mirror image; -1 for a vertex that no face uses.
-
-        Of a rotation (experimental) the image: ``partner[partner]`` is not each vertex itself, and other shells than the
-        largest have -1.
-        """
+        """(vertices,) int32: the vertex that is the mirror image; -1 for a vertex that no face uses."""
         # NONE is -1 in a signed number.
         return self._read("partners", np.uint32).view(np.int32)
 

@@ -60,7 +60,7 @@ impl<'a> Matching<'a> {
         let targets = self.half_edges.outgoing_of(image);
         match self.kind {
             SymmetryKind::Reflection => targets.map(|target| (start, target ^ 1)).collect(),
-            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => {
+            SymmetryKind::HalfTurn => {
                 targets.filter(|&target| target != start).map(|target| (start, target)).collect()
             }
         }
@@ -192,16 +192,14 @@ impl<'a> Matching<'a> {
     fn next_image(&self, image: u32) -> u32 {
         match self.kind {
             SymmetryKind::Reflection => self.half_edges.previous[image as usize],
-            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => self.half_edges.next[image as usize],
+            SymmetryKind::HalfTurn => self.half_edges.next[image as usize],
         }
     }
 
     fn previous_image(&self, image: u32) -> u32 {
         match self.kind {
             SymmetryKind::Reflection => self.half_edges.next[image as usize],
-            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => {
-                self.half_edges.previous[image as usize]
-            }
+            SymmetryKind::HalfTurn => self.half_edges.previous[image as usize],
         }
     }
 
@@ -209,9 +207,7 @@ impl<'a> Matching<'a> {
     fn end_image(&self, image: u32) -> u32 {
         match self.kind {
             SymmetryKind::Reflection => self.half_edges.start_vertex(image),
-            SymmetryKind::HalfTurn | SymmetryKind::Rotation { .. } => {
-                self.half_edges.to_vertex[image as usize]
-            }
+            SymmetryKind::HalfTurn => self.half_edges.to_vertex[image as usize],
         }
     }
 

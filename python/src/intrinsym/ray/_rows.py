@@ -23,7 +23,6 @@ _ARRAYS = [
 ]
 _SYMMETRY = [
     ("kind", pa.string()),
-    ("order", pa.int32()),
     ("plausibility", pa.float64()),
     ("paired_share", pa.float64()),
     ("shells_paired", pa.int64()),
