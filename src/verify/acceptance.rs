@@ -15,7 +15,7 @@ const WEIGHTS_WITH_PARTS: [f64; 5] = [-13.9391, -3.4618, 3.8687, -2.6964, -38.85
 const SURE: f64 = 0.8;
 
 /// No map comes to count whose plausibility, by the three measures, is less than this share of what is asked (`docs/notebook/2026-11-25-method.md`).
-const HOPELESS: f64 = 0.04;
+const HOPELESS: f64 = 0.12;
 
 /// What a finished map was judged by, and the verdict.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
