@@ -35,7 +35,7 @@ class PaintChannel:
     def operation():
         return None
 
-    def read(self, _moving):
+    def read(self):
         found = self._read()
         vertices = np.flatnonzero((found != self.values).any(axis=1))
         self.values = found.copy()
@@ -64,7 +64,7 @@ class PaintChannel:
         return np.zeros(len(fixed), bool), fixed, None
 
     @staticmethod
-    def mirrored(_carrier, _vertices, there):
+    def mirrored(_route, there):
         return there
 
     @staticmethod
@@ -171,7 +171,7 @@ class Weights(PaintChannel):
         self._object.data.update()
 
     @staticmethod
-    def mirrored(_carrier, _vertices, there):
+    def mirrored(_route, there):
         return there[:, ::-1]
 
     @staticmethod
