@@ -6,6 +6,7 @@ import numpy as np
 
 from . import mesh_data, side_names
 from .live_edit import Positions
+from .weights import read_weights
 
 _STROKES = ("SCULPT_OT_", "PAINT_OT_")
 
@@ -154,13 +155,8 @@ class Weights(PaintChannel):
         super().__init__(object, key)
 
     def _read(self):
-        columns = {self._object.vertex_groups[name].index: column for column, name in enumerate(self._groups)}
-        values = np.zeros((len(self._object.data.vertices), len(columns)), np.float32)
-        for vertex in self._object.data.vertices:
-            for element in vertex.groups:
-                if element.group in columns:
-                    values[vertex.index, columns[element.group]] = element.weight
-        return values
+        columns = [self._object.vertex_groups[name].index for name in self._groups]
+        return read_weights(self._object)[:, columns].astype(np.float32)
 
     def _write(self, values, vertices):
         for column, name in enumerate(self._groups):
