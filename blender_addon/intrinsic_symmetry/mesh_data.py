@@ -127,6 +127,19 @@ def shown_positions(object):
     return positions(object.data) if key is None else key_positions(key)
 
 
+def shown_key(object):
+    """Name of the shape key that edits go to; empty for the basis or without keys."""
+    key = object.active_shape_key
+    return "" if key is None or key == object.data.shape_keys.reference_key else key.name
+
+
+def why_absolute(object):
+    """Why shape keys cannot be added up, or nothing."""
+    keys = object.data.shape_keys
+    is_absolute = keys is not None and not keys.use_relative
+    return "The shape keys are absolute, each a shape in time, and are not added up: switch on Relative" if is_absolute else None
+
+
 def set_shown_positions(object, values):
     """Writes what `shown_positions` reads. A changed basis takes the base shape along.
     Raises MeshProblem if the shape key is locked."""

@@ -48,7 +48,9 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
         after, free = self._mirrored(object, symmetry, before, other, trust, names)
         rows = np.flatnonzero((np.abs(after - before) > SMALLEST).any(axis=1))
         if self.normalize:
-            after = normalized(object, after, rows, free)
+            after, stuck = normalized(object, after, rows, free)
+            if stuck:
+                self.warn(f"On {stuck} vertices the weights do not sum to 1: groups that stay leave no room")
         write_weights(object, before, after)
         object.data.update()
         return f"{len(rows)} vertices changed"

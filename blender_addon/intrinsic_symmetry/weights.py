@@ -8,6 +8,8 @@ import numpy as np
 
 #: Smaller weights are taken for none.
 SMALLEST = 1e-6
+#: How far from 1 a sum of weights may be.
+_UNEVEN = 1e-3
 
 
 def read_weights(object):
@@ -39,7 +41,8 @@ def write_weights(object, before, after):
 
 
 def normalized(object, after, rows, free):
-    """Weights whose rows sum to 1 over the groups that deform; only the `free` columns, (groups,) bool, are scaled."""
+    """Weights whose rows sum to 1 over the groups that deform, and how many rows cannot, since the other groups leave no
+    room. Only the `free` columns, (groups,) bool, are scaled."""
     deforming = _deforming(object)
     held = after[rows][:, deforming & ~free].sum(axis=1)
     scaled = after[np.ix_(rows, deforming & free)]
@@ -47,7 +50,8 @@ def normalized(object, after, rows, free):
     factor = np.where(total > SMALLEST, np.maximum(1 - held, 0) / np.maximum(total, SMALLEST), 1)
     after = after.copy()
     after[np.ix_(rows, deforming & free)] = scaled * factor[:, None]
-    return after
+    stuck = (held > SMALLEST) & (np.abs(held + total * factor - 1) > _UNEVEN)
+    return after, int(stuck.sum())
 
 
 def _deforming(object):
