@@ -5,10 +5,10 @@ Values are (vertices, components): positions, weights, colours. A change of posi
 vertex; those are three displacements of `intrinsym.Symmetry.carry_displacement`, one along each axis. No bpy here.
 """
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
-from intrinsym import Merge, SymmetryKind
+from intrinsym import SymmetryKind
+
+from . import local_frames
 
 
 def differing(one, other):
@@ -35,19 +35,11 @@ class Carrier:
         """Fits the matrices to a pose, (vertices, 3) float32; nothing is done if they fit it already."""
         if self.fitted_to is not None and np.array_equal(self.fitted_to, positions):
             return
-        with ThreadPoolExecutor(2) as threads:
-            x, y = threads.map(lambda axis: self._carry_unit(positions, axis), range(2))
-        z = np.cross(y, x) if self.symmetry.kind == SymmetryKind.REFLECTION else np.cross(x, y)
-        self.turn, self.fitted_to = np.stack((x, y, z), axis=2), positions.copy()
+        self.turn, self.fitted_to = local_frames.turns(self.symmetry, positions), positions.copy()
         self._fit_line()
 
     def is_fitted(self):
         return self.turn is not None
-
-    def _carry_unit(self, positions, axis):
-        unit = np.zeros((len(positions), 3))
-        unit[:, axis] = 1
-        return self.symmetry.carry_displacement(positions, unit, Merge.SWAP)
 
     def _fit_line(self):
         """Normals of the plane that a vertex on the line stays in: the direction that its matrix reverses best."""

@@ -133,6 +133,11 @@ def shown_key(object):
     return "" if key is None or key == object.data.shape_keys.reference_key else key.name
 
 
+def has_multires(object):
+    """Whether sculpted detail is kept in a modifier, beside the mesh."""
+    return any(modifier.type == "MULTIRES" and modifier.total_levels for modifier in object.modifiers)
+
+
 def why_absolute(object):
     """Why shape keys cannot be added up, or nothing."""
     keys = object.data.shape_keys

@@ -80,6 +80,7 @@ class MeshOperator:
             return ""
         if self.on_shown_shape:
             self._say_other_shapes(members)
+            self._say_multires(members)
         held = []
         with assembly.whole(members, self.objects if mode == "EDIT" else None, held) as body:
             if problem := self.is_empty(body):
@@ -95,6 +96,11 @@ class MeshOperator:
         if others:
             what = f'the shape key "{name}"' if name else "the basis"
             self.warn(f"Worked on {what} in all objects; another one is active in {counterparts.listed(others)}")
+
+    def _say_multires(self, members):
+        names = [each.name for each in members if mesh_data.has_multires(each)]
+        if names:
+            self.warn(f"The base mesh alone: the Multires detail of {counterparts.listed(names)} is not mirrored")
 
     def _named(self, object, text):
         """The text with the object's name, where several are worked on."""
