@@ -126,6 +126,9 @@ class Session:
         elif not self._is_in_the_middle():
             self._waits = False
             self.update()
+        else:
+            for track in self.tracks:
+                track.channel.catch_up()
         return 0.05 if self._waits else None
 
     @property

@@ -18,8 +18,8 @@ import numpy as np
 from . import mesh_data
 from .live_carry import differing
 
-#: With a larger share of the vertices written, the normals of all are computed: not again until so many times what they
-#: took has passed, so that shading may lag and positions do not; and at the end of the operation.
+#: With a larger share of the vertices written, the normals of all are computed, between the updates: not again until so
+#: many times what they took has passed. Shading may lag; positions do not.
 _MANY_NORMALS, _REST = 0.3, 4
 
 
@@ -109,7 +109,6 @@ class EditVertices:
         """The operation is over: the next one may move others."""
         if self._old_normals:
             self._update_normals()
-            bmesh.update_edit_mesh(self._mesh, loop_triangles=False, destructive=False)
         if len(self._moving):
             _put(_chosen(self._copies, self._moving), _places(self.values[self._moving]))
             self._watch(np.zeros(len(self._views), bool))
@@ -123,16 +122,20 @@ class EditVertices:
         self.values[vertices] = values
         if len(vertices) <= _MANY_NORMALS * len(self._views):
             deque(map(operator.methodcaller("normal_update"), self._around), maxlen=0)
-        elif time.perf_counter() >= self._normals_at:
-            self._update_normals()
         else:
             self._old_normals = True
         bmesh.update_edit_mesh(self._mesh, loop_triangles=True, destructive=False)
         return values
 
+    def catch_up(self):
+        """There is time between two updates."""
+        if self._old_normals and time.perf_counter() >= self._normals_at:
+            self._update_normals()
+
     def _update_normals(self):
         begun = time.perf_counter()
         self.bm.normal_update()
+        bmesh.update_edit_mesh(self._mesh, loop_triangles=False, destructive=False)
         self._old_normals, ended = False, time.perf_counter()
         self._normals_at = ended + _REST * (ended - begun)
 

@@ -53,6 +53,8 @@ class PaintChannel:
     def rest(self):
         pass
 
+    catch_up = rest
+
     def flags(self, _lit):
         """No vertex is selected; hidden and masked ones are left alone."""
         mesh = self._object.data

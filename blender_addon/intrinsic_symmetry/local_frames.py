@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How directions at the mirror image of each vertex are turned there: what `carry_displacement` does to the axes. No bpy
-here."""
+"""How directions at the mirror image of each vertex are turned there: what `carry_displacement` does to the axes. No
+bpy here."""
 
 from concurrent.futures import ThreadPoolExecutor
 

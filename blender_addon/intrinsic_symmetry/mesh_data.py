@@ -63,7 +63,8 @@ def object_mode(context):
 
 def polygons(mesh):
     """Faces of any size, as `intrinsym.Polygons`."""
-    corners = _stored(mesh, (".corner_vert", "value"), (mesh.loops, "vertex_index"), np.empty(len(mesh.loops), np.int32))
+    corners = np.empty(len(mesh.loops), np.int32)
+    _stored(mesh, (".corner_vert", "value"), (mesh.loops, "vertex_index"), corners)
     offsets = np.empty(len(mesh.polygons) + 1, np.int32)
     mesh.polygons.foreach_get("loop_start", offsets[:-1])
     offsets[-1] = len(corners)
@@ -141,8 +142,9 @@ def has_multires(object):
 def why_absolute(object):
     """Why shape keys cannot be added up, or nothing."""
     keys = object.data.shape_keys
-    is_absolute = keys is not None and not keys.use_relative
-    return "The shape keys are absolute, each a shape in time, and are not added up: switch on Relative" if is_absolute else None
+    if keys is None or keys.use_relative:
+        return None
+    return "The shape keys are absolute, each a shape in time, and are not added up: switch on Relative"
 
 
 def set_shown_positions(object, values):

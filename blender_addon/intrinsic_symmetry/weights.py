@@ -34,9 +34,10 @@ def write_weights(object, before, after):
     """Writes the weights that differ."""
     changed = np.abs(after - before) > SMALLEST
     for group in object.vertex_groups:
-        column = after[:, group.index]
-        stay, go = (np.flatnonzero(changed[:, group.index] & kept) for kept in (column > SMALLEST, column <= SMALLEST))
-        group.remove(go.tolist())
+        column, vertices = after[:, group.index], np.flatnonzero(changed[:, group.index])
+        kept = column[vertices] > SMALLEST
+        group.remove(vertices[~kept].tolist())
+        stay = vertices[kept]
         deque(map(group.add, zip(stay.tolist()), column[stay].tolist(), repeat("REPLACE")), maxlen=0)
 
 

@@ -109,17 +109,20 @@ def test_an_operation_that_takes_more_and_fewer_vertices_and_is_cancelled(symmet
     assert np.array_equal(places(live), before)
 
 
-def test_normals_of_many_vertices_are_right_at_the_end_of_an_operation(human, monkeypatch):
+@pytest.mark.parametrize("when", ["between two updates", "at the end"])
+def test_normals_of_many_vertices_lag_and_catch_up(human, monkeypatch, when):
     select(human, np.flatnonzero(side_of(human.data) == 1))
     enter("EDIT")
     switch(human)
-    channel = module("live_edit").EditChannel
+    session, channel = module("live")._sessions[human.session_uid], module("live_edit").EditChannel
     monkeypatch.setattr(channel, "operation", staticmethod(lambda: 1))
     before, chosen = places(human), a_hand_of(human)
-    for factor in (0.9, 0.5):  # two at once: the normals may lag behind the second
-        drag(human, chosen, before[chosen] * (1, 1, factor))
-    monkeypatch.setattr(channel, "operation", staticmethod(lambda: None))
-    module("live")._sessions[human.session_uid].update()
+    drag(human, chosen, before[chosen] * (1, 1, 0.5))
+    if when == "at the end":
+        monkeypatch.setattr(channel, "operation", staticmethod(lambda: None))
+        session.update()
+    else:
+        session.edit.catch_up()
     mesh = bmesh.from_edit_mesh(human.data)
     found = np.array([vertex.normal[:] for vertex in mesh.verts])
     mesh.normal_update()
