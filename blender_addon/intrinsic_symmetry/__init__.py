@@ -26,6 +26,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     vertex_map      maps that are known vertex by vertex
     line_distance   distance from the line between left and right
     asymmetry       where the mirror image of each vertex should be
+    local_frames    how directions are turned there
     live            what changes on one side happens on the other; live_carry says what, live_edit, live_paint and
                     live_select read and write it
     ops_*           operators, one file for each thing that a user does

@@ -31,8 +31,9 @@ def agreed(operator, object, symmetry):
     if words == stored_map.BY_X:
         return symmetry
     stored_map.name_sides(mesh, sign, words)
-    if sign < 0:
-        operator.warn(f"Left is now the side that the {words} say")
+    if sign > 0:
+        return symmetry
+    operator.warn(f"Left is now the side that the {words} say")
     return stored_map.load(mesh)
 
 

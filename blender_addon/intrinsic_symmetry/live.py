@@ -6,6 +6,7 @@ what follows from the difference is written. `live_carry` says what follows; `li
 write. Nothing is stored on the mesh.
 """
 
+import bmesh
 import bpy
 import intrinsym
 import numpy as np
@@ -58,7 +59,7 @@ class Track:
         if operation is not None and operation != self.operation:
             self.settle()
         self.operation = operation
-        vertices, values = self.channel.read(self.change.moved | self.change.written)
+        vertices, values = self.channel.read()
         if len(vertices):
             self.change.take(vertices, values)
             if self.flags is None:
@@ -73,8 +74,8 @@ class Track:
         """The operation is over: its result is what the next one begins with."""
         self.flags = None
         step = self.change.settle()
+        self.channel.rest()
         if step is not None:
-            self.channel.rest()
             self.state[step.vertices] = step.after
             self.history.add(step)
 
@@ -91,9 +92,15 @@ class Session:
         """Begins with the values that the mode edits, or goes on with them after an undo."""
         self._kept.update((track.channel.key, (track.state, track.history)) for track in self.tracks)
         self.tracks = [
-            Track(channel, self.carrier, self._kept.get(channel.key), undone) for channel in _channels(object)
+            Track(channel, self.carrier, self._kept.get(channel.key), undone) for channel in self._channels(object)
         ]
         self.keys = _keys(object)
+
+    def _channels(self, object):
+        """What reads and writes the values that the mode of an object edits."""
+        if object.mode == "EDIT":
+            return [live_edit.EditChannel(object, self.topology[1])]
+        return live_paint.channels_of(object)
 
     def is_entered(self, object):
         """Whether the values at hand are those that the mode edits now."""
@@ -119,17 +126,15 @@ class Session:
         elif not self._is_in_the_middle():
             self._waits = False
             self.update()
+        else:
+            for track in self.tracks:
+                track.channel.catch_up()
         return 0.05 if self._waits else None
 
     @property
     def edit(self):
         """The vertices in edit mode."""
         return self.tracks[0].channel
-
-
-def _channels(object):
-    """What reads and writes the values that the mode of an object edits."""
-    return [live_edit.EditChannel(object)] if object.mode == "EDIT" else live_paint.channels_of(object)
 
 
 def _keys(object):
@@ -149,7 +154,7 @@ def _load(mesh):
         return stored_map.load(mesh)
     copy = bpy.data.meshes.new("live")
     try:
-        live_edit.EditVertices(mesh).bm.to_mesh(copy)
+        bmesh.from_edit_mesh(mesh).to_mesh(copy)
         if stored_map.RECORD in mesh:
             copy[stored_map.RECORD] = mesh[stored_map.RECORD].to_dict()
         return stored_map.load(copy)

@@ -6,7 +6,15 @@ vertex; those are three displacements of `intrinsym.Symmetry.carry_displacement`
 """
 
 import numpy as np
-from intrinsym import Merge, SymmetryKind
+from intrinsym import SymmetryKind
+
+from . import local_frames
+
+
+def differing(one, other):
+    """(rows,) bool: which rows of two arrays are not equal."""
+    different = one != other
+    return np.logical_or.reduce([different[:, column] for column in range(different.shape[1])])
 
 
 class Carrier:
@@ -27,17 +35,11 @@ class Carrier:
         """Fits the matrices to a pose, (vertices, 3) float32; nothing is done if they fit it already."""
         if self.fitted_to is not None and np.array_equal(self.fitted_to, positions):
             return
-        carried = [self._carry_unit(positions, axis) for axis in range(3)]
-        self.turn, self.fitted_to = np.stack(carried, axis=2), positions.copy()
+        self.turn, self.fitted_to = local_frames.turns(self.symmetry, positions), positions.copy()
         self._fit_line()
 
     def is_fitted(self):
         return self.turn is not None
-
-    def _carry_unit(self, positions, axis):
-        unit = np.zeros((len(positions), 3))
-        unit[:, axis] = 1
-        return self.symmetry.carry_displacement(positions, unit, Merge.SWAP)
 
     def _fit_line(self):
         """Normals of the plane that a vertex on the line stays in: the direction that its matrix reverses best."""
@@ -56,20 +58,37 @@ class Carrier:
         touched &= self.weights > 0
         return touched.any(axis=1) & ~self.on_line
 
-    def carry(self, vertices, change):
-        """(given vertices, components) the change at the images of vertices; `change` is of all, float64.
+    def route(self, vertices):
+        return Route(self, vertices)
 
-        The sums here and in `turned` are in the library's order, so that the result is the same to the last bit.
-        """
-        corners, weights = self.corners[vertices], self.weights[vertices]
-        total = weights[:, 0] + weights[:, 1] + weights[:, 2]
-        there = sum(weights[:, corner, None] * change[corners[:, corner]] for corner in range(3))
-        return there / total[:, None]
 
-    def turned(self, vertices, there):
-        """(given vertices, 3) directions at the images of vertices, as they are at the vertices."""
-        turn = self.turn[vertices]
-        return sum(turn[:, :, axis] * there[:, axis, None] for axis in range(3))
+class Route:
+    """The way of a change to some vertices from their images.
+
+    The sums are in the library's order, so that the result is the same to the last bit.
+    """
+
+    def __init__(self, carrier, vertices):
+        weights = carrier.weights[vertices]
+        self._corners = [np.ascontiguousarray(corner) for corner in carrier.corners[vertices].T]
+        self._weights = [np.ascontiguousarray(weight)[:, None] for weight in weights.T]
+        self._total = (weights[:, 0] + weights[:, 1] + weights[:, 2])[:, None]
+        self._carrier, self._vertices, self._axes = carrier, vertices, None
+
+    def carry(self, change):
+        """(given vertices, components) the change at the images; `change` is of all vertices, float64."""
+        there = 0
+        for corner, weight in zip(self._corners, self._weights):
+            there += weight * change.take(corner, axis=0)
+        there /= self._total
+        return there
+
+    def turned(self, there):
+        """(given vertices, 3) directions at the images, as they are at the vertices."""
+        if self._axes is None:
+            turn = self._carrier.turn[self._vertices]
+            self._axes = [np.ascontiguousarray(turn[:, :, axis]) for axis in range(3)]
+        return sum(axis * there[:, number, None] for number, axis in enumerate(self._axes))
 
 
 class Change:
@@ -85,55 +104,52 @@ class Change:
         self.moved = np.zeros(len(values), bool)  # changed, and not by us
         self.written = np.zeros(len(values), bool)
         self.touched = np.zeros(len(values), bool)  # written at some time of this operation
+        self._plan = None
 
     def take(self, vertices, values):
         """Keeps what somebody else has done to vertices."""
         self.current[vertices] = values
-        self.moved[vertices] = (values != self.base[vertices]).any(axis=1)
+        self.moved[vertices] = differing(values, self.base[vertices])
         self.written[vertices] = False
 
     def follow(self, selected, fixed, share=None):
-        """Brings the other side after what was moved. Returns the vertices to write, their values in `current`.
+        """Brings the other side after what was moved. Returns the vertices to write, their values in `current`: the
+        same array as long as the same vertices move.
 
         selected  (vertices,) bool: moved by the user's own will; never overwritten
         fixed     (vertices,) bool: never written at all
         share     (vertices,) float, how much of a change arrives; or nothing for all of it
         """
-        moved, line = self.moved, np.flatnonzero(self.moved & self.carrier.on_line & ~fixed)
-        side = self._winning_side(moved, selected)
-        losing = self.carrier.side == -side if side else np.zeros(len(moved), bool)
-        sources = moved & ~losing
-        targets = self.carrier.followers(sources) & self.carrier.has_image
-        if side:
-            targets = (targets | moved) & losing
-        targets &= ~fixed & (losing | ~moved)
-        candidates = np.concatenate((line, np.flatnonzero(targets | self.written)))
-        before = self.current[candidates]
-        self._change_line(line)
-        self._write(sources, targets, share)
-        changed = candidates[(self.current[candidates] != before).any(axis=1)]
-        self.touched[changed] = True
-        return changed
+        side = self._winning_side(selected)
+        if self._plan is None or not self._plan.is_for(self.moved, side):
+            self._plan = Plan(self, side, fixed)
+        plan = self._plan
+        before = self.current[plan.candidates]
+        self._change_line(plan.line)
+        self._write(plan, share)
+        changed = differing(self.current[plan.candidates], before)
+        self.touched[plan.candidates[changed]] = True
+        return plan.candidates if changed.any() else plan.candidates[:0]
 
-    def _write(self, sources, targets, share):
-        vertices = np.flatnonzero(targets)
-        change = np.zeros(self.base.shape)
-        change[sources] = self.current[sources].astype(float) - self.base[sources]
-        carried = self._channel.mirrored(self.carrier, vertices, self.carrier.carry(vertices, change))
+    def _write(self, plan, share):
+        sources, targets = plan.sources, plan.targets
+        plan.change[sources] = self.current[sources] - self.base[sources].astype(float)
+        carried = self._channel.mirrored(plan.route, plan.route.carry(plan.change))
         if share is not None:
-            carried *= share[vertices, None]
-        self.current[self.written] = self.base[self.written]
-        self.current[vertices] = self.base[vertices] + carried
-        self.written, self.moved = targets, self.moved & ~targets
+            carried *= share[targets, None]
+        self.current[plan.left] = self.base[plan.left]
+        self.current[targets] = self.base[targets] + carried
+        self.written[plan.left], self.written[targets], self.moved[targets] = False, True, False
 
     def _change_line(self, vertices):
-        change = self.current[vertices].astype(float) - self.base[vertices]
+        change = self.current[vertices] - self.base[vertices].astype(float)
         self.current[vertices] = self.base[vertices] + self._channel.on_line(self.carrier, vertices, change)
 
-    def _winning_side(self, moved, selected):
+    def _winning_side(self, selected):
         """The side whose change is carried, or 0 for both: the one with selected vertices; without a selection, as in
         sculpt mode, the one with more change."""
-        side, chosen = self.carrier.side, moved & selected
+        side, moved = self.carrier.side, self.moved
+        chosen = moved & selected
         if chosen.any():
             left, right = (chosen & (side == 1)).any(), (chosen & (side == -1)).any()
             return int(left) - int(right)
@@ -149,7 +165,38 @@ class Change:
             step = Step(changed, self.base[changed], self.current[changed], self.touched[changed])
         self.base[changed] = self.current[changed]
         self.moved[:] = self.written[:] = self.touched[:] = False
+        self._plan = None
         return step
+
+
+class Plan:
+    """What follows from one set of moved vertices, whatever their values: kept from update to update.
+
+    line        moved, and only along the line
+    sources     moved, and followed by others
+    targets     follow
+    left        have followed, and do not any more
+    candidates  may be written: line, targets and left
+    """
+
+    def __init__(self, change, side, fixed):
+        carrier, moved, written = change.carrier, change.moved, change.written
+        losing = carrier.side == -side if side else np.zeros(len(moved), bool)
+        sources = moved & ~losing
+        targets = carrier.followers(sources) & carrier.has_image
+        if side:
+            targets = (targets | moved) & losing
+        targets &= ~fixed & (losing | ~moved)
+        self._moved, self._side = moved.copy(), side
+        self.line = np.flatnonzero(moved & carrier.on_line & ~fixed)
+        self.sources, self.targets = np.flatnonzero(sources), np.flatnonzero(targets)
+        self.left = np.flatnonzero(written & ~targets)
+        self.candidates = np.concatenate((self.line, self.targets, self.left))
+        self.route, self.change = carrier.route(self.targets), np.zeros(change.base.shape)
+
+    def is_for(self, moved, side):
+        """Whether these vertices are moved, and nothing else has to be put back."""
+        return not len(self.left) and side == self._side and np.array_equal(moved, self._moved)
 
 
 class Step:

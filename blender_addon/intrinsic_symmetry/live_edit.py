@@ -2,22 +2,25 @@
 """The vertices of a mesh in edit mode, read and written fast enough for every frame.
 
 A BMesh gives no arrays. But a vertex' `co` is a view of its place, so a kept list of them shows at once what has moved:
-comparing it with copies takes a fifth of the time that reading the numbers does.
+comparing it with a list of copies takes a ninth of the time that reading the numbers does. The loops over such lists
+run in C, and make no containers that would wake the garbage collector.
 """
 
 import operator
-from itertools import chain
+import time
+from collections import deque
+from itertools import chain, repeat
 
 import bmesh
 import bpy
 import numpy as np
 
 from . import mesh_data
+from .live_carry import differing
 
-#: With a larger share of the vertices moving, all are read, and no copies are kept.
-_MANY = 0.25
-#: With a larger share of the vertices written, the normals of all are computed.
-_MANY_NORMALS = 0.3
+#: With a larger share of the vertices written, the normals of all are computed, between the updates: not again until so
+#: many times what they took has passed. Shading may lag; positions do not.
+_MANY_NORMALS, _REST = 0.3, 4
 
 
 def counts(mesh):
@@ -42,85 +45,109 @@ def has(object, known, only_counts):
     return only_counts or all(map(np.array_equal, known[1], topology(object)[1]))
 
 
-class EditVertices:
-    """Those of one BMesh, as long as it lives and nothing is added or removed."""
+def _chosen(all, numbers):
+    """Of a list, those with the given numbers."""
+    return [all[number] for number in numbers.tolist()]
 
-    def __init__(self, mesh):
-        self._mesh, self.bm = mesh, bmesh.from_edit_mesh(mesh)
+
+def _numbers(vectors):
+    """(vectors, 3) float32."""
+    numbers = chain.from_iterable(map(operator.itemgetter(slice(None)), vectors))
+    return np.fromiter(numbers, np.float32, 3 * len(vectors)).reshape(-1, 3)
+
+
+def _places(values):
+    """One (x, y, z) after another, of (vectors, 3)."""
+    return zip(*(column.tolist() for column in values.T))
+
+
+def _put(vectors, places):
+    deque(map(operator.setitem, vectors, repeat(slice(None)), places), maxlen=0)
+
+
+class EditVertices:
+    """Those of one BMesh, as long as it lives and nothing is added or removed.
+
+    Vertices that an operation has moved are read number by number; the others are compared with copies.
+    """
+
+    def __init__(self, mesh, polygons):
+        self._mesh, self.bm, self._polygons = mesh, bmesh.from_edit_mesh(mesh), polygons
         self.bm.verts.ensure_lookup_table()
         self.bm.verts.index_update()
-        self.vertices = list(self.bm.verts)
+        self.vertices, self._faces = list(self.bm.verts), list(self.bm.faces)
         self._views = [vertex.co for vertex in self.vertices]
-        self._copies, self._around = None, ([], [], [])
-        self.values = self.read_all()
-        self._many = False
+        self._copies = [view.copy() for view in self._views]
+        self.values = _numbers(self._views)
+        self._written = self._around = None
+        self._old_normals, self._normals_at = False, 0.0
+        self._watch(np.zeros(len(self._views), bool))
 
     def is_alive(self):
         return self.bm.is_valid and bmesh.from_edit_mesh(self._mesh) is self.bm
 
-    def read_all(self):
-        numbers = chain.from_iterable(map(operator.itemgetter(slice(None)), self._views))
-        return np.fromiter(numbers, np.float32, 3 * len(self._views)).reshape(-1, 3)
+    def _watch(self, moving):
+        """From now on the moving vertices, (vertices,) bool, are read, and the others are compared."""
+        self._moving, self._still = np.flatnonzero(moving), np.flatnonzero(~moving)
+        self._moving_views = _chosen(self._views, self._moving)
+        self._still_views, self._still_copies = (_chosen(all, self._still) for all in (self._views, self._copies))
 
-    def read(self, moving):
-        """Vertices that are not where `values` has them any more, and their places. `moving`, (vertices,) bool, have
-        moved before: they are compared number by number, the others as Blender compares vectors."""
-        if self._many or moving.mean() > _MANY:
-            self._many, self._copies = True, None
-            found = self.read_all()
-            vertices = np.flatnonzero((found != self.values).any(axis=1))
-            self.values[vertices] = found[vertices]
-            return vertices, found[vertices]
-        if self._copies is None:
-            self._copies = [view.copy() for view in self._views]
-            self._copies_of(self.values)
-        differs = np.fromiter(map(operator.ne, self._views, self._copies), bool, len(self._views))
-        return self._take(np.flatnonzero(differs | moving))
-
-    def _copies_of(self, values):
-        """Copies are of what was read last, which may be a moment ago."""
-        now = self.read_all()
-        for vertex in np.flatnonzero((now != values).any(axis=1)).tolist():
-            self._copies[vertex][:] = values[vertex].tolist()
-
-    def _take(self, vertices):
-        places = [self._views[vertex][:] for vertex in vertices.tolist()]
-        found = np.array(places, np.float32).reshape(-1, 3)
-        new = (found != self.values[vertices]).any(axis=1)
-        vertices, found = vertices[new], found[new]
+    def read(self):
+        """Vertices that are not where `values` has them any more, and their places."""
+        if self._still_views != self._still_copies:
+            differs = np.fromiter(map(operator.ne, self._still_views, self._still_copies), bool, len(self._still))
+            moving = np.zeros(len(self._views), bool)
+            moving[self._moving] = moving[self._still[differs]] = True
+            self._watch(moving)
+        found = _numbers(self._moving_views)
+        new = differing(found, self.values[self._moving])
+        vertices, found = self._moving[new], found[new]
         self.values[vertices] = found
-        self._copy(vertices)
         return vertices, found
 
-    def _copy(self, vertices):
-        if self._copies is not None:
-            for vertex in vertices.tolist():
-                self._copies[vertex] = self._views[vertex].copy()
-
     def rest(self):
-        """The operation is over: the next one may move fewer."""
-        self._many = False
+        """The operation is over: the next one may move others."""
+        if self._old_normals:
+            self._update_normals()
+        if len(self._moving):
+            _put(_chosen(self._copies, self._moving), _places(self.values[self._moving]))
+            self._watch(np.zeros(len(self._views), bool))
 
     def write(self, vertices, values):
-        chosen = vertices.tolist()
-        for vertex, place in zip(chosen, values.tolist()):
-            self.vertices[vertex].co = place
+        if vertices is not self._written:
+            self._written, self._around = vertices, self._elements_around(vertices)
+            self._written_views, self._written_copies = (_chosen(all, vertices) for all in (self._views, self._copies))
+        _put(self._written_views, _places(values))
+        _put(self._written_copies, self._written_views)
         self.values[vertices] = values
-        self._copy(vertices)
-        if len(chosen) > _MANY_NORMALS * len(self.vertices):
-            self.bm.normal_update()
+        if len(vertices) <= _MANY_NORMALS * len(self._views):
+            deque(map(operator.methodcaller("normal_update"), self._around), maxlen=0)
         else:
-            self._update_normals(chosen)
+            self._old_normals = True
         bmesh.update_edit_mesh(self._mesh, loop_triangles=True, destructive=False)
         return values
 
-    def _update_normals(self, chosen):
-        """Of vertices and what is around them, kept while the same ones are written."""
-        if chosen != self._around[0]:
-            faces = {face for vertex in chosen for face in self.vertices[vertex].link_faces}
-            self._around = chosen, faces, {vertex for face in faces for vertex in face.verts}
-        for element in chain(*self._around[1:]):
-            element.normal_update()
+    def catch_up(self):
+        """There is time between two updates."""
+        if self._old_normals and time.perf_counter() >= self._normals_at:
+            self._update_normals()
+
+    def _update_normals(self):
+        begun = time.perf_counter()
+        self.bm.normal_update()
+        bmesh.update_edit_mesh(self._mesh, loop_triangles=False, destructive=False)
+        self._old_normals, ended = False, time.perf_counter()
+        self._normals_at = ended + _REST * (ended - begun)
+
+    def _elements_around(self, vertices):
+        """The faces of vertices, then the vertices of those faces: what has another normal if the vertices move."""
+        offsets, corners = self._polygons
+        chosen, near = np.zeros((2, len(self._views)), bool)
+        chosen[vertices] = True
+        faces = np.zeros(len(self._faces), bool)
+        faces[np.repeat(np.arange(len(faces)), np.diff(offsets))[chosen[corners]]] = True
+        near[corners[np.repeat(faces, np.diff(offsets))]] = True
+        return _chosen(self._faces, np.flatnonzero(faces)) + _chosen(self.vertices, np.flatnonzero(near))
 
     def flags_of(self, name):
         """(vertices,) bool: `select` or `hide`."""
@@ -133,8 +160,8 @@ class Positions:
     turns = True
 
     @staticmethod
-    def mirrored(carrier, vertices, there):
-        return carrier.turned(vertices, there)
+    def mirrored(route, there):
+        return route.turned(there)
 
     @staticmethod
     def on_line(carrier, vertices, change):
@@ -144,8 +171,8 @@ class Positions:
 class EditChannel(Positions, EditVertices):
     """Positions in edit mode."""
 
-    def __init__(self, object):
-        super().__init__(object.data)
+    def __init__(self, object, polygons):
+        super().__init__(object.data, polygons)
         self.key = "EDIT", object.active_shape_key_index
 
     @staticmethod

@@ -6,6 +6,7 @@ import numpy as np
 
 from . import mesh_data, side_names
 from .live_edit import Positions
+from .weights import read_weights
 
 _STROKES = ("SCULPT_OT_", "PAINT_OT_")
 
@@ -35,7 +36,7 @@ class PaintChannel:
     def operation():
         return None
 
-    def read(self, _moving):
+    def read(self):
         found = self._read()
         vertices = np.flatnonzero((found != self.values).any(axis=1))
         self.values = found.copy()
@@ -52,6 +53,8 @@ class PaintChannel:
     def rest(self):
         pass
 
+    catch_up = rest
+
     def flags(self, _lit):
         """No vertex is selected; hidden and masked ones are left alone."""
         mesh = self._object.data
@@ -64,7 +67,7 @@ class PaintChannel:
         return np.zeros(len(fixed), bool), fixed, None
 
     @staticmethod
-    def mirrored(_carrier, _vertices, there):
+    def mirrored(_route, there):
         return there
 
     @staticmethod
@@ -154,13 +157,8 @@ class Weights(PaintChannel):
         super().__init__(object, key)
 
     def _read(self):
-        columns = {self._object.vertex_groups[name].index: column for column, name in enumerate(self._groups)}
-        values = np.zeros((len(self._object.data.vertices), len(columns)), np.float32)
-        for vertex in self._object.data.vertices:
-            for element in vertex.groups:
-                if element.group in columns:
-                    values[vertex.index, columns[element.group]] = element.weight
-        return values
+        columns = [self._object.vertex_groups[name].index for name in self._groups]
+        return read_weights(self._object)[:, columns].astype(np.float32)
 
     def _write(self, values, vertices):
         for column, name in enumerate(self._groups):
@@ -171,7 +169,7 @@ class Weights(PaintChannel):
         self._object.data.update()
 
     @staticmethod
-    def mirrored(_carrier, _vertices, there):
+    def mirrored(_route, there):
         return there[:, ::-1]
 
     @staticmethod

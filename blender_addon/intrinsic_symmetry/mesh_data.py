@@ -64,7 +64,7 @@ def object_mode(context):
 def polygons(mesh):
     """Faces of any size, as `intrinsym.Polygons`."""
     corners = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
+    _stored(mesh, (".corner_vert", "value"), (mesh.loops, "vertex_index"), corners)
     offsets = np.empty(len(mesh.polygons) + 1, np.int32)
     mesh.polygons.foreach_get("loop_start", offsets[:-1])
     offsets[-1] = len(corners)
@@ -73,29 +73,36 @@ def polygons(mesh):
 
 def edges(mesh):
     """(edges, 2) vertex numbers."""
-    ends = np.empty(2 * len(mesh.edges), np.int32)
-    mesh.edges.foreach_get("vertices", ends)
-    return ends.reshape(-1, 2)
+    ends = np.empty((len(mesh.edges), 2), np.int32)
+    return _stored(mesh, (".edge_verts", "value"), (mesh.edges, "vertices"), ends)
 
 
 def positions(mesh):
     """(vertices, 3) float32 of the base shape."""
-    return _coordinates(mesh.vertices)
+    places = np.empty((len(mesh.vertices), 3), np.float32)
+    return _stored(mesh, ("position", "vector"), (mesh.vertices, "co"), places)
+
+
+def _stored(mesh, attribute, elements, array):
+    """Fills an array with one of the mesh' own attributes, which is read in one piece. In edit mode there is none, and
+    the elements are read one by one."""
+    if mesh.is_editmode or not array.size:
+        source, values = elements
+    else:
+        source, values = mesh.attributes[attribute[0]].data, attribute[1]
+    source.foreach_get(values, array.reshape(-1))
+    return array
 
 
 def key_positions(key):
     """(vertices, 3) float32 of a shape key."""
-    return _coordinates(key.data)
-
-
-def _coordinates(points):
-    values = np.empty(3 * len(points), np.float32)
-    points.foreach_get("co", values)
-    return values.reshape(-1, 3)
+    values = np.empty((len(key.points), 3), np.float32)
+    key.points.foreach_get("co", values.reshape(-1))
+    return values
 
 
 def set_key_positions(key, values):
-    key.data.foreach_set("co", np.ascontiguousarray(values, np.float32).ravel())
+    key.points.foreach_set("co", np.ascontiguousarray(values, np.float32).ravel())
 
 
 def key_sizes(mesh):
@@ -119,6 +126,25 @@ def shown_positions(object):
     """(vertices, 3) float32 of the shape that edits go to: the active shape key, or the base shape."""
     key = object.active_shape_key
     return positions(object.data) if key is None else key_positions(key)
+
+
+def shown_key(object):
+    """Name of the shape key that edits go to; empty for the basis or without keys."""
+    key = object.active_shape_key
+    return "" if key is None or key == object.data.shape_keys.reference_key else key.name
+
+
+def has_multires(object):
+    """Whether sculpted detail is kept in a modifier, beside the mesh."""
+    return any(modifier.type == "MULTIRES" and modifier.total_levels for modifier in object.modifiers)
+
+
+def why_absolute(object):
+    """Why shape keys cannot be added up, or nothing."""
+    keys = object.data.shape_keys
+    if keys is None or keys.use_relative:
+        return None
+    return "The shape keys are absolute, each a shape in time, and are not added up: switch on Relative"
 
 
 def set_shown_positions(object, values):

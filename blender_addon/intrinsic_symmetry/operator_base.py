@@ -3,6 +3,7 @@
 
 import re
 
+import bpy
 import intrinsym
 
 from . import assembly, counterparts, mesh_data, stored_map
@@ -19,6 +20,8 @@ class MeshOperator:
     bl_options = {"REGISTER", "UNDO"}
     #: Whether it works on the active object alone, whatever is in edit mode with it or shares its map.
     one_object = False
+    #: Whether it works on the shape that is shown: that of the active shape key.
+    on_shown_shape = False
 
     @classmethod
     def poll(cls, context):
@@ -75,6 +78,9 @@ class MeshOperator:
         self.members = members = assembly.members_of(object)
         if any(earlier in members for earlier in self.objects[: self.objects.index(object)]):
             return ""
+        if self.on_shown_shape:
+            self._say_other_shapes(members)
+            self._say_multires(members)
         held = []
         with assembly.whole(members, self.objects if mode == "EDIT" else None, held) as body:
             if problem := self.is_empty(body):
@@ -82,6 +88,19 @@ class MeshOperator:
             said = self.run(context, body, mode)
         self.leave(held, "hidden")
         return said
+
+    def _say_other_shapes(self, members):
+        """Of objects that share a map, the shape key of one is worked on in all."""
+        name = mesh_data.shown_key(bpy.context.active_object)
+        others = [each.name for each in members if each.data.shape_keys and mesh_data.shown_key(each) != name]
+        if others:
+            what = f'the shape key "{name}"' if name else "the basis"
+            self.warn(f"Worked on {what} in all objects; another one is active in {counterparts.listed(others)}")
+
+    def _say_multires(self, members):
+        names = [each.name for each in members if mesh_data.has_multires(each)]
+        if names:
+            self.warn(f"The base mesh alone: the Multires detail of {counterparts.listed(names)} is not mirrored")
 
     def _named(self, object, text):
         """The text with the object's name, where several are worked on."""

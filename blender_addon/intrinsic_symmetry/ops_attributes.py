@@ -7,13 +7,15 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
-from . import mesh_data, stored_map
+from . import local_frames, mesh_data, stored_map
 from .counterparts import WINNER
 from .elements import corner_partners, edge_partners, face_partners
 from .mirroring import MirrorProperties, blend, shares
 from .operator_base import MapOperator
 
 _NUMBERS = {"FLOAT", "FLOAT_VECTOR", "FLOAT2", "FLOAT_COLOR", "BYTE_COLOR"}
+#: Custom normals: Blender keeps them as angles from the automatic ones.
+_NORMALS = "custom_normal"
 #: Attributes that other operators mirror, or that make no sense mirrored.
 _REFUSED = {"position": "Symmetrize Positions does that"}
 
@@ -40,23 +42,28 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
 
     def run_with(self, symmetry, _context, object, mode):
         mesh = object.data
+        free = self.may_change(object, mode, symmetry)
+        how_far = _HowFar(shares(symmetry, self.merge), self.trust(symmetry) * free, self.merge in WINNER)
+        if mesh.has_custom_normals and self._name(mesh) == _NORMALS:
+            return _mirror_normals(symmetry, mesh, how_far)
         attribute = self._attribute(mesh)
         values = mesh_data.read_attribute(attribute)
-        free = self.may_change(object, mode, symmetry)
         if self.as_vector:
             new = self._vectors(symmetry, object, attribute, values, self.shares(symmetry) * free)
         elif attribute.domain == "POINT":
             new = _points(symmetry, attribute, values, self.shares(symmetry) * free)
         else:
-            how_far = _HowFar(shares(symmetry, self.merge), self.trust(symmetry) * free, self.merge in WINNER)
             new = _MIRROR[attribute.domain](symmetry, mesh, attribute, values, how_far)
         mesh_data.update_attribute(mesh.attributes[attribute.name], new)
         mesh.update()
         changed = (new != values).reshape(len(values), -1).any(axis=1).sum()
         return f"{attribute.name}: {int(changed)} of {len(values)} values changed"
 
+    def _name(self, mesh):
+        return self.name or getattr(mesh.attributes.active, "name", "")
+
     def _attribute(self, mesh):
-        attribute = mesh.attributes.get(self.name) if self.name else mesh.attributes.active
+        attribute = mesh.attributes.get(self._name(mesh))
         if attribute is None:
             text = f'There is no attribute "{self.name}"' if self.name else "No attribute is active"
             raise mesh_data.MeshProblem(text)
@@ -124,20 +131,39 @@ def _faces(symmetry, mesh, attribute, values, how_far):
 
 
 def _corners(symmetry, mesh, attribute, values, how_far):
-    """A corner takes that of its face's partner at its vertex' partner; elsewhere the mean over the image. On the line
-    its face says whether it loses."""
+    is_number = attribute.data_type in _NUMBERS
+    return _blend(attribute, values, *_corner_images(symmetry, mesh, values, how_far, is_number))
+
+
+def _mirror_normals(symmetry, mesh, how_far):
+    """Those of face corners, turned with the surface."""
+    own = np.empty((len(mesh.loops), 3), np.float32)
+    mesh.corner_normals.foreach_get("vector", own.reshape(-1))
+    image, share = _corner_images(symmetry, mesh, own, how_far, True)
+    turn = local_frames.turns(symmetry, mesh_data.positions(mesh))[mesh_data.polygons(mesh).corners]
+    new = blend(own, np.einsum("nij,nj->ni", turn, image), share)
+    new /= np.maximum(np.linalg.norm(new, axis=1, keepdims=True), 1e-12)
+    mesh.normals_split_custom_set(new.tolist())
+    mesh.update()
+    changed = (np.linalg.norm(new - own, axis=1) > 1e-4).sum()
+    return f"Custom normals: {int(changed)} of {len(own)} changed"
+
+
+def _corner_images(symmetry, mesh, values, how_far, are_numbers):
+    """What each corner takes: the value of its face's partner at its vertex' partner; elsewhere the mean over the
+    image. And how far; on the line its face says whether it loses."""
     offsets, corners = mesh_data.polygons(mesh)
     faces = face_partners(mesh, symmetry)
     source = corner_partners(mesh, symmetry.partner, faces)
     image = values[np.where(source < 0, np.arange(len(values)), source)]
-    if attribute.data_type in _NUMBERS:
+    if are_numbers:
         means = symmetry.mirror_values(_vertex_means(values, corners, len(mesh.vertices)), Merge.SWAP)
         lone = source < 0
         image = image.astype(float)
         image[lone] = means[corners[lone]]
     of_faces = np.repeat(how_far.takes(corners, offsets[:-1], faces), np.diff(offsets))
     taken = np.where(symmetry.side[corners] == 0, of_faces, how_far.taken[corners])
-    return _blend(attribute, values, image, taken * how_far.trust[corners])
+    return image, taken * how_far.trust[corners]
 
 
 def _vertex_means(values, corners, count):

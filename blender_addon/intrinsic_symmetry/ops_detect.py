@@ -3,6 +3,7 @@
 
 import bpy
 import intrinsym
+import numpy as np
 
 from . import assembly, detection, labels, left_side, mesh_data, overlay, preferences, seams, stored_map
 from .operator_base import MapOperator, MeshOperator, sentence
@@ -15,8 +16,8 @@ running = []
 def keep(object, core_mesh, found, index=0):
     """Stores one of the symmetries found; returns the sentence for the user. Needs object mode."""
     mesh = object.data
-    now = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
-    if now.connectivity_hash != core_mesh.connectivity_hash:
+    same_faces = all(map(np.array_equal, mesh_data.polygons(mesh), core_mesh.polygons))
+    if not same_faces or len(mesh.vertices) != core_mesh.vertex_count:
         raise mesh_data.MeshProblem("The mesh was changed while its symmetry was being found: Detect again")
     left = left_side.left_of(object, found[index].side)
     stored_map.store(mesh, core_mesh, found[index], is_doubtful(found), left)

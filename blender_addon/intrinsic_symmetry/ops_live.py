@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import live, stored_map
+from . import live, mesh_data, stored_map
 
 
 def draw(layout, object):
@@ -14,6 +14,8 @@ def draw(layout, object):
     row.prop(object, "intrinsic_symmetry_live_select", toggle=True, icon="RESTRICT_SELECT_OFF", text="")
     if live.problem_of(object):
         layout.label(text=live.problem_of(object), icon="ERROR")
+    elif object.mode == "SCULPT" and mesh_data.has_multires(object):
+        layout.label(text="Live does not follow Multires", icon="INFO")
 
 
 def _draw_header(self, context):

@@ -50,6 +50,7 @@ class INTRINSIC_SYMMETRY_OT_symmetrize(MirrorProperties, MapOperator, bpy.types.
 
     bl_idname = "intrinsic_symmetry.symmetrize"
     bl_label = "Symmetrize Positions"
+    on_shown_shape = True
 
     def run_with(self, symmetry, _context, object, mode):
         positions, how = mesh_data.shown_positions(object), self.how()
@@ -69,6 +70,7 @@ class INTRINSIC_SYMMETRY_OT_remember(MeshOperator, bpy.types.Operator):
 
     bl_idname = "intrinsic_symmetry.remember"
     bl_label = "Remember Shape"
+    on_shown_shape = True
 
     def run(self, _context, object, _mode):
         forget(object.data)
@@ -83,6 +85,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
 
     bl_idname = "intrinsic_symmetry.mirror_edit"
     bl_label = "Mirror Edit"
+    on_shown_shape = True
 
     direction: bpy.props.EnumProperty(
         name="Direction",

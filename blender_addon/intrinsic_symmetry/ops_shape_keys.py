@@ -89,10 +89,15 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
         for target in targets:
             base, moved = _displacement(present[1 - target])
             carried = symmetry.carry_displacement(base, moved, Merge.SWAP)
-            key = present[target] or made_key.make(object, symmetry, pair[target], present[1 - target])
+            key = present[target] or self._made(object, symmetry, pair[target], present[1 - target])
             base, own = _displacement(key)
             new.append((key, base + blend(own, carried, share)))
         return sum(self._write(keys, key, values) for key, values in new)
+
+    def _made(self, object, symmetry, name, like):
+        if not object.data.shape_keys.use_relative:
+            self.warn(f'The shape keys are absolute: "{name}" is one more shape in time')
+        return made_key.make(object, symmetry, name, like)
 
     def _write(self, keys, key, values):
         """Whether the key could be written and changes."""

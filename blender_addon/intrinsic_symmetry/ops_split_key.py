@@ -83,7 +83,7 @@ def _without_active_key(object):
     """Why no shape key can be worked on, or nothing."""
     keys = object.data.shape_keys
     found = keys is not None and object.active_shape_key not in (None, keys.reference_key)
-    return None if found else "Choose a shape key that is not the basis"
+    return mesh_data.why_absolute(object) if found else "Choose a shape key that is not the basis"
 
 
 def _must_be_free(keys, *names):

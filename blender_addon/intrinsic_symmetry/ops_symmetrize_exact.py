@@ -15,6 +15,7 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
 
     bl_idname = "intrinsic_symmetry.symmetrize_exactly"
     bl_label = "Symmetrize Exactly"
+    on_shown_shape = True
 
     about: bpy.props.EnumProperty(name="About", description="What the shape is mirrored about", items=asymmetry.ABOUT)
     strength: bpy.props.FloatProperty(

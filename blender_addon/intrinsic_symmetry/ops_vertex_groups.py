@@ -48,7 +48,9 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
         after, free = self._mirrored(object, symmetry, before, other, trust, names)
         rows = np.flatnonzero((np.abs(after - before) > SMALLEST).any(axis=1))
         if self.normalize:
-            after = normalized(object, after, rows, free)
+            after, stuck = normalized(object, after, rows, free)
+            if stuck:
+                self.warn(f"On {stuck} vertices the weights do not sum to 1: groups that stay leave no room")
         write_weights(object, before, after)
         object.data.update()
         return f"{len(rows)} vertices changed"
@@ -108,7 +110,9 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
         """(groups,) bool: not locked, nor in an exchange with a locked one. Those that would change are told to the
         user."""
         locked = np.array([group.lock_weight for group in object.vertex_groups])
-        alone = self.merge == Merge.SWAP and locked[other] & ~locked
+        alone = locked[other] & ~locked & (self.merge == Merge.SWAP)
+        if not (locked | alone).any():
+            return ~locked
         would = free & (np.abs(after - before) > SMALLEST).any(axis=0)
         for held, why in ((locked, "locked"), (alone, "exchange with a locked one")):
             self.leave([group.name for group, told in zip(object.vertex_groups, held & would) if told], why)

@@ -15,6 +15,7 @@ Editing rots such numbers silently, so the record holds a hash of the connectivi
 and a map that does not fit its mesh any more is refused.
 """
 
+import re
 import zlib
 from dataclasses import dataclass
 
@@ -29,6 +30,8 @@ FACE, BARY = "sym_face", "sym_bary"
 CORNERS = ("sym_corner_0", "sym_corner_1", "sym_corner_2")
 KINDS = {PARTNER: "INT", CONFIDENCE: "FLOAT", SIDE: "INT", FACE: "INT", BARY: "FLOAT_VECTOR"}
 KINDS.update(dict.fromkeys((*CORNERS, undo.NUMBER), "INT"))
+#: What an imported PLY or glTF file says of its further symmetries. It does not belong to the map that is kept.
+_FURTHER = re.compile(r"(sym_(vertex|confidence|side)|_SYM_(VERTEX|CONFIDENCE|SIDE))_\d+")
 _NONE = 2**32 - 1
 #: What says which side is left, where no name does.
 BY_X = "+X"
@@ -80,6 +83,7 @@ def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X)):
     }
     values.update(zip(CORNERS, points.corners.T.astype(np.int64)))
     undo.remember(mesh)
+    _remove_further(mesh)
     for name, array in values.items():
         given = np.where(array == _NONE, -1, array) if KINDS[name] == "INT" else array
         mesh_data.write_attribute(mesh, name, KINDS[name], given)
@@ -91,6 +95,7 @@ def store_share(mesh, whole, members):
     """Keeps, beside the attributes that are there, the record of one of several objects that share a map: that of all
     of them, `whole`, and their names."""
     undo.remember(mesh)
+    _remove_further(mesh)
     own = {"checksum": _checksum(mesh), "vertices": len(mesh.vertices), "triangles": _triangles(mesh)}
     shared = {key: value for key, value in whole.items() if not key.startswith("line_")}
     numbered = {str(number): name for number, name in enumerate(members)}
@@ -201,8 +206,14 @@ def move_partners(mesh, core_mesh, partner):
 def clear(mesh):
     """Removes the map and its record."""
     undo.remember(mesh)
+    _remove_further(mesh)
     for name in KINDS:
         if name in mesh.attributes:
             mesh_data.remove_attribute(mesh, name)
     if RECORD in mesh:
         del mesh[RECORD]
+
+
+def _remove_further(mesh):
+    for name in filter(_FURTHER.fullmatch, mesh.attributes.keys()):
+        mesh_data.remove_attribute(mesh, name)

@@ -263,15 +263,20 @@ def make_size(count):
 
 
 def clock(name):
-    """Times every update of Live from now on: what the thread takes, and what passes on the clock."""
+    """Times every update of Live that writes, from now on: what the thread takes, and what passes on the clock."""
     handlers, live = bpy.app.handlers.depsgraph_update_post, module("live")
+    vertices = module("live_edit").EditVertices
     handlers[:] = [handler for handler in handlers if handler.__name__ not in ("_on_update", "timed")]
     entries = times.setdefault(name, [])
 
     def timed(scene, depsgraph):
         begun = time.thread_time(), time.perf_counter()
+        write, written = vertices.write, []
+        vertices.write = lambda *given: (written.append(True), write(*given))[1]
         live._on_update(scene, depsgraph)
-        entries.append((time.thread_time() - begun[0], time.perf_counter() - begun[1]))
+        vertices.write = write
+        if written:
+            entries.append((time.thread_time() - begun[0], time.perf_counter() - begun[1]))
 
     handlers.append(timed)
 

@@ -125,8 +125,8 @@ def click(x, y):
 
 def open_label_panel():
     """Its header, closed at first, as the window lies; then that of Select, so that there is room."""
-    click(860, 172)
-    click(860, 677)
+    click(860, 146)
+    click(860, 651)
 
 
 def show(**values):

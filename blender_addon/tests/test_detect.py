@@ -186,3 +186,22 @@ def test_the_active_attribute_and_color_stay():
     for operator in (ops.detect, ops.remember, ops.clear):
         assert operator() == {"FINISHED"}
         assert object.data.attributes.active.name == "mine" and object.data.attributes.active_color_name == "first"
+
+
+@pytest.mark.parametrize("changed", ["flipped", "loose vertex", "moved"])
+def test_a_mesh_that_changed_meanwhile_does_not_get_the_map(quadruped, changed):
+    mesh, detection = quadruped.data, module("detection")
+    core_mesh = detection.core_mesh_of(quadruped, "BASE", None)
+    found = detection.Job(core_mesh, {}).answer()
+    if changed == "flipped":
+        mesh.flip_normals()
+    elif changed == "loose vertex":
+        mesh.vertices.add(1)
+    else:
+        mesh.vertices[0].co.x += 0.1
+    keep = module("ops_detect").keep
+    if changed == "moved":
+        assert "Reflection" in keep(quadruped, core_mesh, found)
+    else:
+        with pytest.raises(module("mesh_data").MeshProblem, match="Detect again"):
+            keep(quadruped, core_mesh, found)

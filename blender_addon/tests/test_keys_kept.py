@@ -210,3 +210,11 @@ def test_a_chosen_direction_wins_over_the_active_key(human, swelling, truth):
     before = _size(human, "Smile.L")
     ops.mirror_shape_keys(direction="LEFT_TO_RIGHT")
     assert _size(human, "Smile.L") == before and _size(human, "Smile.R") == pytest.approx(before, rel=0.3)
+
+
+@pytest.mark.parametrize("relative", [True, False])
+def test_a_key_made_among_absolute_ones_is_named(human, swelling, relative, capfd):
+    _key(human, "Swell.L", swelling)
+    human.data.shape_keys.use_relative = relative
+    text = said(capfd, ops.mirror_shape_keys)
+    assert ("absolute" in text) is not relative and ('"Swell.R"' in text) is not relative

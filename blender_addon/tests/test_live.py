@@ -84,6 +84,50 @@ def test_an_edit_is_carried_as_the_library_does(symmetry, live, call):
 
 
 
+def drag(object, vertices, places):
+    """One step of an operation that the user is in the middle of."""
+    mesh = bmesh.from_edit_mesh(object.data)
+    mesh.verts.ensure_lookup_table()
+    for vertex, place in zip(vertices.tolist(), places.tolist()):
+        mesh.verts[vertex].co = place
+    bmesh.update_edit_mesh(object.data, destructive=False)
+    bpy.context.view_layer.update()
+
+
+def test_an_operation_that_takes_more_and_fewer_vertices_and_is_cancelled(symmetry, live, monkeypatch):
+    """As proportional editing does when its circle is made larger and smaller."""
+    monkeypatch.setattr(module("live_edit").EditChannel, "operation", staticmethod(lambda: 1))
+    before = places(live)
+    sides = module("live")._sessions[live.session_uid].carrier.side
+    around = a_hand_of(live)
+    for count, by in ((40, 0.01), (120, 0.02), (120, 0.03), (60, 0.02)):
+        wanted = before.copy()
+        wanted[around[:count], 1] += np.float32(by)
+        drag(live, around, wanted[around])
+        assert np.array_equal(places(live)[sides == -1], carried(live, symmetry, before, wanted, 1)[sides == -1])
+    drag(live, around, before[around])
+    assert np.array_equal(places(live), before)
+
+
+@pytest.mark.parametrize("when", ["between two updates", "at the end"])
+def test_normals_of_many_vertices_lag_and_catch_up(human, monkeypatch, when):
+    select(human, np.flatnonzero(side_of(human.data) == 1))
+    enter("EDIT")
+    switch(human)
+    session, channel = module("live")._sessions[human.session_uid], module("live_edit").EditChannel
+    monkeypatch.setattr(channel, "operation", staticmethod(lambda: 1))
+    before, chosen = places(human), a_hand_of(human)
+    drag(human, chosen, before[chosen] * (1, 1, 0.5))
+    if when == "at the end":
+        monkeypatch.setattr(channel, "operation", staticmethod(lambda: None))
+        session.update()
+    else:
+        session.edit.catch_up()
+    mesh = bmesh.from_edit_mesh(human.data)
+    found = np.array([vertex.normal[:] for vertex in mesh.verts])
+    mesh.normal_update()
+    assert np.abs(found - [vertex.normal[:] for vertex in mesh.verts]).max() < 1e-6
+
 
 def test_undo_and_redo_take_both_sides_in_one_step(live):
     """The undo step of an operator is kept before the other side follows; it is completed when it comes back."""

@@ -23,6 +23,17 @@ def test_undo_and_redo():
     assert module("stored_map").load(mesh).partner.min() >= 0
 
 
+@pytest.mark.parametrize("tool", ["detect", "clear"])
+def test_further_symmetries_of_an_imported_file_go(quadruped, tool):
+    others = "sym_vertex_2", "sym_confidence_12", "sym_side_3", "_SYM_VERTEX_2", "_SYM_SIDE_3"
+    own = "sym_vertex_2b", "my_sym_side_2", "_SYM_VERTEX"
+    for name in (*others, *own):
+        quadruped.data.attributes.new(name, "FLOAT", "POINT")
+    assert getattr(bpy.ops.intrinsic_symmetry, tool)() == {"FINISHED"}
+    left = set(quadruped.data.attributes.keys())
+    assert not left & set(others) and left >= set(own) and ("sym_corner_2" in left) is (tool == "detect")
+
+
 def test_undo_in_edit_mode(human):
     side = attribute(human.data, "sym_side")
     left = np.flatnonzero(side == 1)[:20]

@@ -284,6 +284,25 @@ def test_vectors_turn_with_the_surface(human, truth):
     assert (np.einsum("vx,vx->v", attribute(human.data, "mine"), _normals(human)) > 0.99).mean() > 0.94
 
 
+@pytest.mark.parametrize("name, near, far", [("human", 0.01, 0.15), ("quadruped", 0.1, 0.5)])
+def test_custom_normals_turn_with_the_surface(request, name, near, far):
+    body = request.getfixturevalue(name)
+    mesh, symmetry = body.data, module("stored_map").load(body.data)
+    automatic, side = _normals(body), attribute(mesh, "sym_side")
+    tilted = automatic + np.where(side == 1, 0.5, 0)[:, None] * np.random.default_rng(0).normal(size=3)
+    tilted /= np.linalg.norm(tilted, axis=1, keepdims=True)
+    mesh.normals_split_custom_set_from_vertices(tilted.tolist())
+    wanted = symmetry.carry_displacement(positions(mesh), tilted, Merge.SWAP)
+    assert ops.mirror_attribute(name="custom_normal", direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    found, corners = np.empty((len(mesh.loops), 3), np.float32), module("mesh_data").polygons(mesh).corners
+    mesh.corner_normals.foreach_get("vector", found.reshape(-1))
+    right, left = side[corners] == -1, side[corners] == 1
+    off = np.linalg.norm(found - wanted[corners], axis=1)[right]
+    assert np.median(off) < near and (off < far).mean() > 0.9
+    assert np.abs(found - tilted[corners])[left].max() < 0.02
+    assert np.median(np.linalg.norm(wanted - automatic, axis=1)[side == -1]) > 0.2
+
+
 def test_attributes_that_cannot_be_mirrored(human):
     for name in ("position", "sym_vertex", "nowhere"):
         with pytest.raises(RuntimeError, match=name):

@@ -174,6 +174,17 @@ def test_normalize(human):
     assert np.array_equal(after[:, 2], before[:, 2])
 
 
+@pytest.mark.parametrize("locked", [0.25, 1.5])
+def test_normalize_says_where_locked_groups_leave_no_room(human, locked, capfd):
+    _add(human, "Leg.L", _patch(human, 1, reach=0.1))
+    _add(human, "Locked", np.full(len(human.data.vertices), locked, np.float32))
+    human.vertex_groups["Locked"].lock_weight = True
+    _add(human, "Twice", np.full(len(human.data.vertices), locked, np.float32))
+    human.vertex_groups["Twice"].lock_weight = True
+    text = said(capfd, ops.mirror_vertex_groups, direction="LEFT_TO_RIGHT", normalize=True)
+    assert ("do not sum to 1" in text) is (locked > 1)
+
+
 @pytest.fixture
 def facing_away():
     """The human turned half round: its left arm is at -X, and only that is painted, or named otherwise."""

@@ -200,3 +200,11 @@ def test_edits_of_both_sides_are_said(human, truth, capfd):
     _move(human, edit)
     assert "the left one on 0 vertices, the right one on 10" in said(capfd, ops.mirror_edit)
     assert "Both sides" not in said(capfd, ops.mirror_edit)
+
+
+@pytest.mark.parametrize("tool", ["symmetrize", "symmetrize_exactly", "remember"])
+def test_detail_of_multires_is_said_to_stay(human, tool, capfd):
+    modifier = human.modifiers.new("Detail", "MULTIRES")
+    assert "Multires" not in said(capfd, getattr(ops, tool))
+    bpy.ops.object.multires_subdivide(modifier="Detail")
+    assert modifier.total_levels == 1 and 'Multires detail of "human"' in said(capfd, getattr(ops, tool))

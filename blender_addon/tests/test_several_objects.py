@@ -329,3 +329,26 @@ def test_objects_that_touch_are_not_mixed_at_the_seam():
     assert ops.mirror_edit() == {"FINISHED"}
     assert np.linalg.norm(positions(right.data) - before[2], axis=1).min() > 0.009
     assert np.array_equal(positions(body.data), before[0])
+
+
+@pytest.mark.parametrize("tool", ["symmetrize", "remember", "symmetrize_exactly"])
+def test_objects_that_show_another_key_are_named(parts, tool, capfd):
+    body, left, right, _ = parts
+    for object in (body, left, right):
+        _swell(object, "Swell", np.arange(100), 0.01)
+    bpy.context.view_layer.objects.active = body
+    assert "another one" not in said(capfd, getattr(ops, tool))
+    right.active_shape_key_index = 0
+    assert 'the shape key "Swell" in all objects; another one is active in "right"' in said(capfd, getattr(ops, tool))
+
+
+@pytest.mark.parametrize("tool", ["detect", "clear"])
+def test_further_symmetries_of_an_imported_file_go_from_all_objects(parts, tool):
+    own, others = "my_side_2", ("sym_vertex_2", "sym_side_3", "_SYM_CONFIDENCE_2")
+    for object in parts[:3]:
+        for name in (own, *others):
+            object.data.attributes.new(name, "FLOAT", "POINT")
+    parts[2].hide_set(tool == "clear")
+    assert getattr(ops, tool)(**{"together": True} if tool == "detect" else {}) == {"FINISHED"}
+    for object in parts[:3]:
+        assert own in object.data.attributes and not set(others) & set(object.data.attributes.keys())

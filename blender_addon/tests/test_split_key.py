@@ -31,6 +31,14 @@ def smile(human):
     return moved
 
 
+def test_absolute_keys_are_not_split_or_joined(human, smile):
+    human.data.shape_keys.use_relative = False
+    for tool in (ops.split_shape_key, ops.join_shape_keys):
+        assert not tool.poll()
+        with pytest.raises(RuntimeError, match="absolute"):
+            tool()
+
+
 def test_left_and_right_are_the_old_key_together(human, smile, truth, mode):
     enter(mode)
     assert ops.split_shape_key(width=0.1) == {"FINISHED"}
