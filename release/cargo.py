@@ -62,8 +62,9 @@ def environment(target: Target) -> dict[str, str]:
     variables = os.environ | {
         "CARGO_TARGET_DIR": str(WORK / "target"),
         "CARGO_INCREMENTAL": "0",
-        # Smaller, for a longer build.
-        "CARGO_PROFILE_RELEASE_LTO": "thin",
+        # A tenth smaller, and not slower. With more units, searches for nearest neighbours are not inlined and cost a sixth more.
+        "CARGO_PROFILE_RELEASE_LTO": "fat",
+        "CARGO_PROFILE_RELEASE_CODEGEN_UNITS": "1",
         "CARGO_ENCODED_RUSTFLAGS": "\x1f".join(_rust_flags(target)),
         "CFLAGS": c_flags,
         "CXXFLAGS": c_flags,

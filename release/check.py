@@ -18,8 +18,7 @@ from pack import NATIVE, OUT
 from runners import Runner, add_stand_in, compiler, what_is_missing
 from targets import TARGETS, Target
 
-#: The most that a file may have, in millions of bytes. Windows' calling convention makes its programs larger: there it is
-#: the archive's size.
+#: The most that a file may have, in millions of bytes.
 LARGEST_PROGRAM = 9.0
 LARGEST_WHEEL = 6.0
 USE_PYTHON = "import intrinsym, sys; print(intrinsym.Mesh.read(sys.argv[1]).detect().outcome)"
@@ -37,8 +36,7 @@ def _run(runner: Runner, *command: object) -> list[str]:
 
 def _commands(target: Target, folder: Path) -> list[str]:
     program = folder / target.program
-    measured = OUT / f"{folder.name}.zip" if target.system == "windows" else program
-    wrong = faults(program, is_library=False) + _size(measured, LARGEST_PROGRAM)
+    wrong = faults(program, is_library=False) + _size(program, LARGEST_PROGRAM)
     if what_is_missing(target):
         return wrong
     if target.system == "windows":

@@ -23,8 +23,8 @@ SUMMARY = "mirror symmetry of surface meshes in any pose"
 DESCRIPTION = """\
  Finds for every point of a surface mesh the point that is its mirror image
  along the surface, whatever the pose and the connectivity: left and right of
- characters, animals and scans. Reads PLY, OBJ, OFF, STL and glTF; writes partners,
- confidences, sides, pair colours and pictures."""
+ characters, animals and scans. Reads PLY, OBJ, OFF, STL and glTF; writes
+ partners, confidences, sides, pair colours and pictures."""
 #: Paths below the package's root, and what is put there, of the folder that `make release` leaves.
 MANUAL = {
     "completions/intrinsym.bash": "usr/share/bash-completion/completions/intrinsym",
@@ -60,7 +60,7 @@ def _copyright(target: Target) -> str:
         "Intrinsym, copyright 2026 the Intrinsym authors, under the MIT licence below or the Apache License 2.0, as you like.\n"
         "The text of the latter is in /usr/share/common-licenses/Apache-2.0.\n\n"
         f"{(cargo.ROOT / 'LICENSE-MIT').read_text().strip()}\n\n"
-        f"Statically linked, with the texts in THIRD_PARTY.txt.gz beside this file:{linked}\n"
+        f"Statically linked, with the texts in THIRD_PARTY.txt.gz and THIRD_PARTY_RUST.html.gz beside this file:{linked}\n"
     )
 
 
@@ -69,7 +69,8 @@ def _documents(target: Target, folder: Path, packed: Path) -> None:
     (folder / "copyright").write_text(_copyright(target))
     _put_compressed(_changelog().encode(), folder / "changelog.Debian.gz")
     _put_compressed((cargo.ROOT / "CHANGELOG.md").read_bytes(), folder / "changelog.gz")
-    _put_compressed((packed / "THIRD_PARTY.txt").read_bytes(), folder / "THIRD_PARTY.txt.gz")
+    for text in packed.glob("THIRD_PARTY*"):
+        _put_compressed(text.read_bytes(), folder / f"{text.name}.gz")
     _put(packed / "MODEL_CARD.md", folder / "MODEL_CARD.md")
     _put(packed / "human.ply", folder / "examples" / "human.ply")
 
@@ -107,7 +108,7 @@ def main() -> None:
         raise SystemExit("deb: no program for Linux is there; make release first")
     packages = [package(target) for target in built]
     write_sums(OUT)
-    run("lintian", "--fail-on", "error", "--suppress-tags", "initial-upload-closes-no-bugs", *packages)
+    run("lintian", "--fail-on", "error,warning", "--suppress-tags", "initial-upload-closes-no-bugs", *packages)
 
 
 if __name__ == "__main__":

@@ -61,7 +61,8 @@ def _pe(binary: lief.PE.Binary, is_library: bool) -> list[str]:
 def _macho(binary: lief.MachO.Binary, is_library: bool) -> list[str]:
     oldest = ".".join(str(part) for part in binary.build_version.minos[:2])
     wrong = [] if oldest == MACOS else [f"asks for macOS {oldest}"]
-    if not binary.has_code_signature:
+    # On Intel macOS starts programs without.
+    if binary.header.cpu_type == lief.MachO.Header.CPU_TYPE.ARM64 and not binary.has_code_signature:
         wrong.append("is not signed")
     libraries = [library.name for library in binary.libraries if not library.name.startswith("@rpath/")]
     given = {symbol.name.removeprefix("_") for symbol in binary.exported_symbols}

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -19,7 +20,7 @@ import archive
 import cargo
 import link
 import pack
-from notices import write_bom, write_notes
+from notices import write_bom, write_third_party, write_notes
 from targets import TARGETS, Target, missing
 
 #: The target whose program runs here, and writes the manual for all.
@@ -88,19 +89,24 @@ def blender_extension(wheels: list[Path]) -> str | None:
     return None
 
 
-def meshlab_plugin() -> str | None:
-    """The plugin that `make meshlab-plugin` wrote, if it did."""
-    zips = sorted((cargo.ROOT / "out" / "meshlab").glob("*.zip"))
-    for zipped in zips:
-        archive.zip_again(zipped, pack.OUT / zipped.name)
-    return None if zips else "MeshLab plugin is missing: make meshlab-plugin"
+def meshlab_plugin(built: list[Built]) -> str | None:
+    """The plugin around the library of this machine's target, with the licences of what is linked; or what is missing."""
+    here = next((one for one in built if one.target.name == HERE), None)
+    if here is None:
+        return f"MeshLab plugin is missing: it is built with {HERE}"
+    if subprocess.run(["make", "meshlab-plugin"], cwd=cargo.ROOT, env=os.environ | {"INTRINSYM_LIBRARY": str(here.static)}).returncode:
+        return "MeshLab plugin is missing: make meshlab-plugin"
+    folder = next(path for path in (cargo.ROOT / "out" / "meshlab").iterdir() if path.is_dir())
+    write_third_party(here.target, folder)
+    archive.zip(folder, pack.OUT / f"{folder.name}.zip")
+    return None
 
 
 def release(built: list[Built], lacking: list[str]) -> None:
     """Packs all, and says what is there and what is not."""
     pack.fresh(pack.OUT)
     wheels = [pack_all(one, cargo.WORK / "manual") for one in built]
-    lacking += [line for line in (blender_extension(wheels), meshlab_plugin()) if line]
+    lacking += [line for line in (blender_extension(wheels), meshlab_plugin(built)) if line]
     write_bom([one.target for one in built], pack.OUT / f"intrinsym-{link.version()}.cdx.json")
     write_notes(pack.OUT / "RELEASE_NOTES.md", lacking)
     archive.write_sums(pack.OUT)

@@ -20,10 +20,15 @@ HEAD = "What the files beside this one are linked of, and its licences.\n\n"
 
 
 def write_licences(target: Target, folder: Path) -> None:
-    """Our licences, the model's card, and THIRD_PARTY.txt; the terms of Rust's library, which are a page, beside it."""
-    linked = components(target)
+    """Our licences, the model's card, and those of what is linked."""
     for name in [*OWN_LICENCES, "models/MODEL_CARD.md"]:
         shutil.copy(ROOT / name, folder)
+    write_third_party(target, folder)
+
+
+def write_third_party(target: Target, folder: Path) -> None:
+    """THIRD_PARTY.txt; the terms of Rust's library, which are a page, beside it."""
+    linked = components(target)
     pages = [text for component in linked for text in component.texts if text.suffix == ".html"]
     for page in pages:
         shutil.copy(page, folder / f"THIRD_PARTY_RUST{page.suffix}")

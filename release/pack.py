@@ -117,7 +117,7 @@ def c_library(target: Target, shared: Path, static: Path) -> Path:
 
 
 def wheel(target: Target, shared: Path, program: Path) -> Path:
-    """The Python package around the library, from a copy of its folder; with the program, but on Windows: it is too large there."""
+    """The Python package around the library and the program, from a copy of its folder."""
     folder = fresh(WORK / target.name / "wheel")
     shutil.copytree(ROOT / "python", folder / "python", ignore=shutil.ignore_patterns("lib", "bin", "build", "*.egg-info", "__pycache__"))
     shutil.copy(ROOT / "Cargo.toml", folder)
@@ -125,10 +125,9 @@ def wheel(target: Target, shared: Path, program: Path) -> Path:
     library.mkdir()
     shutil.copy(shared, library)
     write_licences(target, library)
-    if target.system != "windows":
-        programs = folder / "python" / "bin"
-        programs.mkdir()
-        shutil.copy(program, programs)
+    programs = folder / "python" / "bin"
+    programs.mkdir()
+    shutil.copy(program, programs)
     run(sys.executable, "-m", "pip", "wheel", "--quiet", "--disable-pip-version-check", "--no-deps", "--no-build-isolation",
         f"--config-settings=--build-option=--plat-name={target.wheel}", "--wheel-dir", folder, folder / "python")
     built = next(folder.glob("*.whl"))

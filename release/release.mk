@@ -17,7 +17,7 @@ release-tools:
 	@scripts/setup.sh release
 	@$(MAKE) --no-print-directory $(RELEASE_VENV)/.ready
 
-release: release-tools meshlab-plugin ## Build the files of a release for every system: out/release (TARGETS="linux-x86_64 ..." for some)
+release: release-tools ## Build the files of a release for every system: out/release (TARGETS="linux-x86_64 ..." for some)
 	-@$(MAKE) --no-print-directory $(RELEASE_BLENDER)/.ready
 	BLENDER_PYTHON_WITH_BPY=$$(ls $(abspath $(RELEASE_BLENDER))/bin/python) $(RELEASE_PYTHON) release/make_release.py $(TARGETS)
 	@$(MAKE) --no-print-directory release-check

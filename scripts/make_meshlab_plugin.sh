@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the MeshLab plugin in both precisions and packs it:
 # out/meshlab/intrinsym-VERSION-meshlab-MESHLAB-PLATFORM.zip, and its content beside it.
-# MESHLAB_SOURCE and OPENMESH_SOURCE name source trees that are there already.
+# MESHLAB_SOURCE and OPENMESH_SOURCE name source trees that are there already, INTRINSYM_LIBRARY a static library.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -11,7 +11,7 @@ BUILD=build/meshlab
 PLUGIN=libfilter_intrinsic_symmetry.so
 VERSION=$(sed -n 's/^version = "\(.*\)"/\1/p' Cargo.toml | head -n 1)
 NAME=intrinsym-$VERSION-meshlab-$MESHLAB_VERSION-linux-$(uname -m)
-LIBRARY=$(realpath -m "${CARGO_TARGET_DIR:-target}/release/libintrinsym.a")
+LIBRARY=$(realpath -m "${INTRINSYM_LIBRARY:-${CARGO_TARGET_DIR:-target}/release/libintrinsym.a}")
 
 # Sources of a package, once.
 source_tree() {
@@ -53,7 +53,7 @@ pack() {
 }
 
 mkdir -p "$BUILD"
-cargo build --release --locked --lib
+[ -n "${INTRINSYM_LIBRARY:-}" ] || cargo build --release --locked --lib
 MESHLAB_SOURCE=${MESHLAB_SOURCE:-$(source_tree meshlab "$MESHLAB_SHA256" sid testing)}
 OPENMESH_SOURCE=$(scripts/get_openmesh.sh)
 [ "$(cat "$MESHLAB_SOURCE/ML_VERSION")" = "$MESHLAB_VERSION" ]
