@@ -232,11 +232,11 @@ fn parts_disagree_where_the_sides_differ() {
         *position = position.map(|coordinate| wave * coordinate);
     }
     let differing = rigidity(&uneven, &truth, Reflection);
-    assert!(differing.disagreement > 0.01, "{differing:?}");
-    // A pose bends places, not most of the surface; and a half turn moves no part as a reflection does.
+    assert!(differing.disagreement > 0.02, "{differing:?}");
+    // A pose bends some places; and a half turn moves no part as a reflection does.
     let (posed, truth) = (example("human"), example_truth("human"));
     let (bent, turned) = (rigidity(&posed, &truth, Reflection), rigidity(&posed, &truth, HalfTurn));
-    assert!(bent.disagreement < 0.01 && turned.disagreement > 2.0 * bent.disagreement, "{bent:?}");
+    assert!(bent.disagreement < 0.02 && turned.disagreement > 2.0 * bent.disagreement, "{bent:?}");
     assert!(bent.scatter == 0.0, "{bent:?}");
 }
 

@@ -101,8 +101,8 @@ pub struct Detection {
     pub judging: Option<Arc<JudgingMesh>>,
 }
 
-/// An answer of at least this [`Detection::worth`] leaves no doubts: three of four right maps of generated shapes.
-const SETTLED: f64 = 0.62;
+/// An answer of at least this [`Detection::worth`] leaves no doubts: seven of ten right maps of generated shapes.
+const SETTLED: f64 = 0.7;
 /// Least mean confidence of a symmetry, and of one that leaves most vertices without a partner.
 const LEAST_CONFIDENCE: f64 = 0.01;
 const LEAST_CONFIDENCE_OF_FEW: f64 = 0.05;

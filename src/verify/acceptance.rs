@@ -7,7 +7,7 @@ use crate::refine::rigid_parts::Rigidity;
 use crate::search::candidate_score::Score;
 
 /// Weights of the logistic model: constant, then those of [`Judgement::features`].
-const WEIGHTS: [f64; 4] = [-6.3962, -0.3687, -4.8875, 3.9198];
+const WEIGHTS: [f64; 4] = [-14.2018, -2.3760, -5.8793, 3.9466];
 /// The same for reflections once rigid parts are fitted: of the signature mismatch, the displacement, the parts' disagreement and the scatter.
 const WEIGHTS_WITH_PARTS: [f64; 5] = [-13.9391, -3.4618, 3.8687, -2.6964, -38.8520];
 
@@ -15,7 +15,7 @@ const WEIGHTS_WITH_PARTS: [f64; 5] = [-13.9391, -3.4618, 3.8687, -2.6964, -38.85
 const SURE: f64 = 0.8;
 
 /// No map comes to count whose plausibility, by the three measures, is less than this share of what is asked (`docs/notebook/2026-11-25-method.md`).
-const HOPELESS: f64 = 0.12;
+const HOPELESS: f64 = 0.04;
 
 /// What a finished map was judged by, and the verdict.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -121,8 +121,8 @@ mod tests {
         let judged = Judgement::new(&SCORE, 0.3, 0.7);
         let by_parts =
             |disagreement, scatter| judged.with_parts(Some(Rigidity { disagreement, scatter })).plausibility;
-        assert!(by_parts(0.003, 0.01) > 0.9 && by_parts(0.03, 0.01) < 0.1);
-        assert!(by_parts(0.008, 0.0) > 0.9 && by_parts(0.008, 0.04) < 0.7);
+        assert!(by_parts(0.003, 0.01) > 0.9 && by_parts(0.05, 0.01) < 0.1);
+        assert!(by_parts(0.003, 0.0) > 0.95 && by_parts(0.003, 0.04) < 0.95);
         assert_eq!(judged.with_parts(None), judged);
     }
 

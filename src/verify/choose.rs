@@ -182,9 +182,9 @@ mod tests {
 
     #[test]
     fn what_is_refused_is_given_as_doubtful_unless_it_is_hopeless() {
-        let (given, choice) = chosen(&[0.06, 0.05], false, false);
+        let (given, choice) = chosen(&[0.12, 0.11], false, false);
         assert_eq!((given, choice.asked), (vec![1], 50));
-        assert!(chosen(&[0.04], false, false).0.is_empty());
+        assert!(chosen(&[0.09], false, false).0.is_empty());
         let (given, choice) = chosen(&[], false, false);
         assert!(given.is_empty() && choice.judged().is_none());
         assert_eq!(choice.reasons, [Reason::NoCandidate]);

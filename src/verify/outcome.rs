@@ -39,7 +39,7 @@ mod tests {
     #[test]
     fn plausibility_tells_found_from_doubtful_and_from_none() {
         let of = |plausibility| outcome(plausibility, 50, 0.9, 1.0);
-        assert_eq!([of(0.5), of(0.49), of(0.05), of(0.04)].map(|outcome| outcome as usize), [0, 1, 1, 2]);
+        assert_eq!([of(0.5), of(0.49), of(0.1), of(0.09)].map(|outcome| outcome as usize), [0, 1, 1, 2]);
     }
 
     #[test]
