@@ -28,7 +28,7 @@ pub struct Canonical {
 
 impl Mesh {
     /// This mesh in its own frame and numbering. O(corners log corners).
-    pub fn canonical(&self) -> Canonical {
+    pub(crate) fn canonical(&self) -> Canonical {
         let axes = own_axes(&self.positions, &self.triangles);
         let rounded = |x: f64| (x / GRAIN).round() * GRAIN;
         let place = |&position: &Vector| turned(&axes, position).map(rounded);
