@@ -8,6 +8,7 @@ import pytest
 from training import damage
 from training.creatures import ASYMMETRIC_KINDS, STOUT_KINDS, SYMMETRIC_KINDS
 from training.generate import Generator
+from training.lopsided import LOPSIDED_KINDS
 from training.meshfile import read_ply, write_shape
 from training.mirror_truth import NO_PARTNER, mean_edge, mirror_map
 from training.skeleton import MIRROR
@@ -51,7 +52,7 @@ def test_a_shape_depends_on_seed_and_index_only():
     assert np.array_equal(first.draw(7, 1)[0].posed, second.draw(7, 1)[0].posed)
 
 
-@pytest.mark.parametrize("kind", ASYMMETRIC_KINDS)
+@pytest.mark.parametrize("kind", [*ASYMMETRIC_KINDS, *LOPSIDED_KINDS])
 def test_asymmetric_shapes_have_no_partners(kind):
     _, mirror, description = Generator([kind], (600, 1500)).draw(8, 0)
     assert (mirror == NO_PARTNER).all() and not description["symmetric"]
