@@ -12,6 +12,7 @@ use crate::detect::joined_shells::JoinedShells;
 use crate::detect::question::Question;
 use crate::detect::spectrum::Spectrum;
 use crate::mesh::Mesh;
+use crate::verify::outcome::Outcome;
 
 /// A mirror plane in space from whose [`Detection::worth`] on it is the answer, and nothing is searched.
 const AT_REST: f64 = 0.9;
@@ -61,7 +62,7 @@ fn answer(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Dete
     }
 }
 
-/// The answer of the joined shells; if it leaves doubts that of the largest one alone, if that leaves fewer.
+/// The answer of the joined shells; if it is doubtful that of the largest one alone, if that is worth more.
 fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
     // Twins are those of one symmetry, and stated signs those of the largest shell's functions.
     let joined = match question.options.asks_for_one() {
@@ -70,7 +71,7 @@ fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<De
     };
     let is_alone = joined.twins.is_empty();
     let found = of_shells(question, &joined, plans, clock)?;
-    if is_alone || found.is_settled() {
+    if is_alone || found.outcome == Outcome::Found {
         return Ok(found);
     }
     let alone = JoinedShells::alone(question.mesh.shells());
