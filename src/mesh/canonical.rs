@@ -63,15 +63,14 @@ impl Mesh {
 
     /// The triangles over new numbers, sorted, with their faces.
     fn canonical_triangles(&self, new: &[u32]) -> (Vec<[u32; 3]>, Vec<u32>) {
-        let renumbered = |(corners, face): (&[u32; 3], &u32)| {
+        let renumbered = |corners: &[u32; 3]| {
             let mut corners = corners.map(|point| new[point as usize]);
             from_smallest(&mut corners);
-            (corners, *face)
+            corners
         };
-        let mut triangles: Vec<([u32; 3], u32)> =
-            self.triangles.iter().zip(&self.face_of_triangle).map(renumbered).collect();
-        triangles.sort_unstable();
-        triangles.into_iter().unzip()
+        let corners: Vec<[u32; 3]> = self.triangles.iter().map(renumbered).collect();
+        let order = sorted(new.len(), corners.len(), |triangle| &corners[triangle as usize]);
+        order.iter().map(|&old| (corners[old as usize], self.face_of_triangle[old as usize])).unzip()
     }
 
     /// The same of the polygons: offsets, corners, faces.
@@ -81,16 +80,16 @@ impl Mesh {
             let polygon = polygon as usize;
             self.polygon_offsets[polygon] as usize..self.polygon_offsets[polygon + 1] as usize
         };
-        let mut order: Vec<u32> = (0..self.face_of_polygon.len() as u32).collect();
-        order.iter().for_each(|&polygon| from_smallest(&mut corners[ends(polygon)]));
-        order.sort_unstable_by(|&a, &b| corners[ends(a)].cmp(&corners[ends(b)]).then(a.cmp(&b)));
-        let (mut offsets, mut sorted) = (vec![0], Vec::with_capacity(corners.len()));
+        let count = self.face_of_polygon.len();
+        (0..count as u32).for_each(|polygon| from_smallest(&mut corners[ends(polygon)]));
+        let order = sorted(new.len(), count, |polygon| &corners[ends(polygon)]);
+        let (mut offsets, mut points) = (vec![0], Vec::with_capacity(corners.len()));
         for &polygon in &order {
-            sorted.extend_from_slice(&corners[ends(polygon)]);
-            offsets.push(sorted.len() as u32);
+            points.extend_from_slice(&corners[ends(polygon)]);
+            offsets.push(points.len() as u32);
         }
         let faces = order.into_iter().map(|polygon| self.face_of_polygon[polygon as usize]).collect();
-        (offsets, sorted, faces)
+        (offsets, points, faces)
     }
 
     /// Numbers shells by falling area, equal ones by their lowest points.
@@ -119,24 +118,51 @@ fn from_smallest(cycle: &mut [u32]) {
     cycle.rotate_left(smallest);
 }
 
+/// The places of lists of points below `points`, each from its smallest on, in the order of the lists. O(points) beyond the lists that start alike.
+fn sorted<'a>(points: usize, lists: usize, list: impl Fn(u32) -> &'a [u32]) -> Vec<u32> {
+    let (starts, mut order) = bucket((0..lists as u32).map(|place| list(place)[0]), points);
+    for ends in starts.windows(2) {
+        order[ends[0] as usize..ends[1] as usize]
+            .sort_unstable_by(|&a, &b| list(a).cmp(list(b)).then(a.cmp(&b)));
+    }
+    order
+}
+
+/// Means over a surface of what triangles have in the mean.
+fn mean_over<const N: usize>(
+    positions: &[Vector],
+    triangles: &[[u32; 3]],
+    of_triangle: impl Fn([Vector; 3]) -> [f64; N],
+) -> [f64; N] {
+    let (mut sums, mut total) = ([0.0; N], 0.0);
+    for triangle in triangles {
+        let corners @ [a, b, c] = triangle.map(|point| positions[point as usize]);
+        let area = triangle_area(a, b, c);
+        total += area;
+        sums.iter_mut().zip(of_triangle(corners)).for_each(|(sum, value)| *sum += area * value);
+    }
+    sums.map(|sum| sum / total)
+}
+
 /// The principal axes of a surface, the longest first, as a rotation. Along the two about which it is least balanced the heavier end is ahead; the third
 /// follows. O(triangles).
 fn own_axes(positions: &[Vector], triangles: &[[u32; 3]]) -> [Vector; 3] {
-    let corners = || triangles.iter().map(|triangle| triangle.map(|point| positions[point as usize]));
-    let areas: Vec<f64> = corners().map(|[a, b, c]| triangle_area(a, b, c)).collect();
-    let total = areas.iter().sum::<f64>();
-    let integral = |of: &dyn Fn(Vector, Vector, Vector) -> f64| -> f64 {
-        corners().zip(&areas).map(|([a, b, c], area)| area * of(a, b, c)).sum::<f64>() / total
+    const PAIRS: [[usize; 2]; 6] = [[0, 0], [0, 1], [0, 2], [1, 1], [1, 2], [2, 2]];
+    let of_triangle = |corners: [Vector; 3]| -> [f64; 9] {
+        let sum: Vector = std::array::from_fn(|k| corners.iter().map(|corner| corner[k]).sum());
+        // Of products of two coordinates: those of the sum and of the corners, a twelfth each.
+        let product = |[i, j]: [usize; 2]| {
+            (sum[i] * sum[j] + corners.iter().map(|corner| corner[i] * corner[j]).sum::<f64>()) / 12.0
+        };
+        std::array::from_fn(|k| if k < 3 { sum[k] / 3.0 } else { product(PAIRS[k - 3]) })
     };
-    let mean: Vector = std::array::from_fn(|k| integral(&|a, b, c| (a[k] + b[k] + c[k]) / 3.0));
-    let moments = std::array::from_fn(|i| {
-        std::array::from_fn(|j| {
-            let product = |at: Vector| (at[i] - mean[i]) * (at[j] - mean[j]);
-            // Exact for a product of linear functions: the middles of the sides.
-            let middle = |a: Vector, b: Vector| std::array::from_fn(|k| 0.5 * (a[k] + b[k]));
-            integral(&|a, b, c| (product(middle(a, b)) + product(middle(b, c)) + product(middle(c, a))) / 3.0)
-        })
-    });
+    let [x, y, z, products @ ..] = mean_over(positions, triangles, of_triangle);
+    let mean = [x, y, z];
+    let mut moments = [[0.0; 3]; 3];
+    for ([i, j], product) in PAIRS.into_iter().zip(products) {
+        moments[i][j] = product - mean[i] * mean[j];
+        moments[j][i] = moments[i][j];
+    }
     let along = |axis: &Vector| dot(*axis, std::array::from_fn(|i| dot(moments[i], *axis)));
     let mut axes = principal_axes(moments);
     axes.sort_by(|a, b| along(b).total_cmp(&along(a)));
@@ -144,15 +170,13 @@ fn own_axes(positions: &[Vector], triangles: &[[u32; 3]]) -> [Vector; 3] {
     if (0..2).any(|k| sizes[k + 1] > (1.0 - EQUAL) * sizes[k]) {
         return [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     }
-    let third_moment = |axis: Vector| {
-        let away = |at: Vector| dot(axis, subtract(at, mean));
-        integral(&|a, b, c| {
-            let [x, y, z] = [a, b, c].map(away);
-            // A tenth of all products of three.
-            (x * x * (x + y + z) + y * y * (y + z) + z * z * (z + y) + x * (y * y + y * z + z * z)) / 10.0
-        })
+    let third_moment = |axis: Vector, corners: &[Vector; 3]| {
+        let [x, y, z] = corners.map(|corner| dot(axis, subtract(corner, mean)));
+        // A tenth of all products of three.
+        (x * x * (x + y + z) + y * y * (y + z) + z * z * (z + y) + x * (y * y + y * z + z * z)) / 10.0
     };
-    let skewness = axes.map(third_moment);
+    let skewness: Vector =
+        mean_over(positions, triangles, |corners| axes.map(|axis| third_moment(axis, &corners)));
     let mut balance = [0, 1, 2];
     balance.sort_by(|&a, &b| skewness[b].abs().total_cmp(&skewness[a].abs()));
     for &k in &balance[..2] {
