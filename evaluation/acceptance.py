@@ -4,7 +4,7 @@
 
 Folders are those of `training.generate`. Runs the program with `--plausibility 0`, which answers with the best map
 whatever it is, and tells right maps of symmetric shapes (mean error at most 0.1 sqrt(area)) from maps of asymmetric ones,
-which weigh three times as much. Wrong maps of symmetric shapes are left out: many are another near-symmetry of the shape.
+which weigh as MODELS says. Wrong maps of symmetric shapes are left out: many are another near-symmetry of the shape.
 Prints the weights beside those in the source, and what models say of kinds of shapes that they have not seen. `--keep` keeps the answers, so that a second run need not detect again.
 """
 

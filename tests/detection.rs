@@ -6,7 +6,7 @@ use intrinsym::internals::base::effort::Plan;
 use intrinsym::internals::base::limits::estimated_memory;
 use intrinsym::{
     CancelToken, Detection, Error, Mesh, NONE, OPTIONS, Options, Outcome, PolygonMesh, Progress, Reason,
-    SymmetryKind, detect,
+    SymmetryKind, detect, detect_again,
 };
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
@@ -677,5 +677,10 @@ fn a_thin_plate_is_mirrored_in_its_outline_before_its_sheets_are_exchanged() {
             found.symmetries.iter().filter(|s| s.kind == SymmetryKind::Reflection).count(),
             options.symmetries
         );
+        let again = detect_again(&validated(&polygons), &found, &options, &Progress::default()).unwrap();
+        let partners = |found: &Detection| -> Vec<Vec<i32>> {
+            found.symmetries.iter().map(|symmetry| symmetry.partner.clone()).collect()
+        };
+        assert!(again.report.kept && partners(&again) == partners(&found));
     }
 }

@@ -11,7 +11,7 @@ use crate::connectivity::mirrored_vertices;
 use crate::detect::assembly::{PointMap, Summary, symmetry};
 use crate::detect::companions::{self, Companion, Primary};
 use crate::detect::correspondence::Symmetry;
-use crate::detect::domain::mean_distance;
+use crate::detect::domain::mean_movement;
 use crate::detect::filled_holes::FilledShell;
 use crate::detect::fixed_curve::{odd_function, zero_set};
 use crate::detect::mirror_plane::{MIRRORED, MOSTLY, MirrorPlane};
@@ -312,9 +312,7 @@ impl<'a> Assembler<'a> {
 
     /// Whether a map exchanges the sides of a thin sheet.
     pub fn exchanges_sheets(&self, map: &Hypothesis) -> bool {
-        let Shell { positions, triangles, .. } = self.solved();
-        let image = |own: usize| map.images.points[own].interpolate_vectors(triangles, positions);
-        exchanges_sheets(mean_distance(self.solved(), image))
+        exchanges_sheets(mean_movement(self.solved(), &map.images))
     }
 
     /// The searched shell, joined of several or the largest one, filled if it has holes.

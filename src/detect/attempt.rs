@@ -111,8 +111,10 @@ impl Attempt<'_> {
         // A judging mesh has no fillings; `detect_again` makes its own of the mesh as it is.
         let judging = match choice.maps.is_empty() || filled.is_some() {
             true => None,
-            false => JudgingMesh::of_solved(mesh, &shells[0], proxy.as_ref(), shell, options)
-                .map(|judging| judging.renumbered(question.given, question.given_points)),
+            false => {
+                let Question { given, given_points, .. } = **question;
+                JudgingMesh::of_solved(given, given_points, &shells[0], proxy.as_ref(), shell, options)
+            }
         };
         drop_repeated(&mut symmetries);
         let filled_holes = filled.as_ref().map_or(0, FilledShell::hole_count);

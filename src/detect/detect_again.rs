@@ -15,6 +15,7 @@ use crate::detect::clock::Clock;
 use crate::detect::correspondence::Symmetry;
 use crate::detect::coverage::Coverage;
 use crate::detect::detection::{Detection, Report};
+use crate::detect::domain::mean_movement;
 use crate::detect::driver::{detect, detect_by};
 use crate::detect::judging_mesh::JudgingMesh;
 use crate::detect::shell_symmetry::of_images;
@@ -22,8 +23,8 @@ use crate::mesh::Mesh;
 use crate::refine::full_refinement::MatchTarget;
 use crate::spectral::continuous_family::orbits;
 use crate::spectral::laplacian::IntrinsicSurface;
-use crate::verify::choose::{retain_symmetries, verdict};
-use crate::verify::hypothesis::Hypothesis;
+use crate::verify::choose::{rank, retain_symmetries, verdict};
+use crate::verify::hypothesis::{Hypothesis, exchanges_sheets};
 use crate::verify::outcome::Outcome;
 use crate::verify::reason::Reason;
 use std::sync::Arc;
@@ -151,12 +152,10 @@ fn keep(
     let judged = maps.first().map(|(map, _)| map.judged);
     let reason = maps.first().map_or(Reason::NotOntoItself, |(map, _)| verdict(map, least));
     retain_kept(&mut maps, options, least);
-    let mut symmetries: Vec<Symmetry> =
-        maps.iter().map(|(map, symmetry)| judged_again(mesh, symmetry, map)).collect();
-    symmetries.sort_by(|a, b| {
-        let plausible = b.plausibility.total_cmp(&a.plausibility);
-        a.kind.cmp(&b.kind).then(plausible).then(a.score.total_cmp(&b.score))
+    rank(&mut maps, |(map, symmetry)| {
+        (symmetry.kind, map.judged.plausibility, exchanges_sheets(mean_movement(&solved, &map.images)))
     });
+    let symmetries = maps.iter().map(|(map, symmetry)| judged_again(mesh, symmetry, map)).collect();
     clock.lap("earlier maps");
     let report = Report { judged, reasons: vec![reason], kept: true, ..Report::of(mesh) };
     let again = Detection::new(symmetries, least, report.with_shell(&shell, &orbits));

@@ -151,10 +151,9 @@ impl Detection {
 
     /// Whether this answer, by a larger plan, takes the place of an earlier one.
     pub(crate) fn is_better(&self, earlier: &Detection) -> bool {
-        let doubts = |detection: &Detection| {
-            detection.symmetries.first().map_or(f64::INFINITY, |best| 1.0 - best.plausibility)
-        };
-        (self.outcome, doubts(self)) <= (earlier.outcome, doubts(earlier))
+        let implausible =
+            |detection: &Detection| -detection.symmetries.first().map_or(0.0, |best| best.plausibility);
+        (self.outcome, implausible(self)) <= (earlier.outcome, implausible(earlier))
     }
 
     /// Without symmetries that say nothing of nearly the whole surface, as that of one of ten thousand loose parts does, unless whoever

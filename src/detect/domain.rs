@@ -8,6 +8,7 @@ use crate::detect::filled_holes::FilledShell;
 use crate::detect::joined_shells::JoinedShells;
 use crate::detect::proxy::Proxy;
 use crate::detect::question::Question;
+use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{Vector, point_areas, squared_norm, subtract};
 use crate::mesh::{NONE, Shell};
 use crate::spectral::twin_parts::TwinParts;
@@ -105,8 +106,13 @@ impl<'a> Domain<'a> {
     }
 }
 
+/// [`mean_distance`] of a shell's vertices from their images.
+pub fn mean_movement(shell: &Shell, images: &VertexMap) -> f64 {
+    mean_distance(shell, |own| images.points[own].interpolate_vectors(&shell.triangles, &shell.positions))
+}
+
 /// Mean distance in space of a shell's vertices from where they go, over the surface, in sqrt(area).
-pub fn mean_distance(shell: &Shell, image: impl Fn(usize) -> Vector) -> f64 {
+fn mean_distance(shell: &Shell, image: impl Fn(usize) -> Vector) -> f64 {
     let areas = point_areas(&shell.positions, &shell.triangles);
     let moved = |own: usize| squared_norm(subtract(shell.positions[own], image(own))).sqrt();
     areas.iter().enumerate().map(|(own, area)| area * moved(own)).sum::<f64>() / areas.iter().sum::<f64>()

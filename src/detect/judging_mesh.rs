@@ -71,10 +71,11 @@ struct Kept {
 }
 
 impl JudgingMesh {
-    /// Simplifies `shell`, the largest of `mesh`, or rather its `proxy` if there is one; with the vertices of that which are left, unless all
-    /// are. O(vertices log vertices).
+    /// Simplifies `shell`, the largest, or rather its `proxy` if there is one; with the vertices of that which are left, unless all
+    /// are. A point of the shell is the point `number` of `mesh`. O(vertices log vertices).
     fn simplified(
         mesh: &Mesh,
+        number: impl Fn(u32) -> u32,
         shell: &Shell,
         proxy: Option<&Proxy>,
         options: &Options,
@@ -87,11 +88,12 @@ impl JudgingMesh {
         let mut nearest = vec![NONE; mesh.positions.len()];
         for (local, &point) in shell.points.iter().enumerate() {
             let on_solved = proxy.map_or(local as u32, |proxy| proxy.nearest_by_edges()[local]);
-            nearest[point as usize] = of_solved[on_solved as usize];
+            nearest[number(point) as usize] = of_solved[on_solved as usize];
         }
         let Shell { points, triangles, orientable, .. } =
             coarse.as_ref().map_or(solved, |coarse| &coarse.shell);
-        let (points, triangles, orientable) = (points.clone(), triangles.clone(), *orientable);
+        let points = points.iter().map(|&point| number(point)).collect();
+        let (triangles, orientable) = (triangles.clone(), *orientable);
         let vertices = coarse.as_ref().map(|coarse| coarse.vertices().to_vec());
         let connectivity = mesh.connectivity_hash();
         (
@@ -102,13 +104,14 @@ impl JudgingMesh {
 
     /// Of the largest shell of `mesh`.
     pub(crate) fn new(mesh: &Mesh, options: &Options) -> JudgingMesh {
-        JudgingMesh::simplified(mesh, &mesh.shells()[0], None, options).0
+        JudgingMesh::simplified(mesh, |point| point, &mesh.shells()[0], None, options).0
     }
 
-    /// Of the `shell` (the largest of `mesh`) that has been `solved`, itself or its `proxy`. `None` if too few
-    /// eigenfunctions are known to start from.
+    /// Of the `shell`, the largest of a mesh, that has been `solved`, itself or its `proxy`. That mesh's points are `given_points` of the
+    /// `given` one. `None` if too few eigenfunctions are known to start from.
     pub(crate) fn of_solved(
-        mesh: &Mesh,
+        given: &Mesh,
+        given_points: &[u32],
         shell: &Shell,
         proxy: Option<&Proxy>,
         solved: &PreparedShell,
@@ -118,22 +121,13 @@ impl JudgingMesh {
         if solved.basis.count() < Start::functions(eigenfunctions) {
             return None;
         }
-        let (own, vertices) = JudgingMesh::simplified(mesh, shell, proxy, options);
+        let number = |point: u32| given_points[point as usize];
+        let (own, vertices) = JudgingMesh::simplified(given, number, shell, proxy, options);
         match vertices {
             Some(vertices) => drop(own.keep(&solved.basis.at(&vertices, Start::functions(eigenfunctions)))),
             None => own.keep_from(&solved.basis, solved.refiner.samples.prefix(own.size.samples).vertices),
         }
         Some(own)
-    }
-
-    /// The same of the `given` mesh, of which each point of its own is one of `given_points`.
-    pub(crate) fn renumbered(self, given: &Mesh, given_points: &[u32]) -> JudgingMesh {
-        let mut nearest = vec![NONE; self.nearest.len()];
-        for (&point, &vertex) in given_points.iter().zip(&self.nearest) {
-            nearest[point as usize] = vertex;
-        }
-        let points = self.points.iter().map(|&point| given_points[point as usize]).collect();
-        JudgingMesh { connectivity: given.connectivity_hash(), points, nearest, ..self }
     }
 
     /// Whether it was made of `mesh` or another shape of it, with options that want the same. O(corners).

@@ -40,7 +40,7 @@ impl<'a> Question<'a> {
     /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
     pub fn new(
         given: &'a Mesh,
-        Canonical { mesh, given: given_points }: &'a Canonical,
+        Canonical { mesh, given_points }: &'a Canonical,
         options: &'a Options,
         mechanisms: Mechanisms,
         progress: &'a Progress<'a>,

@@ -23,7 +23,7 @@ pub struct Canonical {
     /// The same mesh; the way back to the caller's vertices and faces is in it.
     pub mesh: Mesh,
     /// The point of the given mesh that each of its points is.
-    pub given: Vec<u32>,
+    pub given_points: Vec<u32>,
 }
 
 impl Mesh {
@@ -33,15 +33,16 @@ impl Mesh {
         let rounded = |x: f64| (x / GRAIN).round() * GRAIN;
         let place = |&position: &Vector| turned(&axes, position).map(rounded);
         let positions: Vec<Vector> = self.positions.iter().map(place).collect();
-        let given = along_z_curve(&positions);
-        let mut new = vec![0; given.len()];
-        (0..).zip(&given).for_each(|(point, &old)| new[old as usize] = point);
-        let of_points = |values: &[u32]| given.iter().map(|&old| values[old as usize]).collect::<Vec<u32>>();
+        let given_points = along_z_curve(&positions);
+        let mut new = vec![0; given_points.len()];
+        (0..).zip(&given_points).for_each(|(point, &old)| new[old as usize] = point);
+        let of_points =
+            |values: &[u32]| given_points.iter().map(|&old| values[old as usize]).collect::<Vec<u32>>();
 
         let (triangles, face_of_triangle) = self.canonical_triangles(&new);
         let (polygon_offsets, polygon_points, face_of_polygon) = self.canonical_polygons(&new);
         let mut mesh = Mesh {
-            positions: given.iter().map(|&old| positions[old as usize]).collect(),
+            positions: given_points.iter().map(|&old| positions[old as usize]).collect(),
             triangles,
             face_of_triangle,
             polygon_offsets,
@@ -58,7 +59,7 @@ impl Mesh {
             *point = new[*point as usize];
         }
         mesh.number_shells();
-        Canonical { mesh, given }
+        Canonical { mesh, given_points }
     }
 
     /// The triangles over new numbers, sorted, with their faces.
@@ -292,7 +293,7 @@ mod tests {
     #[test]
     fn the_way_back_leads_to_the_same_vertices_and_faces() {
         let given = Mesh::new(&shape(), &Limits::default()).unwrap();
-        let Canonical { mesh, given: old } = given.canonical();
+        let Canonical { mesh, given_points: old } = given.canonical();
         for (point, &old) in old.iter().enumerate() {
             assert_eq!(mesh.vertex_of_point[point], given.vertex_of_point[old as usize]);
             assert_eq!(mesh.point_of_vertex[mesh.vertex_of_point[point] as usize] as usize, point);
