@@ -149,6 +149,11 @@ impl Detection {
         self.symmetries.first().map_or(0.0, |best| best.plausibility * best.mean_confidence)
     }
 
+    /// Whether this answer has a better outcome than an earlier one of another surface, or the same one and is worth more.
+    pub(crate) fn is_worth_more(&self, earlier: &Detection) -> bool {
+        (self.outcome, -self.worth()) < (earlier.outcome, -earlier.worth())
+    }
+
     /// Whether this answer, by a larger plan, takes the place of an earlier one.
     pub(crate) fn is_better(&self, earlier: &Detection) -> bool {
         let implausible =
@@ -156,16 +161,17 @@ impl Detection {
         (self.outcome, implausible(self)) <= (earlier.outcome, implausible(earlier))
     }
 
-    /// Without symmetries that say nothing of nearly the whole surface, as that of one of ten thousand loose parts does, unless whoever
-    /// asks takes any map: a plausibility from `least` percent on.
+    /// None if the first symmetry says nothing of nearly the whole surface, as that of one of ten thousand loose parts does, unless whoever
+    /// asks takes any map: a plausibility from `least` percent on. Later ones that say nothing are left out.
     pub(crate) fn without_empty(mut self, least: usize) -> Detection {
-        let found = self.symmetries.len();
-        let highest = self.symmetries.iter().map(|symmetry| symmetry.mean_confidence).fold(0.0, f64::max);
-        self.symmetries.retain(|symmetry| least == 0 || !is_empty(symmetry));
-        if found > 0 && self.symmetries.is_empty() {
-            (self.outcome, self.judging) = (Outcome::None, None);
-            self.report.reasons.push(Reason::NothingSaid { mean_confidence: highest });
+        if least == 0 {
+            return self;
         }
+        if let Some(first) = self.symmetries.first().filter(|first| is_empty(first)) {
+            self.report.reasons.push(Reason::NothingSaid { mean_confidence: first.mean_confidence });
+            return Detection { outcome: Outcome::None, symmetries: Vec::new(), judging: None, ..self };
+        }
+        self.symmetries.retain(|symmetry| !is_empty(symmetry));
         self
     }
 }

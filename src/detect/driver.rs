@@ -78,11 +78,11 @@ fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<De
     better(Some(found), of_shells(question, &alone, plans, clock))
 }
 
-/// The one of two answers that is worth more; the earlier one, as doubtful, if time ended the other.
+/// The one of two answers with the better outcome, or that is worth more; the earlier one, as doubtful, if time ended the other.
 fn better(earlier: Option<Detection>, later: Result<Detection>) -> Result<Detection> {
     match (earlier, later) {
         (Some(earlier), Err(Error::TimeLimit { .. })) => Ok(earlier.out_of_time()),
-        (Some(earlier), Ok(later)) if earlier.worth() >= later.worth() => Ok(earlier),
+        (Some(earlier), Ok(later)) if !later.is_worth_more(&earlier) => Ok(earlier),
         (_, later) => later,
     }
 }
