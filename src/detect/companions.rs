@@ -7,6 +7,7 @@ use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::connectivity::automorphism::shell_signatures;
 use crate::detect::mirror_plane::MirrorPlane;
+use crate::detect::swarm_motion;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
@@ -135,7 +136,9 @@ impl Places {
             |(other, anchors): (&Shell, &Vec<u32>)| other.points[..anchors.len()].iter().map(place).collect();
         let own: Vec<Vec<Vector>> = shells.iter().zip(anchors).map(of_shell).collect();
         let carried = |(points, anchors): (&Vec<Vector>, &Vec<u32>)| primary.carrier.carried(points, anchors);
-        Places { mirrored: own.iter().zip(anchors).map(carried).collect(), own, shifts: true }
+        let mut mirrored: Vec<Vec<Vector>> = own.iter().zip(anchors).map(carried).collect();
+        swarm_motion::settle(&mut mirrored, &own);
+        Places { mirrored, own, shifts: true }
     }
 
     /// Mean distance from where points of `source` should be to the nearest points of `target`.
