@@ -26,6 +26,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     vertex_map      maps that are known vertex by vertex
     line_distance   distance from the line between left and right
     asymmetry       where the mirror image of each vertex should be
+    half_line       where one half of a mesh ends; half_copy copies the half, half_data gives it what was there
     local_frames    how directions are turned there
     live            what changes on one side happens on the other; live_carry says what, live_edit, live_paint and
                     live_select read and write it
@@ -52,6 +53,7 @@ from . import (
     ops_shape_keys,
     ops_split_key,
     ops_symmetrize_exact,
+    ops_symmetrize_topology,
     ops_transfer,
     ops_uv,
     ops_uv_mirror,
@@ -82,6 +84,7 @@ _MODULES = (
     ops_attributes,
     ops_positions,
     ops_symmetrize_exact,
+    ops_symmetrize_topology,
     ops_split_key,
     ops_pairs_file,
     ops_transfer,

@@ -132,6 +132,9 @@ class INTRINSIC_SYMMETRY_PT_shape(SymmetryPanel, bpy.types.Panel):
         row.enabled = _has_map(context)
         row.operator_menu_enum("intrinsic_symmetry.symmetrize", "direction", icon="MOD_MIRROR")
         column.operator("intrinsic_symmetry.symmetrize_exactly", icon="MOD_MIRROR")
+        row = column.row()
+        row.enabled = _has_map(context)
+        row.operator_menu_enum("intrinsic_symmetry.symmetrize_topology", "direction", icon="MOD_MIRROR")
         column.operator("intrinsic_symmetry.remember", icon="PINNED")
         column.operator("intrinsic_symmetry.mirror_edit", icon="UV_SYNC_SELECT")
 
