@@ -7,7 +7,7 @@ interpolated there.
 
 import numpy as np
 
-from . import mesh_data
+from . import mesh_data, stored_map
 from .elements import uv_islands
 from .half_line import LOSES
 from .half_surface import Mix, Surface
@@ -43,17 +43,18 @@ class Old:
             domain: {each.name: mesh_data.read_attribute(each) for each in mesh.attributes if _is_own(each, domain)}
             for domain in ("POINT", "CORNER")
         }
+        marks = mesh.attributes.get(stored_map.EXTRUDED)
+        self.extruded = np.zeros(len(mesh.vertices), bool) if marks is None else mesh_data.read_attribute(marks)
         self.uvs = {layer.name for layer in mesh.uv_layers}
         self.surface = Surface(mesh, self.positions, halves.labels == LOSES) if self.values["CORNER"] else None
 
     def give_positions(self, object, mix, moved):
         """Base shape and shape keys, each `moved` besides."""
         mesh, keys = object.data, object.data.shape_keys
-        places = mix.of(self.positions) + moved
         for key, points in zip(keys.key_blocks if keys else [], self.keys):
             mesh_data.set_key_positions(key, mix.of(points) + moved)
+        places = mix.of(self.positions) + moved
         mesh.vertices.foreach_set("co", np.ascontiguousarray(places, np.float32).ravel())
-        return places
 
     def give_points(self, object, mix, copies):
         """Weights and attributes of the copied vertices."""

@@ -32,6 +32,7 @@ _KEYS = (
 _MAP = (
     ("detect", "Detect Symmetry", {}),
     ("detect_selected", "Detect Symmetry of Selected Objects", {}),
+    ("carry", "Update Symmetry after an Edit", {}),
     ("exchange_sides", "Exchange Left and Right", {}),
     ("clear", "Remove Symmetry", {}),
 )

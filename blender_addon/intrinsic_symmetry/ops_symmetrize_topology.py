@@ -7,10 +7,13 @@ import intrinsym
 import numpy as np
 from intrinsym import Merge, SymmetryKind
 
-from . import half_copy, half_data, half_line, half_map, half_unfold, left_side, mesh_data, stored_map
+from . import half_copy, half_data, half_form, half_line, half_map, left_side, mesh_data, stored_map
 from .mirroring import DIRECTIONS, MERGE
 from .operator_base import MapOperator
 from .ops_positions import forget
+
+#: A mirror image is a vertex if its weight is more than this.
+_WHOLE = 0.999
 
 
 class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator):
@@ -37,7 +40,7 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         half = _Half(object, symmetry, winner)
         forget(mesh)
         half.fill(object, symmetry)
-        stored_map.store(mesh, half.core_mesh, half.known, left=(1, left_from))
+        stored_map.store(mesh, half.core_mesh, half.known, left=(1, left_from), exact_share=1.0)
         mesh.update()
         copied = np.count_nonzero(half.copies)
         return f"{copied:,} vertices are copies; {len(mesh.polygons):,} faces now, {before:,} before"
@@ -74,14 +77,16 @@ class _Half:
 
     def fill(self, object, symmetry):
         """Places the copy, and gives it what was there; `symmetry` is the map of the old mesh."""
-        models = np.where(self.copies, -1 - self._source, self._source)
+        mesh, old, copies = object.data, self._old, self.copies
+        models = np.where(copies, -1 - self._source, self._source)
         mix, model = (half_data.vertex_mix(each, self._halves, symmetry) for each in (self._source, models))
-        there = mix.of(self._old.positions)
-        arguments = there, model.of(self._old.positions), self.copies
-        moved = half_unfold.unfolded(object.data, self.core_mesh, self.known, *arguments) - there
-        places = self._old.give_positions(object, mix, moved)
-        self._old.give_points(object, mix, self.copies)
-        self._old.give_corners(object.data, self._copied, places)
+        fitted = copies | (self.known.partner == np.arange(len(copies)))
+        form = half_form.Form(mesh, model.of(old.positions), copies, fitted, mix.weights.max(axis=1) > _WHOLE)
+        there = mix.of(old.positions)
+        places = form.placed(there, model.of(old.extruded))
+        old.give_positions(object, mix, places - there)
+        old.give_points(object, mix, copies)
+        old.give_corners(mesh, self._copied, places)
 
 
 def _taken(mesh, name):

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The map of an edited mesh, from what is left of the old one.
+
+Old vertices keep their images, as long as the vertices around these are there. Duplicates, as an extrusion makes them,
+have the images of their originals. Where both sides got the same edit, new vertices are paired (`carried_walk`). All
+others lie between the images of their neighbours.
+"""
+
+import intrinsym
+import numpy as np
+from mathutils.bvhtree import BVHTree
+
+from . import mesh_data, stored_map, vertex_map
+from .carried_walk import pairs
+from .elements import barycentric
+from .half_line import components
+from .neighbour_means import filled
+
+#: By how much the confidence of what is carried is lowered.
+_LOWERED = 0.5
+#: An image is a vertex if its weight is more than the first; two new vertices may be partners from the second on.
+_WHOLE, _NEARLY = 0.999, 0.9
+#: A mean of sides below this is on the line.
+_BETWEEN = 0.1
+
+
+class CarriedMap:
+    """Arrays have one row a vertex of the edited mesh; `new_of` and `original` as `carry` finds them."""
+
+    def __init__(self, mesh, core_mesh, new_of, original):
+        self._mesh, self._core_mesh, self._new_of = mesh, core_mesh, new_of
+        self._offsets, self._used = (np.asarray(part).astype(np.int64) for part in core_mesh.polygons)
+        self._places = mesh_data.positions(mesh).astype(float)
+        known = original >= 0
+        self.new = ~known
+        self.new[known] = new_of[original[known]] != np.flatnonzero(known)
+        self._read(known)
+
+    def _read(self, known):
+        """What the old vertices and their duplicates have."""
+        values = {name: mesh_data.read_attribute(self._mesh.attributes[name]) for name in stored_map.KINDS}
+        self.partner = np.where(known, self._renumbered(values[stored_map.PARTNER]), -1)
+        self._corners = self._renumbered(np.stack([values[name] for name in stored_map.CORNERS], axis=1))
+        self._weights = values[stored_map.BARY].astype(float)
+        there = known & (self._corners >= 0).all(axis=1)
+        self._exact = ~self.new & (self.partner >= 0) & (self._weights.max(axis=1) > _WHOLE)
+        self._faces = np.where(there & ~self.new, self._holding(there), -1)
+        self._target = np.where(there[:, None], np.einsum("vk,vkx->vx", self._weights, self._places[self._corners]), np.nan)
+        self._target[self._exact] = self._places[self.partner[self._exact]]
+        kept = self._exact | (self._faces >= 0)
+        self._confidence = np.where(known, values[stored_map.CONFIDENCE] * np.where(kept, 1, _LOWERED), np.nan)
+        self._side = np.where(known, values[stored_map.SIDE], np.nan)
+
+    def _renumbered(self, old):
+        """New numbers of old ones; -1 for none."""
+        fits = (old >= 0) & (old < len(self._new_of))
+        return np.where(fits, self._new_of[np.where(fits, old, 0)], -1)
+
+    def _holding(self, chosen):
+        """(vertices,) a face with all three corners of the image; -1 where there is none."""
+        count = len(self._offsets)
+        face = np.repeat(np.arange(count - 1), np.diff(self._offsets))
+        keys = np.sort(self._used * count + face)  # all faces of a vertex, one after another
+        found, rows = np.full(len(chosen), -1), np.flatnonzero(chosen)
+        at, end = (np.searchsorted(keys // count, self._corners[rows, 0], side) for side in ("left", "right"))
+        while len(rows):
+            there = at < end
+            rows, at, end = rows[there], at[there], end[there]
+            held, fits = keys[at] % count, np.ones(len(rows), bool)
+            for other in (1, 2):
+                wanted = self._corners[rows, other] * count + held
+                fits &= keys[np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)] == wanted
+            found[rows[fits]] = held[fits]
+            rows, at, end = rows[~fits], at[~fits] + 1, end[~fits]
+        return found
+
+    def found(self, kind):
+        """The `intrinsym.Symmetry`."""
+        self._walk()
+        self._fill()
+        self._land()
+        self._meet()
+        self._confidence[self.new & self._exact] /= _LOWERED
+        exact, has = vertex_map.at_vertices(self._core_mesh, self.partner), self.partner >= 0
+        points = intrinsym.SurfacePoints(
+            np.where(self._exact, exact.faces, vertex_map.unsigned(self._faces)),
+            np.where(self._exact[:, None], exact.corners, vertex_map.unsigned(self._corners)),
+            np.where(self._exact[:, None], exact.barycentrics, self._weights),
+        )
+        confidence, side = (np.where(has, np.nan_to_num(values), 0) for values in (self._confidence, self._side))
+        return self._core_mesh.restore(kind, self.partner, np.clip(confidence, 0, 1), side.astype(np.int8), points)
+
+    def _walk(self):
+        """Pairs new vertices where both sides got the same edit."""
+        self._pair(pairs(self._offsets, self._used, self.partner, self.new & ~self._exact))
+
+    def _pair(self, twins):
+        vertices, partners = (np.fromiter(part, np.int64, len(twins)) for part in (twins.keys(), twins.values()))
+        self.partner[vertices], self._exact[vertices] = partners, True
+        self._target[vertices] = self._places[partners]
+
+    def _fill(self):
+        """Gives the vertices without values the means of their neighbours'."""
+        off = np.where(self.new, np.where(np.isnan(self._side), np.nan, 1.0), 0.0)
+        off[self._exact] = 0
+        off[self._enclosed(off == 1)] = 1
+        ends = mesh_data.edges(self._mesh).astype(np.int64)
+        values = np.column_stack([self._target, self._confidence, self._side, off])
+        values = filled(values, ends, self._places)
+        lowered = np.where(np.isnan(self._confidence), _LOWERED, 1)
+        self._target, self._confidence = values[:, :3], lowered * values[:, 3]
+        self._side = np.where(np.abs(values[:, 4]) < _BETWEEN, 0, np.sign(values[:, 4]))
+        self.extruded = np.nan_to_num(values[:, 5]) > 0
+
+    def _enclosed(self, duplicates):
+        """(vertices,) bool: what duplicates cut off from the most of its shell, as the inside of what was extruded."""
+        ends = mesh_data.edges(self._mesh).astype(np.int64)
+        region = components(len(duplicates), ends[~duplicates[ends].any(axis=1)])
+        shell, size = components(len(duplicates), ends), np.bincount(region, minlength=len(duplicates))
+        size[duplicates] = 0
+        largest = np.zeros(len(duplicates), int)
+        np.maximum.at(largest, shell, size[region])
+        return ~duplicates & (size[region] < largest[shell])
+
+    def _land(self):
+        """Puts images that are in no face onto the nearest one."""
+        found = ~np.isnan(self._target).any(axis=1)
+        loose = np.flatnonzero(found & ~self._exact & (self._faces < 0))
+        if len(loose):
+            self._faces[loose], self._corners[loose], self._weights[loose] = _nearest(self._mesh, self._target[loose])
+        nearest = self._corners[np.arange(len(found)), self._weights.argmax(axis=1)]
+        keeps = self._exact | (self.partner >= 0) & ~self.new
+        self.partner = np.where(keeps, self.partner, np.where(found, nearest, -1))
+        self._faces[~found], self._corners[~found] = -1, -1
+        self._weights[~found] = 0
+
+    def _meet(self):
+        """Pairs new vertices whose images are at each other, and those around them."""
+        near = np.flatnonzero(self.new & ~self._exact & (self._weights.max(axis=1) > _NEARLY) & (self.partner >= 0))
+        back = self.partner[self.partner[near]] == near
+        met = near[back & np.isin(self.partner[near], near)]
+        self._pair(dict(zip(met.tolist(), self.partner[met].tolist())))
+        if len(met):
+            self._walk()
+
+
+def _nearest(mesh, points):
+    """Faces, corners and weights of the nearest points of the mesh."""
+    mesh.calc_loop_triangles()
+    triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    faces = np.empty(len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", triangles)
+    mesh.loop_triangles.foreach_get("polygon_index", faces)
+    triangles, places = triangles.reshape(-1, 3), mesh_data.positions(mesh)
+    tree = BVHTree.FromPolygons(places.tolist(), triangles.tolist())
+    found = [tree.find_nearest(point) for point in points.tolist()]
+    triangle = np.array([each[2] for each in found])
+    feet = np.array([each[0] for each in found])
+    weights = np.maximum(barycentric(feet, places[triangles[triangle]].astype(float)), 0)
+    return faces[triangle], triangles[triangle], weights / weights.sum(axis=1, keepdims=True)
