@@ -47,7 +47,6 @@ from . import (
     ops_carry,
     ops_check,
     ops_detect,
-    ops_carry,
     ops_detect_selected,
     ops_label,
     ops_live,

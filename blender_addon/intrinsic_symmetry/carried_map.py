@@ -12,14 +12,13 @@ from mathutils.bvhtree import BVHTree
 
 from . import mesh_data, stored_map, vertex_map
 from .carried_walk import pairs
-from .elements import barycentric
-from .half_line import components
+from .elements import barycentric, components
 from .neighbour_means import filled
 
 #: By how much the confidence of what is carried is lowered.
 _LOWERED = 0.5
-#: An image is a vertex if its weight is more than the first; two new vertices may be partners from the second on.
-_WHOLE, _NEARLY = 0.999, 0.9
+#: An image is a vertex if its weight is more than this.
+_WHOLE = 0.999
 #: A mean of sides below this is on the line.
 _BETWEEN = 0.1
 
@@ -30,7 +29,7 @@ class CarriedMap:
     def __init__(self, mesh, core_mesh, new_of, original):
         self._mesh, self._core_mesh, self._new_of = mesh, core_mesh, new_of
         self._offsets, self._used = (np.asarray(part).astype(np.int64) for part in core_mesh.polygons)
-        self._places = mesh_data.positions(mesh).astype(float)
+        self._places, self._ends = mesh_data.positions(mesh).astype(float), mesh_data.edges(mesh).astype(np.int64)
         known = original >= 0
         self.new = ~known
         self.new[known] = new_of[original[known]] != np.flatnonzero(known)
@@ -39,17 +38,21 @@ class CarriedMap:
     def _read(self, known):
         """What the old vertices and their duplicates have."""
         values = {name: mesh_data.read_attribute(self._mesh.attributes[name]) for name in stored_map.KINDS}
-        self.partner = np.where(known, self._renumbered(values[stored_map.PARTNER]), -1)
+        has_face = np.bincount(self._used, minlength=len(known)) > 0
+        partner = self._renumbered(values[stored_map.PARTNER])
+        self.partner = np.where(known & (partner >= 0) & has_face[partner], partner, -1)
         self._corners = self._renumbered(np.stack([values[name] for name in stored_map.CORNERS], axis=1))
         self._weights = values[stored_map.BARY].astype(float)
         there = known & (self._corners >= 0).all(axis=1)
         self._exact = ~self.new & (self.partner >= 0) & (self._weights.max(axis=1) > _WHOLE)
         self._faces = np.where(there & ~self.new, self._holding(there), -1)
-        self._target = np.where(there[:, None], np.einsum("vk,vkx->vx", self._weights, self._places[self._corners]), np.nan)
+        images = np.einsum("vk,vkx->vx", self._weights, self._places[self._corners])
+        self._target = np.where(there[:, None], images, np.nan)
         self._target[self._exact] = self._places[self.partner[self._exact]]
-        kept = self._exact | (self._faces >= 0)
-        self._confidence = np.where(known, values[stored_map.CONFIDENCE] * np.where(kept, 1, _LOWERED), np.nan)
+        self._kept = self._exact | (self._faces >= 0)
+        self._confidence = np.where(known, values[stored_map.CONFIDENCE], np.nan)
         self._side = np.where(known, values[stored_map.SIDE], np.nan)
+        self._duplicates = known & self.new
 
     def _renumbered(self, old):
         """New numbers of old ones; -1 for none."""
@@ -76,11 +79,11 @@ class CarriedMap:
 
     def found(self, kind):
         """The `intrinsym.Symmetry`."""
-        self._walk()
         self._fill()
+        self._walk()
         self._land()
         self._meet()
-        self._confidence[self.new & self._exact] /= _LOWERED
+        self._confidence *= np.where(self._kept | self._exact, 1, _LOWERED)
         exact, has = vertex_map.at_vertices(self._core_mesh, self.partner), self.partner >= 0
         points = intrinsym.SurfacePoints(
             np.where(self._exact, exact.faces, vertex_map.unsigned(self._faces)),
@@ -90,53 +93,65 @@ class CarriedMap:
         confidence, side = (np.where(has, np.nan_to_num(values), 0) for values in (self._confidence, self._side))
         return self._core_mesh.restore(kind, self.partner, np.clip(confidence, 0, 1), side.astype(np.int8), points)
 
+    def extruded(self):
+        """(vertices,) bool: duplicates without a partner of their own, what they enclose, and what is new between."""
+        off = np.where(self.new, np.nan, 0.0)
+        off[self._duplicates] = 1
+        off[self._exact] = 0
+        off[self._enclosed(off == 1)] = 1
+        return np.nan_to_num(filled(off[:, None], self._ends, self._places)[:, 0]) > 0
+
+    def _fill(self):
+        """Gives the vertices without values the means of their neighbours'."""
+        values = np.column_stack([self._target, self._confidence, self._side])
+        values = filled(values, self._ends, self._places)
+        self._target, self._confidence, side = values[:, :3], values[:, 3], values[:, 4]
+        self._side = np.where(np.abs(side) < _BETWEEN, 0, np.sign(side))
+
     def _walk(self):
-        """Pairs new vertices where both sides got the same edit."""
-        self._pair(pairs(self._offsets, self._used, self.partner, self.new & ~self._exact))
+        """Pairs new vertices where both sides got the same edit: where an image is expected, or on extrusions."""
+        lengths = np.linalg.norm(self._places[self._ends[:, 0]] - self._places[self._ends[:, 1]], axis=1)
+        reach = np.zeros(len(self.new))
+        for end in (0, 1):
+            np.maximum.at(reach, self._ends[:, end], lengths)
+
+        def may_pair(one, other):
+            off = self._places[other] - self._target[one]
+            return self._duplicates[[one, other]].all() or off @ off <= reach[one] ** 2
+
+        partner = np.where(self._exact, self.partner, -1)
+        self._pair(pairs(self._offsets, self._used, partner, self.new & ~self._exact, may_pair))
 
     def _pair(self, twins):
         vertices, partners = (np.fromiter(part, np.int64, len(twins)) for part in (twins.keys(), twins.values()))
         self.partner[vertices], self._exact[vertices] = partners, True
         self._target[vertices] = self._places[partners]
 
-    def _fill(self):
-        """Gives the vertices without values the means of their neighbours'."""
-        off = np.where(self.new, np.where(np.isnan(self._side), np.nan, 1.0), 0.0)
-        off[self._exact] = 0
-        off[self._enclosed(off == 1)] = 1
-        ends = mesh_data.edges(self._mesh).astype(np.int64)
-        values = np.column_stack([self._target, self._confidence, self._side, off])
-        values = filled(values, ends, self._places)
-        lowered = np.where(np.isnan(self._confidence), _LOWERED, 1)
-        self._target, self._confidence = values[:, :3], lowered * values[:, 3]
-        self._side = np.where(np.abs(values[:, 4]) < _BETWEEN, 0, np.sign(values[:, 4]))
-        self.extruded = np.nan_to_num(values[:, 5]) > 0
-
     def _enclosed(self, duplicates):
         """(vertices,) bool: what duplicates cut off from the most of its shell, as the inside of what was extruded."""
-        ends = mesh_data.edges(self._mesh).astype(np.int64)
-        region = components(len(duplicates), ends[~duplicates[ends].any(axis=1)])
-        shell, size = components(len(duplicates), ends), np.bincount(region, minlength=len(duplicates))
+        region = components(len(duplicates), self._ends[~duplicates[self._ends].any(axis=1)])
+        shell, size = components(len(duplicates), self._ends), np.bincount(region, minlength=len(duplicates))
         size[duplicates] = 0
         largest = np.zeros(len(duplicates), int)
         np.maximum.at(largest, shell, size[region])
         return ~duplicates & (size[region] < largest[shell])
 
     def _land(self):
-        """Puts images that are in no face onto the nearest one."""
-        found = ~np.isnan(self._target).any(axis=1)
+        """Puts images that are in no face onto the nearest one. Vertices that no face uses have none."""
+        found = ~np.isnan(self._target).any(axis=1) & (np.bincount(self._used, minlength=len(self.new)) > 0)
         loose = np.flatnonzero(found & ~self._exact & (self._faces < 0))
         if len(loose):
             self._faces[loose], self._corners[loose], self._weights[loose] = _nearest(self._mesh, self._target[loose])
         nearest = self._corners[np.arange(len(found)), self._weights.argmax(axis=1)]
-        keeps = self._exact | (self.partner >= 0) & ~self.new
+        self._exact &= found
+        keeps = self._exact | found & (self.partner >= 0) & ~self.new
         self.partner = np.where(keeps, self.partner, np.where(found, nearest, -1))
         self._faces[~found], self._corners[~found] = -1, -1
         self._weights[~found] = 0
 
     def _meet(self):
         """Pairs new vertices whose images are at each other, and those around them."""
-        near = np.flatnonzero(self.new & ~self._exact & (self._weights.max(axis=1) > _NEARLY) & (self.partner >= 0))
+        near = np.flatnonzero(self.new & ~self._exact & (self._weights.max(axis=1) > _WHOLE) & (self.partner >= 0))
         back = self.partner[self.partner[near]] == near
         met = near[back & np.isin(self.partner[near], near)]
         self._pair(dict(zip(met.tolist(), self.partner[met].tolist())))

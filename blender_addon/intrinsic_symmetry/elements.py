@@ -77,3 +77,17 @@ def barycentric(points, triangles):
     one = np.einsum("nx,nx->n", np.cross(away, second), normal) / area
     two = np.einsum("nx,nx->n", np.cross(first, away), normal) / area
     return np.stack([1 - one - two, one, two], axis=1)
+
+
+def components(count, pairs):
+    """(count,) the least number that is connected with each, by (n, 2) pairs."""
+    least = np.arange(count)
+    while True:
+        both = least[pairs].min(axis=1)
+        joined = least.copy()
+        for end in (0, 1):
+            np.minimum.at(joined, least[pairs[:, end]], both)
+        joined = joined[joined]
+        if np.array_equal(joined, least):
+            return least
+        least = joined

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cuts a BMesh along the line between its halves, and puts a mirrored copy of the winning one in the place of the other.
+"""Cuts a BMesh along the line between its halves, and puts a mirrored copy of the winning one in the other's place.
 
 Vertices carry their source in an INT layer: the number of the old vertex, or behind them that of the cut; a copy has
 -1 - source.

@@ -9,7 +9,7 @@ solution of absolute orientation using orthonormal matrices", 1988), and bent to
 import numpy as np
 
 from . import mesh_data
-from .half_line import components
+from .elements import components
 from .neighbour_means import filled
 
 #: An edge is creased if the cosine between the normals of its faces is below the first, and that of its model is above

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import mesh_data
+from .elements import components
 
 #: Labels of vertices: of the half that stays, of the half that is replaced, on the line between them, and of shells
 #: that stay as they are.
@@ -32,20 +33,6 @@ class Halves:
     winning: np.ndarray
     losing: np.ndarray
     shares: np.ndarray
-
-
-def components(count, pairs):
-    """(count,) the least number that is connected with each, by (n, 2) pairs."""
-    least = np.arange(count)
-    while True:
-        both = least[pairs].min(axis=1)
-        joined = least.copy()
-        for end in (0, 1):
-            np.minimum.at(joined, least[pairs[:, end]], both)
-        joined = joined[joined]
-        if np.array_equal(joined, least):
-            return least
-        least = joined
 
 
 def halves(bm, mesh, symmetry, winner):
@@ -77,7 +64,8 @@ def _labels(mesh, symmetry, winner, edges):
     balance = np.bincount(shell, side, count) / np.bincount(shell, minlength=count)
     whole = image == np.arange(count)
     paired = (image >= 0) & ~whole & (image[image] == np.arange(count))
-    crossed = whole & (np.bincount(shell[side > 0], minlength=count) > 0) & (np.bincount(shell[side < 0], minlength=count) > 0)
+    both = [np.bincount(shell[side * sign > 0], minlength=count) > 0 for sign in (1, -1)]
+    crossed = whole & both[0] & both[1]
     apart = np.where(balance >= balance[image], WINS, LOSES)
     apart = np.where((balance == balance[image]) & (np.arange(count) > image), LOSES, apart)
     of_shell = np.where(paired, apart, STAYS)
@@ -98,7 +86,8 @@ def _refuse_holes(found, image, mesh):
     without = int((~found & (image >= 0)).sum())
     if without:
         raise mesh_data.MeshProblem(
-            f"{without:,} of {len(mesh.vertices):,} vertices have no mirror image: Select Without Mirror Image shows where"
+            f"{without:,} of {len(mesh.vertices):,} vertices have no mirror image: "
+            "Select Without Mirror Image shows where"
         )
 
 

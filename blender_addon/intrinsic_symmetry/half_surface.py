@@ -31,7 +31,7 @@ class Mix:
 
 
 class Surface:
-    """Triangles of the faces of a losing half, whose vertices are labelled so; triangle 0 is the first of them."""
+    """Triangles of the faces with a vertex of the losing half, (vertices,) bool; triangle 0 is the first of them."""
 
     def __init__(self, mesh, positions, loses):
         mesh.calc_loop_triangles()
@@ -46,7 +46,8 @@ class Surface:
         self._places = positions[corners[self._loops]]
         self._first = np.searchsorted(face, face)  # triangles are in the order of their faces
         self._count = np.bincount(face, minlength=face.max(initial=0) + 1)[face]
-        self._tree = BVHTree.FromPolygons(self._places.reshape(-1, 3).tolist(), np.arange(loops[chosen].size).reshape(-1, 3).tolist())
+        triangles = np.arange(3 * len(face)).reshape(-1, 3)
+        self._tree = BVHTree.FromPolygons(self._places.reshape(-1, 3).tolist(), triangles.tolist())
 
     def nearest(self, points, chosen):
         """(points,) number of the nearest triangle, of the chosen ones."""
@@ -55,8 +56,8 @@ class Surface:
         return found
 
     def mix(self, points, below, beside, island):
-        """The Mix of face corners at points: of the face that is below the new face where it holds the point; else of the
-        triangle beside the point, if that is in the same island, or of the face below, extended."""
+        """The Mix of face corners at points: of the face that is below the new face where it holds the point; else of
+        the triangle beside the point, if that is in the same island, or of the face below, extended."""
         best, depth = below.copy(), np.full(len(points), -np.inf)
         for step in range(self._count.max()):
             there = np.flatnonzero(step < self._count[below])

@@ -10,7 +10,7 @@
 | sym_corner_0, _1, _2 | INT | three vertices of that face |
 | sym_bary | FLOAT_VECTOR | their weights |
 | sym_record | INT | the same for all vertices: which record belongs to the map (see `undo`) |
-| sym_index, sym_mixed | INT, FLOAT | the vertex' own number, from 1: what is left of it after an edit (see `carry`) |
+| sym_index, sym_mixed | INT, FLOAT | the vertex' own number, from 1, plain and scattered (see `carry`) |
 
 Editing rots such numbers silently, so the record holds a hash of the connectivity and a checksum of the attributes,
 and a map that does not fit its mesh any more is refused.
@@ -31,8 +31,9 @@ FACE, BARY = "sym_face", "sym_bary"
 CORNERS = ("sym_corner_0", "sym_corner_1", "sym_corner_2")
 KINDS = {PARTNER: "INT", CONFIDENCE: "FLOAT", SIDE: "INT", FACE: "INT", BARY: "FLOAT_VECTOR"}
 KINDS.update(dict.fromkeys((*CORNERS, undo.NUMBER), "INT"))
-#: The vertex' own number plus 1, of which Blender's edits copy the first and interpolate the second.
+#: The vertex' own number plus 1, and the same `scattered`.
 NUMBERS = ("sym_index", "sym_mixed")
+_GOLDEN = (5**0.5 - 1) / 2
 #: BOOLEAN: vertices that stand off the surface that the map speaks of, after `carry`.
 EXTRUDED = "sym_extruded"
 #: What an imported PLY or glTF file says of its further symmetries. It does not belong to the map that is kept.
@@ -151,11 +152,17 @@ def _record(mesh, core_mesh, symmetry):
 
 def _number(mesh):
     """Marks the attributes as those of the record that the mesh has, and each vertex by its own number."""
-    for name, kind in zip(NUMBERS, ("INT", "FLOAT")):
-        mesh_data.write_attribute(mesh, name, kind, 1 + np.arange(len(mesh.vertices)))
+    own = 1 + np.arange(len(mesh.vertices))
+    for name, kind, values in zip(NUMBERS, ("INT", "FLOAT"), (own, scattered(own))):
+        mesh_data.write_attribute(mesh, name, kind, values)
     numbers = np.full(len(mesh.vertices), undo.number_of(mesh[RECORD]))
     mesh_data.write_attribute(mesh, undo.NUMBER, "INT", numbers)
     undo.remember(mesh)
+
+
+def scattered(numbers):
+    """0..1, so that the mean of some numbers goes elsewhere than the mean of where they go."""
+    return numbers * _GOLDEN % 1
 
 
 def _checksum(mesh):
