@@ -51,6 +51,8 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
             raise mesh_data.MeshProblem("A half turn has no left and right")
         if mesh_data.has_multires(object):
             raise mesh_data.MeshProblem("The Multires modifier holds detail of the old faces: apply it first")
+        if object.data[stored_map.RECORD].get("doubtful"):
+            self.warn("The symmetry was doubtful: look at the whole copy")
         if object.data.users > 1:
             self.warn(f"{object.data.users - 1} more objects use this mesh, and change with it")
 

@@ -80,6 +80,46 @@ def test_a_closed_mesh_with_mirrored_connectivity(body, direction):
     assert len(own) > 0.98 * np.count_nonzero(side == winner)
 
 
+def _noisy_map(object, noise):
+    """Stores the map of the mirror plane X = 0, each image off by about `noise` edges, and so each side near it."""
+    from intrinsym import SymmetryKind
+
+    mesh, places = object.data, positions(object.data)
+    ends = places[module("mesh_data").edges(mesh)]
+    edge = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).mean()
+    off = np.random.default_rng(2).normal(size=places.shape) * noise * edge
+    partner = _nearest(places, places * (-1, 1, 1) + off)[:, 0].astype(int)
+    side = np.where(partner == np.arange(len(partner)), 0, np.sign(places[:, 0] + off[:, 0]))
+    core_mesh = module("detection").core_mesh_of(object, "BASE", None)
+    points = module("vertex_map").at_vertices(core_mesh, partner)
+    symmetry = core_mesh.restore(SymmetryKind.REFLECTION, partner, np.ones(len(side)), side, points)
+    symmetry.fixed_curve = []
+    module("stored_map").store(mesh, core_mesh, symmetry)
+
+
+SHAPES = {
+    "sphere": (lambda: bpy.ops.mesh.primitive_uv_sphere_add(rotation=(0.3, 0.2, 0.1)), 2, False),
+    "triangles": (lambda: bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, rotation=(0.3, 0.2, 0.1)), 2, False),
+    "torus": (lambda: bpy.ops.mesh.primitive_torus_add(rotation=(0, 0, 0.1)), 0, False),
+    "grid": (lambda: bpy.ops.mesh.primitive_grid_add(x_subdivisions=15, y_subdivisions=15), 1, True),
+}
+
+
+@pytest.mark.parametrize("noise", [0, 0.3, 1])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_ragged_line_gives_a_manifold(shape, noise):
+    make, characteristic, has_border = SHAPES[shape]
+    make()
+    object = bpy.context.object
+    bpy.ops.object.transform_apply(location=False, rotation=True, scale=False)
+    _noisy_map(object, noise)
+    assert ops.symmetrize_topology(direction="RIGHT_TO_LEFT") == {"FINISHED"}
+    _assert_mirrored(object.data)
+    counts = np.bincount(_edge_faces(object.data), minlength=3)
+    assert len(counts) == 3 and counts[0] == 0 and (counts[1] > 0) == has_border
+    assert len(object.data.vertices) - len(object.data.edges) + len(object.data.polygons) == characteristic
+
+
 @pytest.mark.parametrize("body", ["quadruped", "remeshed"], indirect=True)
 def test_the_copy_lies_on_the_surface_that_was_there(body):
     from mathutils.bvhtree import BVHTree
@@ -115,7 +155,7 @@ def test_shells_and_open_borders():
 
 
 def test_a_shell_without_a_mirror_image_stays(human):
-    """The map knows nothing of it: it is deleted there, and put back."""
+    """A cube that was added since the symmetry was found."""
     data = bmesh.new()
     data.from_mesh(human.data)
     bmesh.ops.create_cube(data, size=0.05)
