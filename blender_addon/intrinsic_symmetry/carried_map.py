@@ -9,6 +9,7 @@ others lie between the images of their neighbours.
 import intrinsym
 import numpy as np
 from mathutils.bvhtree import BVHTree
+from mathutils.kdtree import KDTree
 
 from . import mesh_data, stored_map, vertex_map
 from .carried_walk import pairs
@@ -19,6 +20,8 @@ from .neighbour_means import filled
 _LOWERED = 0.5
 #: An image is a vertex if its weight is more than this.
 _WHOLE = 0.999
+#: Distance below which a vertex is at an image, as a share of the size.
+_SAME = 1e-5
 #: A mean of sides below this is on the line.
 _BETWEEN = 0.1
 
@@ -81,8 +84,8 @@ class CarriedMap:
         """The `intrinsym.Symmetry`."""
         self._fill()
         self._walk()
-        self._land()
         self._meet()
+        self._land()
         self._confidence *= np.where(self._kept | self._exact, 1, _LOWERED)
         exact, has = vertex_map.at_vertices(self._core_mesh, self.partner), self.partner >= 0
         points = intrinsym.SurfacePoints(
@@ -104,7 +107,7 @@ class CarriedMap:
     def _fill(self):
         """Gives the vertices without values the means of their neighbours'."""
         values = np.column_stack([self._target, self._confidence, self._side])
-        values = filled(values, self._ends, self._places)
+        values = filled(values, self._ends, self._places, along_lines=True)
         self._target, self._confidence, side = values[:, :3], values[:, 3], values[:, 4]
         self._side = np.where(np.abs(side) < _BETWEEN, 0, np.sign(side))
 
@@ -150,12 +153,17 @@ class CarriedMap:
         self._weights[~found] = 0
 
     def _meet(self):
-        """Pairs new vertices whose images are at each other, and those around them."""
-        near = np.flatnonzero(self.new & ~self._exact & (self._weights.max(axis=1) > _WHOLE) & (self.partner >= 0))
-        back = self.partner[self.partner[near]] == near
-        met = near[back & np.isin(self.partner[near], near)]
-        self._pair(dict(zip(met.tolist(), self.partner[met].tolist())))
-        if len(met):
+        """Pairs new vertices that are at each other's images, and those around them."""
+        rows = np.flatnonzero(self.new & ~self._exact & ~np.isnan(self._target).any(axis=1))
+        tree, near = KDTree(len(rows)), _SAME * np.ptp(self._places, axis=0).max(initial=0)
+        for row in rows.tolist():
+            tree.insert(self._places[row], row)
+        tree.balance()
+        found = {row: tree.find(self._target[row]) for row in rows.tolist()}
+        there = {row: number for row, (_, number, distance) in found.items() if distance <= near}
+        met = {row: number for row, number in there.items() if there.get(number) == row}
+        if met:
+            self._pair(met)
             self._walk()
 
 

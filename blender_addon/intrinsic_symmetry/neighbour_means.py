@@ -5,23 +5,32 @@ import numpy as np
 
 #: Rounds in which means are taken, and a change that ends them, as a share of the largest value.
 _ROUNDS, _STILL = 300, 1e-6
+#: Two edges are a straight line if the cosine between them is this near to -1.
+_STRAIGHT = 1e-4
 
 
-def filled(values, ends, places):
-    """(vertices, n) values with NaN replaced, along (edges, 2) ends of vertices at (vertices, 3) places. NaN stays where no
-    edges lead to a value."""
+def filled(values, ends, places, along_lines=False):
+    """(vertices, n) values with NaN replaced, along (edges, 2) ends of vertices at (vertices, 3) places. NaN stays where
+    no edges lead to a value. `along_lines`: a vertex on a straight line between two neighbours, as on an edge that was
+    cut, has the mean of those alone."""
     values = values.copy()
     for column in values.T:
-        unknown = np.isnan(column)
-        if unknown.any():
-            _fill(column, unknown, ends, places)
+        if np.isnan(column).any():
+            _fill(column, ends, places, along_lines)
     return values
 
 
-def _fill(column, unknown, ends, places):
+def _fill(column, ends, places, along_lines):
+    unknown = np.isnan(column)
     to, source = np.vstack([ends, ends[:, ::-1]])[np.append(unknown[ends[:, 0]], unknown[ends[:, 1]])].T
-    length = np.linalg.norm(places[to] - places[source], axis=1)
-    pull = 1 / np.maximum(length, 1e-6 * length.max(initial=1e-30))
+    order = np.argsort(to, kind="stable")
+    to, source = to[order], source[order]
+    way = places[source] - places[to]
+    length = np.linalg.norm(way, axis=1)
+    length = np.maximum(length, 1e-6 * length.max(initial=1e-30))
+    pull = 1 / length
+    if along_lines:
+        pull *= _along_lines(to, way / length[:, None], ~unknown[source])
     rows, row = np.unique(to, return_inverse=True)
     least = _STILL * np.abs(column[~unknown]).max(initial=0)
     for _ in range(_ROUNDS):
@@ -34,3 +43,20 @@ def _fill(column, unknown, ends, places):
         reached = np.isnan(before) & ~np.isnan(mean)
         if not reached.any() and np.nanmax(np.abs(mean - before), initial=0) <= least:
             break
+
+
+def _along_lines(to, ways, known):
+    """(links,) 1 or 0: the links, sorted by `to`, that count: two that make a line, of several those to known values, or
+    all of a vertex."""
+    best, pair = np.zeros(to.max(initial=-1) + 1), np.full((to.max(initial=-1) + 1, 2), -1)
+    for step in range(1, np.bincount(to).max(initial=1)):
+        rows = np.flatnonzero(to[:-step] == to[step:])
+        bend = 1 + np.einsum("rx,rx->r", ways[rows], ways[rows + step])
+        score = 1.0 + known[rows] + known[rows + step] - bend
+        fits = (bend < _STRAIGHT) & (score > best[to[rows]])
+        rows, score = rows[fits], score[fits]
+        order = np.argsort(score, kind="stable")  # the last one of a vertex is kept
+        rows, score = rows[order], score[order]
+        best[to[rows]], pair[to[rows]] = score, np.stack([rows, rows + step], axis=1)
+    link = np.arange(len(to))
+    return ((pair[to, 0] < 0) | (pair[to, 0] == link) | (pair[to, 1] == link)).astype(float)
