@@ -65,7 +65,7 @@ def _identities(mesh, record):
 
 
 def _astray(mesh, new_of, original):
-    """(vertices,) bool: duplicates that no edges between duplicates join to their original, as those of a subdivision."""
+    """(vertices,) bool: duplicates that no edges between duplicates join to their original: those of a subdivision."""
     ends = mesh_data.edges(mesh).astype(np.int64)
     ends = ends[(original[ends[:, 0]] == original[ends[:, 1]]) & (original[ends[:, 0]] >= 0)]
     group = components(len(original), ends)

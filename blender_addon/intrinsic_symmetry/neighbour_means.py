@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values between known ones: each vertex has the mean of its neighbours, of which nearer ones weigh more. No bpy here."""
+"""Values between known ones: the mean of each vertex' neighbours, of which nearer ones weigh more. No bpy here."""
 
 import numpy as np
 
@@ -10,9 +10,9 @@ _STRAIGHT = 1e-4
 
 
 def filled(values, ends, places, along_lines=False):
-    """(vertices, n) values with NaN replaced, along (edges, 2) ends of vertices at (vertices, 3) places. NaN stays where
-    no edges lead to a value. `along_lines`: a vertex on a straight line between two neighbours, as on an edge that was
-    cut, has the mean of those alone."""
+    """(vertices, n) values with NaN replaced, along (edges, 2) ends of vertices at (vertices, 3) places. NaN stays
+    where no edges lead to a value. `along_lines`: a vertex on a straight line between two neighbours, as on an edge
+    that was cut, has the mean of those alone."""
     values = values.copy()
     for column in values.T:
         if np.isnan(column).any():
@@ -46,8 +46,8 @@ def _fill(column, ends, places, along_lines):
 
 
 def _along_lines(to, ways, known):
-    """(links,) 1 or 0: the links, sorted by `to`, that count: two that make a line, of several those to known values, or
-    all of a vertex."""
+    """(links,) 1 or 0: the links, sorted by `to`, that count: two that make a line, of several those to known values,
+    or all of a vertex."""
     best, pair = np.zeros(to.max(initial=-1) + 1), np.full((to.max(initial=-1) + 1, 2), -1)
     for step in range(1, np.bincount(to).max(initial=1)):
         rows = np.flatnonzero(to[:-step] == to[step:])

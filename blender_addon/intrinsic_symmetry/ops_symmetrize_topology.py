@@ -42,6 +42,8 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         half.fill(object, symmetry)
         stored_map.store(mesh, half.core_mesh, half.known, left=(1, left_from), exact_share=1.0)
         mesh.update()
+        if mesh.has_custom_normals:
+            bpy.ops.intrinsic_symmetry.mirror_attribute(name="custom_normal", direction=self.direction)
         copied = np.count_nonzero(half.copies)
         return f"{copied:,} vertices are copies; {len(mesh.polygons):,} faces now, {before:,} before"
 

@@ -5,7 +5,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, new_object, positions, read_example, select
+from conftest import attribute, enter, module, new_object, positions, read_example, said, select
 from mathutils.kdtree import KDTree
 
 ops = bpy.ops.intrinsic_symmetry
@@ -234,6 +234,17 @@ def test_materials_and_creases_are_those_of_the_winning_half(human):
     side = attribute(mesh, "sym_side")
     on_line = np.array([0 in side[list(edge.vertices)] for edge in mesh.edges])
     assert np.array_equal(attribute(mesh, "crease_edge") == 1, ~on_line)
+
+
+def test_custom_normals_are_mirrored(human, capfd):
+    mesh = human.data
+    normals = np.array([normal.vector for normal in mesh.corner_normals]) + np.random.default_rng(1).normal(size=3)
+    mesh.normals_split_custom_set((normals / np.linalg.norm(normals, axis=1, keepdims=True)).tolist())
+    ops.symmetrize_topology(direction="LEFT_TO_RIGHT")
+    assert mesh.has_custom_normals
+    words = said(capfd, ops.mirror_attribute, name="custom_normal", direction="LEFT_TO_RIGHT")
+    changed = int(words.split("Custom normals: ")[1].split(" of ")[0])
+    assert changed < 0.01 * len(mesh.loops), "beside the line nothing is left to mirror"
 
 
 def _extrude(object, faces, depth):
