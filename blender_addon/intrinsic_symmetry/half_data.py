@@ -46,7 +46,7 @@ class Old:
         marks = mesh.attributes.get(stored_map.EXTRUDED)
         self.extruded = np.zeros(len(mesh.vertices), bool) if marks is None else mesh_data.read_attribute(marks)
         self.uvs = {layer.name for layer in mesh.uv_layers}
-        self.surface = Surface(mesh, self.positions, halves.labels == LOSES) if self.values["CORNER"] else None
+        self.surface = Surface(mesh, self.positions, halves.labels == LOSES)
 
     def give_positions(self, object, mix, moved):
         """Base shape and shape keys, each `moved` besides."""

@@ -2,6 +2,7 @@
 """The surface of a losing half before it is replaced, and values mixed from its vertices and face corners."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from mathutils.bvhtree import BVHTree
@@ -43,11 +44,22 @@ class Surface:
         loops = loops.reshape(-1, 3)
         chosen = loses[corners[loops]].any(axis=1)
         self._loops, face = loops[chosen], faces[chosen]
-        self._places = positions[corners[self._loops]]
+        self._vertices, self.positions = corners[self._loops], positions
+        self._places = positions[self._vertices]
         self._first = np.searchsorted(face, face)  # triangles are in the order of their faces
         self._count = np.bincount(face, minlength=face.max(initial=0) + 1)[face]
-        triangles = np.arange(3 * len(face)).reshape(-1, 3)
-        self._tree = BVHTree.FromPolygons(self._places.reshape(-1, 3).tolist(), triangles.tolist())
+
+    @cached_property
+    def _tree(self):
+        triangles = np.arange(self._loops.size).reshape(-1, 3)
+        return BVHTree.FromPolygons(self._places.reshape(-1, 3).tolist(), triangles.tolist())
+
+    def vertex_mix(self, points):
+        """The Mix of vertices at the nearest points of the surface."""
+        found = [self._tree.find_nearest(point) for point in points.tolist()]
+        triangle, feet = np.array([each[2] for each in found]), np.array([each[0] for each in found])
+        weights = np.maximum(barycentric(feet, self._places[triangle]), 0)
+        return Mix(self._vertices[triangle], weights / weights.sum(axis=1, keepdims=True))
 
     def nearest(self, points, chosen):
         """(points,) number of the nearest triangle, of the chosen ones."""

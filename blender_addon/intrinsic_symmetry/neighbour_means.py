@@ -3,24 +3,25 @@
 
 import numpy as np
 
-#: Rounds in which means are taken, and a change that ends them, as a share of the largest value.
-_ROUNDS, _STILL = 300, 1e-6
+#: Rounds in which means are taken.
+_ROUNDS = 300
 #: Two edges are a straight line if the cosine between them is this near to -1.
 _STRAIGHT = 1e-4
 
 
-def filled(values, ends, places, along_lines=False):
+def filled(values, ends, places, still=1e-6, along_lines=False):
     """(vertices, n) values with NaN replaced, along (edges, 2) ends of vertices at (vertices, 3) places. NaN stays
-    where no edges lead to a value. `along_lines`: a vertex on a straight line between two neighbours, as on an edge
-    that was cut, has the mean of those alone."""
+    where no edges lead to a value. It ends where nothing changes by more than `still`, a share of the largest value.
+    `along_lines`: a vertex on a straight line between two neighbours, as on an edge that was cut, has the mean of those
+    alone."""
     values = values.copy()
     for column in values.T:
         if np.isnan(column).any():
-            _fill(column, ends, places, along_lines)
+            _fill(column, ends, places, still, along_lines)
     return values
 
 
-def _fill(column, ends, places, along_lines):
+def _fill(column, ends, places, still, along_lines):
     unknown = np.isnan(column)
     to, source = np.vstack([ends, ends[:, ::-1]])[np.append(unknown[ends[:, 0]], unknown[ends[:, 1]])].T
     order = np.argsort(to, kind="stable")
@@ -32,16 +33,16 @@ def _fill(column, ends, places, along_lines):
     if along_lines:
         pull *= _along_lines(to, way / length[:, None], ~unknown[source])
     rows, row = np.unique(to, return_inverse=True)
-    least = _STILL * np.abs(column[~unknown]).max(initial=0)
+    least, is_partial = still * np.abs(column[~unknown]).max(initial=0), True
     for _ in range(_ROUNDS):
-        there = ~np.isnan(column[source])
-        total = np.bincount(row, pull * there, len(rows))
-        mean = np.bincount(row, pull * np.where(there, column[source], 0), len(rows))
-        mean = np.where(total > 0, mean / np.maximum(total, 1e-30), np.nan)
-        before = column[rows]
-        column[rows] = mean
-        reached = np.isnan(before) & ~np.isnan(mean)
-        if not reached.any() and np.nanmax(np.abs(mean - before), initial=0) <= least:
+        values, before = column[source], column[rows]
+        if is_partial:
+            missing = np.isnan(values)
+            total, is_partial = np.bincount(row, pull * ~missing, len(rows)), missing.any()
+            values = np.where(missing, 0, values)
+        with np.errstate(invalid="ignore"):
+            column[rows] = mean = np.bincount(row, pull * values, len(rows)) / total  # 0 / 0 is not known yet
+        if np.array_equal(np.isnan(before), np.isnan(mean)) and np.nanmax(np.abs(mean - before), initial=0) <= least:
             break
 
 

@@ -85,10 +85,10 @@ class _Half:
         models = np.where(copies, -1 - self._source, self._source)
         mix, model = (half_data.vertex_mix(each, self._halves, symmetry) for each in (self._source, models))
         fitted = copies | (self.known.partner == np.arange(len(copies)))
-        form = half_form.Form(mesh, model.of(old.positions), copies, fitted, mix.weights.max(axis=1) > _WHOLE)
-        there = mix.of(old.positions)
-        places = form.placed(there, model.of(old.extruded))
-        old.give_positions(object, mix, places - there)
+        whole = mix.weights.max(axis=1) > _WHOLE
+        form = half_form.Form(mesh, old.surface, mix, model.of(old.positions), copies, fitted, whole)
+        places = form.placed(model.of(old.extruded))
+        old.give_positions(object, mix, places - mix.of(old.positions))
         old.give_points(object, mix, copies)
         old.give_corners(mesh, self._copied, places)
 
