@@ -3,8 +3,8 @@
 
 What was extruded is moved as a rigid mirrored piece to where the copied vertices around it are (B. K. P. Horn,
 "Closed-form solution of absolute orientation using orthonormal matrices", 1988), and bent to meet them. Regions that
-are folded, since the map's images of neighbouring vertices change places or fall together, are drawn smooth on it;
-or, where that leaves more folds or little of the region, as of a fingertip, are moved as a piece, too.
+are folded, since the map's images of neighbouring vertices change places or fall together, are drawn smooth on the
+surface; or moved as a piece, too, where that leaves more folds, or little of the region, as of a fingertip.
 """
 
 import numpy as np
