@@ -30,6 +30,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     line_distance   distance from the line between left and right
     asymmetry       where the mirror image of each vertex should be
     neighbour_means values between known ones
+    regions         what is connected
     local_frames    how directions are turned there
     live            what changes on one side happens on the other; live_carry says what, live_edit, live_paint and
                     live_select read and write it

@@ -13,8 +13,9 @@ from mathutils.kdtree import KDTree
 
 from . import mesh_data, stored_map, vertex_map
 from .carried_walk import pairs
-from .elements import barycentric, components
+from .elements import barycentric
 from .neighbour_means import filled
+from .regions import components
 
 #: By how much the confidence of what is carried is lowered.
 _LOWERED = 0.5

@@ -11,7 +11,7 @@ import numpy as np
 
 from . import mesh_data, stored_map, undo
 from .carried_map import CarriedMap
-from .elements import components
+from .regions import components
 
 #: Less than this share of the old vertices: the map is not carried.
 _LEAST_LEFT = 0.5

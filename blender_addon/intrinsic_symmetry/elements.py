@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mirror images of edges, faces and face corners, from those of their vertices; and what faces have in common."""
+"""Mirror images of edges, faces and face corners, from those of their vertices."""
 
 import numpy as np
 
 from . import mesh_data
-
-#: UVs that are nearer than this are at one place.
-SAME_UV = 1e-5
 
 
 def edge_partners(mesh, partner):
@@ -52,22 +49,6 @@ def corner_partners(mesh, partner, faces):
     return np.fromiter((place.get(pair, -1) for pair in wanted), np.int64, len(corners))
 
 
-def uv_islands(offsets, vertex, uvs):
-    """(corners,) number of the UV island: faces are joined where a vertex of both has one place in the UV map."""
-    face = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
-    places = np.column_stack([vertex, np.round(uvs / SAME_UV)]).astype(np.int64)
-    point = np.unique(places, axis=0, return_inverse=True)[1].ravel()
-    island = np.arange(point.max(initial=-1) + 1)
-    while True:
-        of_face = np.minimum.reduceat(island[point], offsets[:-1])[face]
-        joined = island.copy()
-        np.minimum.at(joined, point, of_face)
-        joined = joined[joined]
-        if np.array_equal(joined, island):
-            return island[point]
-        island = joined
-
-
 def barycentric(points, triangles):
     """(n, 3) weights of the corners of (n, 3, 3) triangles at the points' feet in their planes."""
     first, second = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
@@ -77,17 +58,3 @@ def barycentric(points, triangles):
     one = np.einsum("nx,nx->n", np.cross(away, second), normal) / area
     two = np.einsum("nx,nx->n", np.cross(first, away), normal) / area
     return np.stack([1 - one - two, one, two], axis=1)
-
-
-def components(count, pairs):
-    """(count,) the least number that is connected with each, by (n, 2) pairs."""
-    least = np.arange(count)
-    while True:
-        both = least[pairs].min(axis=1)
-        joined = least.copy()
-        for end in (0, 1):
-            np.minimum.at(joined, least[pairs[:, end]], both)
-        joined = joined[joined]
-        if np.array_equal(joined, least):
-            return least
-        least = joined

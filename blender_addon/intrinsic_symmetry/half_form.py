@@ -10,8 +10,8 @@ surface; or moved as a piece, too, where that leaves more folds, or little of th
 import numpy as np
 
 from . import mesh_data
-from .elements import components
 from .neighbour_means import filled
+from .regions import components
 
 #: An edge is creased if the cosine between the normals of its faces is below the first, and that of its model is above
 #: the second.

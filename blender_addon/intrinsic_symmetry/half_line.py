@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from . import mesh_data
-from .elements import components
+from .regions import components
 
 #: Labels of vertices: of the half that stays, of the half that is replaced, on the line between them, and of shells
 #: that stay as they are.

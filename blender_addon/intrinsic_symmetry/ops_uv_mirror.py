@@ -6,9 +6,10 @@ import numpy as np
 from intrinsym import Merge
 
 from . import left_side, mesh_data
-from .elements import SAME_UV, barycentric, corner_partners, face_partners, uv_islands
+from .elements import barycentric, corner_partners, face_partners
 from .mirroring import DIRECTIONS, MirrorProperties
 from .operator_base import MapOperator
+from .regions import SAME_UV, uv_islands
 
 #: A mirror image is a vertex if its weight is more than this.
 _WHOLE = 0.999

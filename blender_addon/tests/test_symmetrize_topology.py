@@ -80,6 +80,26 @@ def test_a_closed_mesh_with_mirrored_connectivity(body, direction):
     assert len(own) > 0.98 * np.count_nonzero(side == winner)
 
 
+def _creased(mesh, at):
+    """Pairs of edges that are creased at one side, by the cosine between the normals of their faces."""
+    mesh.update()
+    normals, of = np.array([face.normal for face in mesh.polygons]), {}
+    for face in mesh.polygons:
+        for edge in face.edge_keys:
+            of.setdefault(frozenset(edge), []).append(normals[face.index])
+    bend = {edge: sides[0] @ sides[1] for edge, sides in of.items() if len(sides) == 2}
+    partner, side = attribute(mesh, "sym_vertex"), attribute(mesh, "sym_side")
+    edges = [edge for edge in bend if all(side[vertex] == at for vertex in edge)]
+    return sum(bend[edge] < -0.3 and bend[frozenset(int(partner[vertex]) for vertex in edge)] > 0.3 for edge in edges)
+
+
+@pytest.mark.parametrize("body", ["quadruped", "remeshed"], indirect=True)
+def test_the_copy_is_not_folded(body):
+    """Without unfolding, 11 and 29 edges are creased."""
+    ops.symmetrize_topology(direction="LEFT_TO_RIGHT")
+    assert _creased(body.data, -1) < 4
+
+
 def _noisy_map(object, noise, seed):
     """Stores the map of the mirror plane X = 0, each image off by about `noise` edges, and so each side near it."""
     from intrinsym import SymmetryKind
