@@ -23,9 +23,14 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     assembly        several objects with one map
     seams           where such objects touch
     mirroring       which way values go, and how far
+    carry           the map of an edited mesh, by carried_map and carried_walk
+    half_*          one half of a mesh rebuilt: half_line says where it ends, half_copy copies faces, half_map pairs
+                    vertices, half_form places them, half_data gives them what was there, from half_surface
     vertex_map      maps that are known vertex by vertex
     line_distance   distance from the line between left and right
     asymmetry       where the mirror image of each vertex should be
+    neighbour_means values between known ones
+    regions         what is connected
     local_frames    how directions are turned there
     live            what changes on one side happens on the other; live_carry says what, live_edit, live_paint and
                     live_select read and write it
@@ -40,6 +45,7 @@ from . import (
     live,
     menus,
     ops_attributes,
+    ops_carry,
     ops_check,
     ops_detect,
     ops_detect_selected,
@@ -52,6 +58,7 @@ from . import (
     ops_shape_keys,
     ops_split_key,
     ops_symmetrize_exact,
+    ops_symmetrize_topology,
     ops_transfer,
     ops_uv,
     ops_uv_mirror,
@@ -70,6 +77,7 @@ _MODULES = (
     live,
     overlay,
     ops_detect,
+    ops_carry,
     ops_detect_selected,
     ops_label,
     ops_nodes,
@@ -82,6 +90,7 @@ _MODULES = (
     ops_attributes,
     ops_positions,
     ops_symmetrize_exact,
+    ops_symmetrize_topology,
     ops_split_key,
     ops_pairs_file,
     ops_transfer,

@@ -15,6 +15,7 @@ _SELECT = (
 _SHAPE = (
     ("symmetrize_exactly", "Symmetrize Exactly", {}),
     ("symmetrize", f"Symmetrize Positions {_POSE}", {}),
+    ("symmetrize_topology", f"Symmetrize Topology {_POSE}", {}),
     ("remember", "Remember Shape for Mirror Edit", {}),
     ("mirror_edit", f"Mirror Edit {_POSE}", {}),
 )
@@ -31,6 +32,7 @@ _KEYS = (
 _MAP = (
     ("detect", "Detect Symmetry", {}),
     ("detect_selected", "Detect Symmetry of Selected Objects", {}),
+    ("carry", "Update Symmetry after an Edit", {}),
     ("exchange_sides", "Exchange Left and Right", {}),
     ("clear", "Remove Symmetry", {}),
 )
@@ -103,7 +105,7 @@ class INTRINSIC_SYMMETRY_MT_pie(bpy.types.Menu):
 
     def draw(self, _context):
         # West, east, south, north, and the corners between.
-        entries = (_SELECT[0], _SHAPE[3], _MAP[0], _SHAPE[0], _SELECT[2], _SHAPE[2], _GROUPS[0], _KEYS[0])
+        entries = (_SELECT[0], _SHAPE[4], _MAP[0], _SHAPE[0], _SELECT[2], _SHAPE[3], _GROUPS[0], _KEYS[0])
         _draw(self.layout.menu_pie(), entries)
 
 

@@ -6,7 +6,7 @@ import re
 import bpy
 import intrinsym
 
-from . import assembly, counterparts, mesh_data, stored_map
+from . import assembly, carry, counterparts, mesh_data, stored_map
 
 #: A sentence that says that nothing happened: "0 vertices selected", "mask: 0 of 8 values changed".
 _NOTHING = re.compile(r"(.*: )?0 ")
@@ -129,10 +129,10 @@ class MapOperator(MeshOperator):
         return stored_map.why_none(object)
 
     def run(self, context, object, mode):
-        symmetry = stored_map.load(object.data)
+        symmetry, carried = carry.loaded(object.data)
         said = self.run_with(symmetry, context, object, mode)
         held = _held(object, mode) if _NOTHING.match(said) else ""
-        return ". ".join(filter(None, [said, held, self._untouched(symmetry)]))
+        return ". ".join(filter(None, [said, held, self._untouched(symmetry), carried]))
 
     def _untouched(self, symmetry):
         """What share of the vertices a tool that trusts some and others not has not touched."""

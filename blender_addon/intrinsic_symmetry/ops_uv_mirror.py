@@ -6,12 +6,11 @@ import numpy as np
 from intrinsym import Merge
 
 from . import left_side, mesh_data
-from .elements import corner_partners, face_partners
+from .elements import barycentric, corner_partners, face_partners
 from .mirroring import DIRECTIONS, MirrorProperties
 from .operator_base import MapOperator
+from .regions import SAME_UV, uv_islands
 
-#: UVs that are nearer than this are at one place.
-_SAME = 1e-5
 #: A mirror image is a vertex if its weight is more than this.
 _WHOLE = 0.999
 
@@ -78,22 +77,8 @@ class _Layout:
         self.mesh, self.symmetry, self.uvs = mesh, symmetry, uvs
         self.offsets, self.vertex = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
         self.face = np.repeat(np.arange(len(self.offsets) - 1), np.diff(self.offsets))
-        self.island = self._islands()
+        self.island = uv_islands(self.offsets, self.vertex, uvs)
         self.island_of_face = self.island[self.offsets[:-1]]
-
-    def _islands(self):
-        """(corners,) number of the UV island: faces are joined where a vertex of both has one place in the UV map."""
-        places = np.column_stack([self.vertex, np.round(self.uvs / _SAME)]).astype(np.int64)
-        point = np.unique(places, axis=0, return_inverse=True)[1].ravel()
-        island = np.arange(point.max(initial=-1) + 1)
-        while True:
-            of_face = np.minimum.reduceat(island[point], self.offsets[:-1])[self.face]
-            joined = island.copy()
-            np.minimum.at(joined, point, of_face)
-            joined = joined[joined]
-            if np.array_equal(joined, island):
-                return island[point]
-            island = joined
 
     def sources(self, losing, loser):
         """Corners of the losing side, and the UV at the mirror image of each: at the corner there, or else inside the
@@ -124,7 +109,7 @@ class _Layout:
         triangle = self.offsets[np.where(same, holding, partner)][:, None] + np.arange(3)
         positions = mesh_data.positions(self.mesh).astype(float)
         images = self.symmetry.surface_points.positions(positions)[self.vertex[corners]]
-        weights = _barycentric(images, positions[self.vertex[triangle]])
+        weights = barycentric(images, positions[self.vertex[triangle]])
         return np.einsum("ck,cku->cu", weights, self.uvs[triangle])
 
     def in_place(self, corners, source):
@@ -133,7 +118,7 @@ class _Layout:
         order = np.argsort(islands, kind="stable")
         for mine in np.split(order, np.flatnonzero(np.diff(islands[order])) + 1):
             old, new = self.uvs[corners[mine]], source[mine]
-            fixed = (self.symmetry.side[self.vertex[corners[mine]]] == 0) & (np.abs(old - new).max(axis=1) < _SAME)
+            fixed = (self.symmetry.side[self.vertex[corners[mine]]] == 0) & (np.abs(old - new).max(axis=1) < SAME_UV)
             placed[mine] = _about_line(new, new[fixed]) if fixed.sum() > 1 else _about_centre(new, old)
             placed[mine[fixed]] = new[fixed]
         return placed
@@ -151,17 +136,6 @@ def _about_centre(points, old):
     mirrored = points * (-1, 1)
     centre, wanted = (0.5 * (one.min(axis=0) + one.max(axis=0)) for one in (mirrored, old))
     return mirrored + wanted - centre
-
-
-def _barycentric(points, triangles):
-    """(n, 3) weights of the corners of (n, 3, 3) triangles at the points' feet in their planes."""
-    first, second = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    normal = np.cross(first, second)
-    area = np.maximum(np.einsum("nx,nx->n", normal, normal), 1e-30)
-    away = points - triangles[:, 0]
-    one = np.einsum("nx,nx->n", np.cross(away, second), normal) / area
-    two = np.einsum("nx,nx->n", np.cross(first, away), normal) / area
-    return np.stack([1 - one - two, one, two], axis=1)
 
 
 register, unregister = bpy.utils.register_classes_factory((INTRINSIC_SYMMETRY_OT_mirror_uvs,))

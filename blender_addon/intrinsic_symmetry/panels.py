@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import detection, eigenfunctions, labels, ops_detect, ops_live, overlay, preferences, stored_map
+from . import detection, eigenfunctions, labels, ops_carry, ops_detect, ops_live, overlay, preferences, stored_map
 
 
 class SymmetryPanel:
@@ -58,6 +58,7 @@ class INTRINSIC_SYMMETRY_PT_detect(SymmetryPanel, bpy.types.Panel):
         column.label(text=f"Left from {record['left_from']}", icon="BLANK1")
         if "members" in record:
             column.label(text=f"One map over {len(record['members'])} objects", icon="BLANK1")
+        ops_carry.draw(layout, object)
         row = layout.row(align=True)
         row.operator("intrinsic_symmetry.exchange_sides", icon="ARROW_LEFTRIGHT")
         row.operator("intrinsic_symmetry.clear", text="", icon="X")
@@ -132,6 +133,9 @@ class INTRINSIC_SYMMETRY_PT_shape(SymmetryPanel, bpy.types.Panel):
         row.enabled = _has_map(context)
         row.operator_menu_enum("intrinsic_symmetry.symmetrize", "direction", icon="MOD_MIRROR")
         column.operator("intrinsic_symmetry.symmetrize_exactly", icon="MOD_MIRROR")
+        row = column.row()
+        row.enabled = _has_map(context)
+        row.operator_menu_enum("intrinsic_symmetry.symmetrize_topology", "direction", icon="MOD_MIRROR")
         column.operator("intrinsic_symmetry.remember", icon="PINNED")
         column.operator("intrinsic_symmetry.mirror_edit", icon="UV_SYNC_SELECT")
 

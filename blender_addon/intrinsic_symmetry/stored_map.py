@@ -10,6 +10,7 @@
 | sym_corner_0, _1, _2 | INT | three vertices of that face |
 | sym_bary | FLOAT_VECTOR | their weights |
 | sym_record | INT | the same for all vertices: which record belongs to the map (see `undo`) |
+| sym_index, sym_mixed | INT, FLOAT | the vertex' own number, from 1, plain and scattered (see `carry`) |
 
 Editing rots such numbers silently, so the record holds a hash of the connectivity and a checksum of the attributes,
 and a map that does not fit its mesh any more is refused.
@@ -30,6 +31,11 @@ FACE, BARY = "sym_face", "sym_bary"
 CORNERS = ("sym_corner_0", "sym_corner_1", "sym_corner_2")
 KINDS = {PARTNER: "INT", CONFIDENCE: "FLOAT", SIDE: "INT", FACE: "INT", BARY: "FLOAT_VECTOR"}
 KINDS.update(dict.fromkeys((*CORNERS, undo.NUMBER), "INT"))
+#: The vertex' own number plus 1, and the same `scattered`.
+NUMBERS = ("sym_index", "sym_mixed")
+_GOLDEN = (5**0.5 - 1) / 2
+#: BOOLEAN: vertices that stand off the surface that the map speaks of, after `carry`.
+EXTRUDED = "sym_extruded"
 #: What an imported PLY or glTF file says of its further symmetries. It does not belong to the map that is kept.
 _FURTHER = re.compile(r"(sym_(vertex|confidence|side)|_SYM_(VERTEX|CONFIDENCE|SIDE))_\d+")
 _NONE = 2**32 - 1
@@ -41,6 +47,13 @@ LEAST = 1e-6
 
 class StaleMap(mesh_data.MeshProblem):
     """There is no map that fits the mesh."""
+
+
+class ChangedMesh(StaleMap):
+    """The map is that of other vertices or faces."""
+
+    def __init__(self):
+        super().__init__("The mesh has other vertices or faces than when its symmetry was found: Detect again")
 
 
 @dataclass(frozen=True)
@@ -66,13 +79,20 @@ def why_none(object):
     record = object.data.get(RECORD)
     if record is None:
         return "Detect the symmetry first"
-    if object.mode != "EDIT" and record["vertices"] != len(object.data.vertices):
+    if object.mode != "EDIT" and record["vertices"] != len(object.data.vertices) and not may_be_carried(object.data):
         return "The mesh has changed since: Detect again"
     return None
 
 
-def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X)):
-    """Keeps a map on its mesh; `left` is which of its sides is left, 1 or -1, and what says so."""
+def may_be_carried(mesh):
+    """Whether a map that does not fit the mesh may be carried through the edit; see `carry`."""
+    record, kinds = mesh.get(RECORD, {}), {**KINDS, **dict(zip(NUMBERS, ("INT", "FLOAT")))}
+    return "members" not in record and all(_attribute(mesh, name, kind) is not None for name, kind in kinds.items())
+
+
+def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X), exact_share=None):
+    """Keeps a map on its mesh; `left` is which of its sides is left, 1 or -1, and what says so. A restored map does not
+    know its `exact_share`."""
     points = symmetry.surface_points
     values = {
         PARTNER: symmetry.partner,
@@ -84,10 +104,14 @@ def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X)):
     values.update(zip(CORNERS, points.corners.T.astype(np.int64)))
     undo.remember(mesh)
     _remove_further(mesh)
+    if EXTRUDED in mesh.attributes:
+        mesh_data.remove_attribute(mesh, EXTRUDED)
     for name, array in values.items():
         given = np.where(array == _NONE, -1, array) if KINDS[name] == "INT" else array
         mesh_data.write_attribute(mesh, name, KINDS[name], given)
     mesh[RECORD] = _record(mesh, core_mesh, symmetry) | {"doubtful": is_doubtful, "left_from": left[1]}
+    if exact_share is not None:
+        mesh[RECORD]["exact_share"] = exact_share
     _number(mesh)
 
 
@@ -127,10 +151,18 @@ def _record(mesh, core_mesh, symmetry):
 
 
 def _number(mesh):
-    """Marks the attributes as those of the record that the mesh has."""
+    """Marks the attributes as those of the record that the mesh has, and each vertex by its own number."""
+    own = 1 + np.arange(len(mesh.vertices))
+    for name, kind, values in zip(NUMBERS, ("INT", "FLOAT"), (own, scattered(own))):
+        mesh_data.write_attribute(mesh, name, kind, values)
     numbers = np.full(len(mesh.vertices), undo.number_of(mesh[RECORD]))
     mesh_data.write_attribute(mesh, undo.NUMBER, "INT", numbers)
     undo.remember(mesh)
+
+
+def scattered(numbers):
+    """0..1, so that the mean of some numbers goes elsewhere than the mean of where they go."""
+    return numbers * _GOLDEN % 1
 
 
 def _checksum(mesh):
@@ -153,7 +185,7 @@ def load(mesh, only=None):
         raise StaleMap("The symmetry spans several objects, and this tool works on one: Detect on this one alone")
     core_mesh = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
     if record["connectivity"] != f"{core_mesh.connectivity_hash:016x}":
-        raise StaleMap("The mesh has other vertices or faces than when its symmetry was found: Detect again")
+        raise ChangedMesh
     if record["checksum"] != _checksum(mesh):
         raise StaleMap("The stored symmetry has been changed by an edit: Detect again")
     read = {name: mesh_data.read_attribute(mesh.attributes[name]) for name in KINDS}
@@ -166,9 +198,9 @@ def load(mesh, only=None):
     return core_mesh.restore(kind, read[PARTNER], confidence, read[SIDE].astype(np.int8), points)
 
 
-def _attribute(mesh, name):
+def _attribute(mesh, name, kind=None):
     attribute = mesh.attributes.get(name)
-    fits = attribute is not None and (attribute.data_type, attribute.domain) == (KINDS[name], "POINT")
+    fits = attribute is not None and (attribute.data_type, attribute.domain) == (kind or KINDS[name], "POINT")
     return attribute if fits else None
 
 
@@ -207,7 +239,7 @@ def clear(mesh):
     """Removes the map and its record."""
     undo.remember(mesh)
     _remove_further(mesh)
-    for name in KINDS:
+    for name in (*KINDS, *NUMBERS, EXTRUDED):
         if name in mesh.attributes:
             mesh_data.remove_attribute(mesh, name)
     if RECORD in mesh:

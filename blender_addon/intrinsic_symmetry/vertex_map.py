@@ -19,7 +19,7 @@ def at_vertices(core_mesh, partner):
     first = np.full(core_mesh.vertex_count, -1)
     first[corners[::-1]] = np.arange(len(corners))[::-1]
     place = np.where(partner < 0, -1, first[partner])
-    face = np.searchsorted(offsets, place, side="right") - 1
+    face = np.searchsorted(offsets, np.maximum(place, 0), side="right") - 1
     sizes = offsets[face + 1] - offsets[face]
     around = [corners[offsets[face] + (place - offsets[face] + step) % sizes] for step in range(3)]
     triangles = np.where(place[:, None] < 0, -1, np.stack(around, axis=1))

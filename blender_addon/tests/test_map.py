@@ -112,6 +112,8 @@ def test_undo_from_object_mode_back_into_edit_mode():
 
 
 def _cut_one_edge(object):
+    """So that the map cannot be carried either; see test_carry."""
+    object.data.attributes.remove(object.data.attributes["sym_mixed"])
     data = bmesh.new()
     data.from_mesh(object.data)
     data.edges.ensure_lookup_table()
@@ -131,6 +133,7 @@ def test_a_stale_map_is_refused(quadruped, mode, operator):
 
 
 def test_a_flipped_diagonal_is_noticed(quadruped):
+    quadruped.data.attributes.remove(quadruped.data.attributes["sym_mixed"])
     data = bmesh.new()
     data.from_mesh(quadruped.data)
     inner = next(edge for edge in data.edges if len(edge.link_faces) == 2)

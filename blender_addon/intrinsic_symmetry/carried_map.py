@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The map of an edited mesh, from what is left of the old one.
+
+Old vertices keep their images, as long as the vertices around these are there. Duplicates, as an extrusion makes them,
+have the images of their originals. Where both sides got the same edit, new vertices are paired (`carried_walk`). All
+others lie between the images of their neighbours.
+"""
+
+import intrinsym
+import numpy as np
+from mathutils.bvhtree import BVHTree
+from mathutils.kdtree import KDTree
+
+from . import mesh_data, stored_map, vertex_map
+from .carried_walk import pairs
+from .elements import barycentric
+from .neighbour_means import filled
+from .regions import components
+
+#: By how much the confidence of what is carried is lowered.
+_LOWERED = 0.5
+#: An image is a vertex if its weight is more than this.
+_WHOLE = 0.999
+#: Distance below which a vertex is at an image, as a share of the size.
+_SAME = 1e-5
+#: A mean of sides below this is on the line.
+_BETWEEN = 0.1
+
+
+class CarriedMap:
+    """Arrays have one row a vertex of the edited mesh; `new_of` and `original` as `carry` finds them."""
+
+    def __init__(self, mesh, core_mesh, new_of, original):
+        self._mesh, self._core_mesh, self._new_of = mesh, core_mesh, new_of
+        self._offsets, self._used = (np.asarray(part).astype(np.int64) for part in core_mesh.polygons)
+        self._places, self._ends = mesh_data.positions(mesh).astype(float), mesh_data.edges(mesh).astype(np.int64)
+        known = original >= 0
+        self.new = ~known
+        self.new[known] = new_of[original[known]] != np.flatnonzero(known)
+        self._read(known)
+
+    def _read(self, known):
+        """What the old vertices and their duplicates have."""
+        values = {name: mesh_data.read_attribute(self._mesh.attributes[name]) for name in stored_map.KINDS}
+        has_face = np.bincount(self._used, minlength=len(known)) > 0
+        partner = self._renumbered(values[stored_map.PARTNER])
+        self.partner = np.where(known & (partner >= 0) & has_face[partner], partner, -1)
+        self._corners = self._renumbered(np.stack([values[name] for name in stored_map.CORNERS], axis=1))
+        self._weights = values[stored_map.BARY].astype(float)
+        there = known & (self._corners >= 0).all(axis=1)
+        self._exact = ~self.new & (self.partner >= 0) & (self._weights.max(axis=1) > _WHOLE)
+        self._faces = np.where(there & ~self.new, self._holding(there), -1)
+        images = np.einsum("vk,vkx->vx", self._weights, self._places[self._corners])
+        self._target = np.where(there[:, None], images, np.nan)
+        self._target[self._exact] = self._places[self.partner[self._exact]]
+        self._kept = self._exact | (self._faces >= 0)
+        self._confidence = np.where(known, values[stored_map.CONFIDENCE], np.nan)
+        self._side = np.where(known, values[stored_map.SIDE], np.nan)
+        self._duplicates = known & self.new
+
+    def _renumbered(self, old):
+        """New numbers of old ones; -1 for none."""
+        fits = (old >= 0) & (old < len(self._new_of))
+        return np.where(fits, self._new_of[np.where(fits, old, 0)], -1)
+
+    def _holding(self, chosen):
+        """(vertices,) a face with all three corners of the image; -1 where there is none."""
+        count = len(self._offsets)
+        face = np.repeat(np.arange(count - 1), np.diff(self._offsets))
+        keys = np.sort(self._used * count + face)  # all faces of a vertex, one after another
+        found, rows = np.full(len(chosen), -1), np.flatnonzero(chosen)
+        at, end = (np.searchsorted(keys // count, self._corners[rows, 0], side) for side in ("left", "right"))
+        while len(rows):
+            there = at < end
+            rows, at, end = rows[there], at[there], end[there]
+            held, fits = keys[at] % count, np.ones(len(rows), bool)
+            for other in (1, 2):
+                wanted = self._corners[rows, other] * count + held
+                fits &= keys[np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)] == wanted
+            found[rows[fits]] = held[fits]
+            rows, at, end = rows[~fits], at[~fits] + 1, end[~fits]
+        return found
+
+    def found(self, kind):
+        """The `intrinsym.Symmetry`."""
+        self._fill()
+        self._walk()
+        self._meet()
+        self._land()
+        self._confidence *= np.where(self._kept | self._exact, 1, _LOWERED)
+        exact, has = vertex_map.at_vertices(self._core_mesh, self.partner), self.partner >= 0
+        points = intrinsym.SurfacePoints(
+            np.where(self._exact, exact.faces, vertex_map.unsigned(self._faces)),
+            np.where(self._exact[:, None], exact.corners, vertex_map.unsigned(self._corners)),
+            np.where(self._exact[:, None], exact.barycentrics, self._weights),
+        )
+        confidence, side = (np.where(has, np.nan_to_num(values), 0) for values in (self._confidence, self._side))
+        return self._core_mesh.restore(kind, self.partner, np.clip(confidence, 0, 1), side.astype(np.int8), points)
+
+    def extruded(self):
+        """(vertices,) bool: duplicates without a partner of their own, what they enclose, and what is new between."""
+        off = np.where(self.new, np.nan, 0.0)
+        off[self._duplicates] = 1
+        off[self._exact] = 0
+        off[self._enclosed(off == 1)] = 1
+        return np.nan_to_num(filled(off[:, None], self._ends, self._places)[:, 0]) > 0
+
+    def _fill(self):
+        """Gives the vertices without values the means of their neighbours'."""
+        values = np.column_stack([self._target, self._confidence, self._side])
+        values = filled(values, self._ends, self._places, along_lines=True)
+        self._target, self._confidence, side = values[:, :3], values[:, 3], values[:, 4]
+        self._side = np.where(np.abs(side) < _BETWEEN, 0, np.sign(side))
+
+    def _walk(self):
+        """Pairs new vertices where both sides got the same edit: where an image is expected, or on extrusions."""
+        lengths = np.linalg.norm(self._places[self._ends[:, 0]] - self._places[self._ends[:, 1]], axis=1)
+        reach = np.zeros(len(self.new))
+        for end in (0, 1):
+            np.maximum.at(reach, self._ends[:, end], lengths)
+
+        def may_pair(one, other):
+            off = self._places[other] - self._target[one]
+            return self._duplicates[[one, other]].all() or off @ off <= reach[one] ** 2
+
+        partner = np.where(self._exact, self.partner, -1)
+        self._pair(pairs(self._offsets, self._used, partner, self.new & ~self._exact, may_pair))
+
+    def _pair(self, twins):
+        vertices, partners = (np.fromiter(part, np.int64, len(twins)) for part in (twins.keys(), twins.values()))
+        self.partner[vertices], self._exact[vertices] = partners, True
+        self._target[vertices] = self._places[partners]
+
+    def _enclosed(self, duplicates):
+        """(vertices,) bool: what duplicates cut off from the most of its shell, as the inside of what was extruded."""
+        region = components(len(duplicates), self._ends[~duplicates[self._ends].any(axis=1)])
+        shell, size = components(len(duplicates), self._ends), np.bincount(region, minlength=len(duplicates))
+        size[duplicates] = 0
+        largest = np.zeros(len(duplicates), int)
+        np.maximum.at(largest, shell, size[region])
+        return ~duplicates & (size[region] < largest[shell])
+
+    def _land(self):
+        """Puts images that are in no face onto the nearest one. Vertices that no face uses have none."""
+        found = ~np.isnan(self._target).any(axis=1) & (np.bincount(self._used, minlength=len(self.new)) > 0)
+        loose = np.flatnonzero(found & ~self._exact & (self._faces < 0))
+        if len(loose):
+            self._faces[loose], self._corners[loose], self._weights[loose] = _nearest(self._mesh, self._target[loose])
+        nearest = self._corners[np.arange(len(found)), self._weights.argmax(axis=1)]
+        self._exact &= found
+        keeps = self._exact | found & (self.partner >= 0) & ~self.new
+        self.partner = np.where(keeps, self.partner, np.where(found, nearest, -1))
+        self._faces[~found], self._corners[~found] = -1, -1
+        self._weights[~found] = 0
+
+    def _meet(self):
+        """Pairs new vertices that are at each other's images, and those around them."""
+        rows = np.flatnonzero(self.new & ~self._exact & ~np.isnan(self._target).any(axis=1))
+        tree, near = KDTree(len(rows)), _SAME * np.ptp(self._places, axis=0).max(initial=0)
+        for row in rows.tolist():
+            tree.insert(self._places[row], row)
+        tree.balance()
+        found = {row: tree.find(self._target[row]) for row in rows.tolist()}
+        there = {row: number for row, (_, number, distance) in found.items() if distance <= near}
+        met = {row: number for row, number in there.items() if there.get(number) == row}
+        if met:
+            self._pair(met)
+            self._walk()
+
+
+def _nearest(mesh, points):
+    """Faces, corners and weights of the nearest points of the mesh."""
+    mesh.calc_loop_triangles()
+    triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    faces = np.empty(len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", triangles)
+    mesh.loop_triangles.foreach_get("polygon_index", faces)
+    triangles, places = triangles.reshape(-1, 3), mesh_data.positions(mesh)
+    tree = BVHTree.FromPolygons(places.tolist(), triangles.tolist())
+    found = [tree.find_nearest(point) for point in points.tolist()]
+    triangle = np.array([each[2] for each in found])
+    feet = np.array([each[0] for each in found])
+    weights = np.maximum(barycentric(feet, places[triangles[triangle]].astype(float)), 0)
+    return faces[triangle], triangles[triangle], weights / weights.sum(axis=1, keepdims=True)

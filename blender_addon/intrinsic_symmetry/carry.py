@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Carries the stored map through an edit of vertices and faces.
+
+Each vertex keeps its number, as an INT and scattered as a FLOAT (`stored_map.NUMBERS`). Blender copies the first to new
+vertices or mixes it, and mixes the second, so that they agree on old vertices and their duplicates alone.
+`carried_map` does the rest.
+"""
+
+import intrinsym
+import numpy as np
+
+from . import mesh_data, stored_map, undo
+from .carried_map import CarriedMap
+from .regions import components
+
+#: Less than this share of the old vertices: the map is not carried.
+_LEAST_LEFT = 0.5
+#: By how much the float may differ, and the number of the record: Blender mixes some old vertices with themselves.
+_SAME, _ROUNDED = 1e-5, 128
+
+
+def loaded(mesh):
+    """The stored map, carried where the mesh was edited, and in words what was carried. Raises StaleMap."""
+    try:
+        return stored_map.load(mesh), ""
+    except stored_map.ChangedMesh:
+        if not stored_map.may_be_carried(mesh):
+            raise
+    said = _bring(mesh)
+    return stored_map.load(mesh), said
+
+
+def _bring(mesh):
+    """Stores the map that fits the edited mesh; in words, what was done. Raises StaleMap where too much has changed."""
+    record = mesh[stored_map.RECORD].to_dict()
+    core_mesh = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
+    new_of, original = _identities(mesh, record)
+    carried = CarriedMap(mesh, core_mesh, new_of, original)
+    symmetry = carried.found(intrinsym.SymmetryKind(record["kind"]))
+    symmetry.fixed_curve = _lines(mesh, new_of)
+    left = (1, record["left_from"])
+    stored_map.store(mesh, core_mesh, symmetry, record.get("doubtful", False), left, record["exact_share"])
+    extruded = carried.extruded()
+    if extruded.any():
+        mesh_data.write_attribute(mesh, stored_map.EXTRUDED, "BOOLEAN", extruded)
+    return f"The symmetry was carried through an edit: {np.count_nonzero(carried.new):,} vertices are new"
+
+
+def _identities(mesh, record):
+    """(old vertices,) their new numbers, -1 if gone; (vertices,) the old number of each one or of what it duplicates,
+    -1 if neither. Raises StaleMap."""
+    own, mixed = (mesh_data.read_attribute(mesh.attributes[name]) for name in stored_map.NUMBERS)
+    number = mesh_data.read_attribute(mesh.attributes[undo.NUMBER]).astype(np.int64)
+    belongs = np.abs(number - undo.number_of(record)) <= _ROUNDED
+    same = np.abs(mixed - stored_map.scattered(own)) <= _SAME
+    old = own.astype(np.int64) - 1
+    original = np.where(belongs & same & (old >= 0) & (old < record["vertices"]), old, -1)
+    new_of = np.full(record["vertices"], -1)
+    there = np.flatnonzero(original >= 0)[::-1]
+    new_of[original[there]] = there  # the first of several
+    original[_astray(mesh, new_of, original)] = -1
+    if (new_of >= 0).mean() < _LEAST_LEFT:
+        raise stored_map.ChangedMesh
+    return new_of, original
+
+
+def _astray(mesh, new_of, original):
+    """(vertices,) bool: duplicates that no edges between duplicates join to their original: those of a subdivision."""
+    ends = mesh_data.edges(mesh).astype(np.int64)
+    ends = ends[(original[ends[:, 0]] == original[ends[:, 1]]) & (original[ends[:, 0]] >= 0)]
+    group = components(len(original), ends)
+    return (original >= 0) & (group != group[new_of[original]])
+
+
+def _lines(mesh, new_of):
+    """The line between left and right, without points whose vertices are gone."""
+    lines = []
+    for line in stored_map.fixed_lines(mesh):
+        edges = new_of[line.edges]
+        there = (edges >= 0).all(axis=1)
+        if there.sum() > 1:
+            closed = line.closed and bool(there.all())
+            lines.append(intrinsym.CurveLine(edges[there].astype(np.uint32), line.parameters[there], closed))
+    return lines

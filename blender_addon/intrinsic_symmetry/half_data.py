@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the vertices and face corners of a rebuilt half take from the surface that was there.
+
+Vertices of the copy lie at the mirror images of their models. Positions, shape keys, weights and attributes are
+interpolated there.
+"""
+
+import numpy as np
+
+from . import mesh_data, stored_map
+from .half_line import LOSES
+from .half_surface import Mix, Surface
+from .regions import uv_islands
+from .weights import read_weights, write_weights
+
+
+def vertex_mix(source, halves, symmetry):
+    """The Mix of old vertices for new ones with the sources that `half_copy` writes."""
+    old = len(halves.labels)
+    points, shares = symmetry.surface_points, halves.shares
+    own = np.repeat(np.arange(old)[:, None], 3, axis=1)
+    cut = np.stack([halves.winning, halves.losing, halves.losing], axis=1)
+    there = np.where(symmetry.partner[:, None] < 0, own, points.corners.astype(np.int64))
+    rows = np.vstack([own, cut, there])
+    weights = np.vstack([
+        np.tile((1.0, 0.0, 0.0), (old, 1)),
+        np.stack([1 - shares, shares, 0 * shares], axis=1),
+        np.where(symmetry.partner[:, None] < 0, (1.0, 0.0, 0.0), points.barycentrics),
+    ])
+    return Mix(rows, weights).at(np.where(source >= 0, source, old + len(shares) - 1 - source))
+
+
+class Old:
+    """The data of an object before its half is rebuilt."""
+
+    def __init__(self, object, halves):
+        mesh, keys = object.data, object.data.shape_keys
+        self.positions = mesh_data.positions(mesh).astype(float)
+        self.keys = [mesh_data.key_positions(key).astype(float) for key in keys.key_blocks] if keys else []
+        self.weights = read_weights(object) if object.vertex_groups else None
+        self.offsets, self.corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
+        self.values = {
+            domain: {each.name: mesh_data.read_attribute(each) for each in mesh.attributes if _is_own(each, domain)}
+            for domain in ("POINT", "CORNER")
+        }
+        marks = mesh.attributes.get(stored_map.EXTRUDED)
+        self.extruded = np.zeros(len(mesh.vertices), bool) if marks is None else mesh_data.read_attribute(marks)
+        self.uvs = {layer.name for layer in mesh.uv_layers}
+        self.surface = Surface(mesh, self.positions, halves.labels == LOSES)
+
+    def give_positions(self, object, mix, moved):
+        """Base shape and shape keys, each `moved` besides."""
+        mesh, keys = object.data, object.data.shape_keys
+        for key, points in zip(keys.key_blocks if keys else [], self.keys):
+            mesh_data.set_key_positions(key, mix.of(points) + moved)
+        places = mix.of(self.positions) + moved
+        mesh.vertices.foreach_set("co", np.ascontiguousarray(places, np.float32).ravel())
+
+    def give_points(self, object, mix, copies):
+        """Weights and attributes of the copied vertices."""
+        mesh = object.data
+        for name, values in self.values["POINT"].items():
+            attribute = mesh.attributes[name]
+            now = mesh_data.read_attribute(attribute)
+            now[copies] = mix.at(copies).of(values)
+            mesh_data.update_attribute(attribute, now)
+        if self.weights is not None:
+            now = read_weights(object)
+            new = now.copy()
+            new[copies] = mix.at(copies).of(self.weights)
+            write_weights(object, now, new)
+
+    def give_corners(self, mesh, copied, places):
+        """Attributes of the corners of copied faces, (faces,) bool; the vertices are at `places`."""
+        if not self.values["CORNER"] or not copied.any():
+            return
+        offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
+        face = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+        chosen = np.flatnonzero(copied[face])
+        middle = np.add.reduceat(places[corners], offsets[:-1]) / np.diff(offsets)[:, None]
+        below = self.surface.nearest(middle, np.flatnonzero(copied))[face[chosen]]
+        beside = self.surface.nearest(places, np.unique(corners[chosen]))[corners[chosen]]
+        for name, values in self.values["CORNER"].items():
+            island = uv_islands(self.offsets, self.corners, values) if name in self.uvs else 0 * self.corners
+            mix = self.surface.mix(places[corners[chosen]], below, beside, island)
+            now = mesh_data.read_attribute(mesh.attributes[name])
+            now[chosen] = mix.of(values)
+            mesh_data.update_attribute(mesh.attributes[name], now)
+
+
+def _is_own(attribute, domain):
+    """Whether an attribute is interpolated where the half was."""
+    hidden = attribute.name.startswith(".") and attribute.name != ".sculpt_mask"
+    other = hidden or attribute.name == "position" or attribute.name.startswith("sym_")
+    return attribute.domain == domain and attribute.data_type in mesh_data.LAYOUTS and not other

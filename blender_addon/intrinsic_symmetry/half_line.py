@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which half of a mesh stays, and along which vertices and edges it ends.
+
+The sides of the stored map are cleaned until each shell has one winning and one losing region. Then the line between
+them is moved onto vertices that are near it. A vertex may lie on the line only if one run of the vertices around it is
+of the winning side and one of the losing side (a simple point: A. Rosenfeld, "Connectivity in digital pictures", 1970),
+so that both regions stay connected, and the winning one has a border without crossings.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import mesh_data
+from .regions import components
+
+#: Labels of vertices: of the half that stays, of the half that is replaced, on the line between them, and of shells
+#: that stay as they are.
+WINS, LOSES, LINE, STAYS = 1, -1, 0, 2
+#: The line goes through a vertex if it crosses one of its edges in this first share of the edge.
+_NEAR = 0.3
+#: Where it crosses an edge at a vertex that it cannot go through.
+_LEAST = 0.1
+
+
+@dataclass(frozen=True)
+class Halves:
+    """Labels of the vertices, and where the line crosses an edge: its winning end, its losing end, and the share of the
+    way from one to the other."""
+
+    labels: np.ndarray  # (vertices,) int
+    edges: np.ndarray  # (crossed edges,) numbers of the edges
+    winning: np.ndarray
+    losing: np.ndarray
+    shares: np.ndarray
+
+
+def halves(bm, mesh, symmetry, winner):
+    """The Halves of a mesh, of which `bm` is a BMesh; `winner`, 1 or -1, is the side that stays. Raises MeshProblem."""
+    edges, positions = mesh_data.edges(mesh).astype(np.int64), mesh_data.positions(mesh).astype(float)
+    labels = _cleaned(_labels(mesh, symmetry, winner, edges), edges)
+    images = symmetry.surface_points.positions(positions)
+    distance = np.where(symmetry.side == 0, 0.0, np.linalg.norm(images - positions, axis=1))
+    winning, losing, shares, _ = _crossings(labels, edges, distance)
+    near = np.full(len(labels), 1.0)
+    np.minimum.at(near, winning, shares)
+    np.minimum.at(near, losing, 1 - shares)
+    bm.verts.ensure_lookup_table()
+    for vertex in np.argsort(near, kind="stable")[: np.count_nonzero(near < _NEAR)].tolist():
+        if _may_lie_on_line(bm.verts[vertex], labels):
+            labels[vertex] = LINE
+    winning, losing, shares, crossed = _crossings(labels, edges, distance)
+    return Halves(labels, crossed, winning, losing, np.clip(shares, _LEAST, 1 - _LEAST))
+
+
+def _labels(mesh, symmetry, winner, edges):
+    """(vertices,) what the map says, shell by shell."""
+    partner, side = symmetry.partner.astype(np.int64), symmetry.side.astype(int) * winner
+    shell = components(len(partner), edges)
+    number, shell = np.unique(shell, return_inverse=True)
+    found, count = partner >= 0, len(number)
+    image = _most(shell[found], shell[partner[found]], count)
+    _refuse_holes(found, image[shell], mesh)
+    balance = np.bincount(shell, side, count) / np.bincount(shell, minlength=count)
+    whole = image == np.arange(count)
+    paired = (image >= 0) & ~whole & (image[image] == np.arange(count))
+    both = [np.bincount(shell[side * sign > 0], minlength=count) > 0 for sign in (1, -1)]
+    crossed = whole & both[0] & both[1]
+    apart = np.where(balance >= balance[image], WINS, LOSES)
+    apart = np.where((balance == balance[image]) & (np.arange(count) > image), LOSES, apart)
+    of_shell = np.where(paired, apart, STAYS)
+    return np.where(crossed[shell], np.where(side < 0, LOSES, WINS), of_shell[shell])
+
+
+def _most(rows, columns, count):
+    """(count,) the most frequent column of each row, -1 where it has none."""
+    pairs, votes = np.unique(rows * count + columns, return_counts=True)
+    found = np.full(count, -1)
+    order = np.argsort(votes, kind="stable")
+    found[pairs[order] // count] = pairs[order] % count
+    return found
+
+
+def _refuse_holes(found, image, mesh):
+    """Raises MeshProblem where a shell has a mirror image, but some of its vertices have none."""
+    without = int((~found & (image >= 0)).sum())
+    if without:
+        raise mesh_data.MeshProblem(
+            f"{without:,} of {len(mesh.vertices):,} vertices have no mirror image: "
+            "Select Without Mirror Image shows where"
+        )
+
+
+def _cleaned(labels, edges):
+    """Labels of which each shell has one winning and one losing region: smaller ones go to the other side."""
+    labels = labels.copy()
+    shell = components(len(labels), edges)
+    inner = edges[labels[edges[:, 0]] == labels[edges[:, 1]]]
+    region = components(len(labels), inner)
+    size = np.bincount(region, minlength=len(labels))
+    largest = {}
+    for number in np.unique(region).tolist():
+        key = (shell[number], labels[number])
+        if size[number] > size[largest.get(key, number)] or key not in largest:
+            largest[key] = number
+    stray = ~np.isin(region, list(largest.values())) & (np.abs(labels) == 1)
+    labels[stray] *= -1
+    return labels
+
+
+def _crossings(labels, edges, distance):
+    """Winning ends, losing ends, shares of the way and numbers of the edges that the line crosses: half way between a
+    vertex and its image."""
+    product = labels[edges[:, 0]] * labels[edges[:, 1]]
+    crossed = np.flatnonzero(product == WINS * LOSES)
+    first, second = edges[crossed].T
+    wins = labels[first] == WINS
+    winning, losing = np.where(wins, first, second), np.where(wins, second, first)
+    total = distance[winning] + distance[losing]
+    shares = np.where(total > 0, distance[winning] / np.maximum(total, 1e-30), 0.5)
+    return winning, losing, shares, crossed
+
+
+def _may_lie_on_line(vertex, labels):
+    around, closed = _link(vertex)
+    found = [labels[other] for other in around]
+    return all(_runs(found, label, closed) == 1 for label in (WINS, LOSES))
+
+
+def _runs(labels, wanted, closed):
+    """How many runs of a label there are."""
+    before = labels[-1:] + labels[:-1] if closed else [None] + labels[:-1]
+    return sum(label == wanted != last for label, last in zip(labels, before))
+
+
+def _link(vertex):
+    """Numbers of the vertices around a vertex, in order, and whether they close; none where its faces are no disk."""
+    paths, ends = {}, set()
+    for loop in vertex.link_loops:
+        path, step = [], loop.link_loop_next
+        while step != loop:
+            path.append(step.vert.index)
+            step = step.link_loop_next
+        paths[path[0]] = path
+        ends.add(path[-1])
+    starts = [start for start in paths if start not in ends]
+    if len(paths) != len(vertex.link_loops) or len(starts) > 1:
+        return [], True
+    at = start = starts[0] if starts else next(iter(paths), None)
+    around = []
+    while at in paths:
+        path = paths.pop(at)
+        around += path[:-1]
+        at = path[-1]
+    if paths:
+        return [], True
+    return (around, True) if at == start else (around + [at], False)

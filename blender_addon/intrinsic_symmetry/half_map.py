@@ -1,0 +1,54 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The map of a mesh whose half was rebuilt: pairs are known by construction."""
+
+import intrinsym
+import numpy as np
+
+from . import mesh_data, vertex_map
+from .half_line import LINE, STAYS, WINS
+
+
+def known(mesh, core_mesh, halves, source, winner):
+    """An `intrinsym.Symmetry` for the sources that `half_copy` writes, where `winner`, 1 or -1, is the side that was
+    copied."""
+    count, model = len(halves.labels) + len(halves.shares), np.where(source < 0, -1 - source, source)
+    labels = np.append(halves.labels, np.full(len(halves.shares), LINE))[model]
+    own, copied = np.arange(len(source)), source < 0
+    at = np.full(2 * count, -1)
+    at[model + count * copied] = own
+    partner = np.where(labels == LINE, own, at[model + count * ~copied])
+    partner = np.where(labels == STAYS, -1, partner)
+    side = np.where(labels == WINS, np.where(copied, -winner, winner), 0)
+    points = vertex_map.at_vertices(core_mesh, partner)
+    partner = np.where(points.faces == vertex_map.NONE, -1, partner)
+    kind = intrinsym.SymmetryKind.REFLECTION
+    symmetry = core_mesh.restore(kind, partner, (partner >= 0).astype(float), np.where(partner < 0, 0, side), points)
+    symmetry.fixed_curve = _lines(mesh_data.edges(mesh), partner)
+    return symmetry
+
+
+def _lines(edges, partner):
+    """The line, as `intrinsym.CurveLine`s, through the vertices that are their own partners."""
+    on_line = partner == np.arange(len(partner))
+    around = {}
+    for start, end in edges[on_line[edges].all(axis=1)].tolist():
+        around.setdefault(start, []).append(end)
+        around.setdefault(end, []).append(start)
+    walks = [_walked(around, first) for first in sorted(around, key=lambda vertex: (len(around[vertex]) == 2, vertex))]
+    return [_curve_line(walk) for walk in walks if len(walk) > 1]
+
+
+def _walked(around, at):
+    """Vertices along edges that were not walked before."""
+    walk = [at]
+    while around[at]:
+        following = around[at].pop()
+        around[following].remove(at)
+        walk.append(at := following)
+    return walk
+
+
+def _curve_line(walk):
+    closed = walk[0] == walk[-1]
+    ends = list(zip(walk, walk[1:])) + ([] if closed else [(walk[-1], walk[-2])])
+    return intrinsym.CurveLine(np.array(ends, np.uint32), np.zeros(len(ends), np.float32), closed)

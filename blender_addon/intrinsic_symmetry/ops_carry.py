@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Carry the map through an edit now, and say in the panel that it is due."""
+
+import bmesh
+import bpy
+
+from . import stored_map
+from .operator_base import MapOperator
+
+
+class INTRINSIC_SYMMETRY_OT_carry(MapOperator, bpy.types.Operator):
+    """Carry the symmetry through an edit of vertices and faces: extrude, loop cut, subdivide, delete, dissolve, merge.
+    Every tool does so by itself; the overlays and Live Mirror need it done"""
+
+    bl_idname = "intrinsic_symmetry.carry"
+    bl_label = "Update Symmetry"
+    one_object = True
+
+    def run_with(self, symmetry, _context, _object, _mode):
+        return f"{(symmetry.partner >= 0).mean():.1%} of the vertices have a mirror image"
+
+
+def _has_changed(object):
+    """Whether the object has another number of vertices than its map."""
+    mesh = object.data
+    count = len(bmesh.from_edit_mesh(mesh).verts) if mesh.is_editmode else len(mesh.vertices)
+    return count != mesh[stored_map.RECORD]["vertices"]
+
+
+def draw(layout, object):
+    """In the panel, where the mesh was edited since."""
+    if _has_changed(object) and stored_map.may_be_carried(object.data):
+        layout.label(text="Edited since; the next tool updates it", icon="INFO")
+        layout.operator("intrinsic_symmetry.carry", icon="FILE_REFRESH")
+
+
+register, unregister = bpy.utils.register_classes_factory((INTRINSIC_SYMMETRY_OT_carry,))

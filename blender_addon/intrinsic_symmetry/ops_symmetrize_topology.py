@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Give one half of the mesh the other half's vertices, edges and faces, across the map, in any pose."""
+
+import bmesh
+import bpy
+import intrinsym
+import numpy as np
+from intrinsym import Merge, SymmetryKind
+
+from . import half_copy, half_data, half_form, half_line, half_map, left_side, mesh_data, stored_map
+from .mirroring import DIRECTIONS, MERGE
+from .operator_base import MapOperator
+from .ops_positions import forget
+
+#: A mirror image is a vertex if its weight is more than this.
+_WHOLE = 0.999
+
+
+class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator):
+    """Replace one half of the mesh by a mirrored copy of the other half's faces, in any pose. The copy lies on the
+    surface that was there, and takes positions, shape keys, weights, colors and UVs from it; materials, seams, creases
+    and sharp edges are the winning half's. An extrusion or a loop cut of the winning half arrives on the other one"""
+
+    bl_idname = "intrinsic_symmetry.symmetrize_topology"
+    bl_label = "Symmetrize Topology"
+    one_object = True
+
+    direction: bpy.props.EnumProperty(
+        name="Direction",
+        description="Which half is replaced by a mirrored copy of the other",
+        items=[entry[:3] for entry in DIRECTIONS[:2]],
+    )
+
+    def run_with(self, symmetry, _context, object, _mode):
+        self._refuse(symmetry, object)
+        symmetry = left_side.agreed(self, object, symmetry)
+        winner = 1 if MERGE[self.direction] == Merge.POSITIVE_WINS else -1
+        mesh = object.data
+        before, left_from = len(mesh.polygons), mesh[stored_map.RECORD]["left_from"]
+        half = _Half(object, symmetry, winner)
+        forget(mesh)
+        half.fill(object, symmetry)
+        stored_map.store(mesh, half.core_mesh, half.known, left=(1, left_from), exact_share=1.0)
+        mesh.update()
+        if mesh.has_custom_normals:
+            bpy.ops.intrinsic_symmetry.mirror_attribute(name="custom_normal", direction=self.direction)
+        copied = np.count_nonzero(half.copies)
+        return f"{copied:,} vertices are copies; {len(mesh.polygons):,} faces now, {before:,} before"
+
+    def _refuse(self, symmetry, object):
+        """Raises MeshProblem where it cannot work."""
+        if symmetry.kind == SymmetryKind.HALF_TURN:
+            raise mesh_data.MeshProblem("A half turn has no left and right")
+        if mesh_data.has_multires(object):
+            raise mesh_data.MeshProblem("The Multires modifier holds detail of the old faces: apply it first")
+        if object.data[stored_map.RECORD].get("doubtful"):
+            self.warn("The symmetry was doubtful: look at the whole copy")
+        if object.data.users > 1:
+            self.warn(f"{object.data.users - 1} more objects use this mesh, and change with it")
+
+
+class _Half:
+    """A mesh whose half was rebuilt, and its map."""
+
+    def __init__(self, object, symmetry, winner):
+        mesh, bm = object.data, bmesh.new()
+        try:
+            bm.from_mesh(mesh, face_normals=False, vertex_normals=False)
+            self._halves = halves = half_line.halves(bm, mesh, symmetry, winner)
+            if not (halves.labels == half_line.WINS).any():
+                raise mesh_data.MeshProblem("No part of the mesh has a mirror image on the other side")
+            self._old = half_data.Old(object, halves)
+            half_copy.rebuild(bm, halves)
+            bm.to_mesh(mesh)
+        finally:
+            bm.free()
+        self._source, self._copied = _taken(mesh, half_copy.SOURCE), _taken(mesh, half_copy.COPIED) > 0
+        self.copies = self._source < 0
+        self.core_mesh = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
+        self.known = half_map.known(mesh, self.core_mesh, halves, self._source, winner)
+
+    def fill(self, object, symmetry):
+        """Places the copy, and gives it what was there; `symmetry` is the map of the old mesh."""
+        mesh, old, copies = object.data, self._old, self.copies
+        models = np.where(copies, -1 - self._source, self._source)
+        mix, model = (half_data.vertex_mix(each, self._halves, symmetry) for each in (self._source, models))
+        fitted = copies | (self.known.partner == np.arange(len(copies)))
+        whole = mix.weights.max(axis=1) > _WHOLE
+        form = half_form.Form(mesh, old.surface, mix, model.of(old.positions), copies, fitted, whole)
+        places = form.placed(model.of(old.extruded))
+        old.give_positions(object, mix, places - mix.of(old.positions))
+        old.give_points(object, mix, copies)
+        old.give_corners(mesh, self._copied, places)
+
+
+def _taken(mesh, name):
+    """Values of an attribute, which is removed."""
+    values = mesh_data.read_attribute(mesh.attributes[name])
+    mesh_data.remove_attribute(mesh, name)
+    return values
+
+
+register, unregister = bpy.utils.register_classes_factory((INTRINSIC_SYMMETRY_OT_symmetrize_topology,))

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The map is carried through edits of vertices and faces."""
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from conftest import attribute, enter, module, new_object, positions, read_example, said, select
+
+ops = bpy.ops.intrinsic_symmetry
+EDITS = {
+    "extrude": lambda: bpy.ops.mesh.extrude_region_shrink_fatten(TRANSFORM_OT_shrink_fatten={"value": -0.03}),
+    "inset": lambda: bpy.ops.mesh.inset(thickness=0.005),
+    "subdivide": lambda: bpy.ops.mesh.subdivide(number_cuts=2),
+    "poke": lambda: bpy.ops.mesh.poke(),
+    "delete": lambda: bpy.ops.mesh.delete(type="FACE"),
+    "delete vertices": lambda: bpy.ops.mesh.delete(type="VERT"),
+    "dissolve": lambda: bpy.ops.mesh.dissolve_faces(),
+    "merge": lambda: bpy.ops.mesh.merge(type="COLLAPSE"),
+    "triangulate": lambda: bpy.ops.mesh.quads_convert_to_tris(),
+}
+
+
+def _patch(mesh, number=6):
+    """Faces of the raised hand's arm, left, and their mirror images."""
+    side, partner, places = attribute(mesh, "sym_side"), attribute(mesh, "sym_vertex"), positions(mesh)
+    left = [face.index for face in mesh.polygons if (side[list(face.vertices)] == 1).all()]
+    place = places[np.where(side == 1, np.abs(places[:, 0]), 0).argmax()]
+    near = sorted(left, key=lambda face: np.linalg.norm(np.array(mesh.polygons[face].center) - place))
+    near = near[100 : 100 + number]
+    of = {frozenset(face.vertices): face.index for face in mesh.polygons}
+    return near, [of[frozenset(partner[list(mesh.polygons[face].vertices)].tolist())] for face in near]
+
+
+def _edit(object, faces, name):
+    select(object, [])
+    chosen = np.zeros(len(object.data.polygons), bool)
+    chosen[faces] = True
+    object.data.polygons.foreach_set("select", chosen)
+    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
+    enter("EDIT")
+    EDITS[name]()
+
+
+def _assert_valid(object):
+    """The map fits, and exchanges the sides; returns it, and the vertices that have faces."""
+    enter("OBJECT")
+    symmetry = module("stored_map").load(object.data)
+    used = np.unique([vertex for face in object.data.polygons for vertex in face.vertices])
+    assert symmetry.partner[used].min() >= 0
+    assert not (symmetry.side[symmetry.partner] * symmetry.side > 0)[used].any()
+    return symmetry, used
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_an_edit_of_one_side(human, name):
+    before, old = attribute(human.data, "sym_vertex"), positions(human.data)
+    _edit(human, _patch(human.data)[0], name)
+    assert ops.carry() == {"FINISHED"}
+    (symmetry, used), places = _assert_valid(human), positions(human.data)
+    images = symmetry.surface_points.positions(places)
+    number = {tuple(np.round(place, 5)): vertex for vertex, place in enumerate(old)}
+    kept = [(new, number.get(tuple(np.round(places[new], 5)))) for new in used]
+    kept = [(new, vertex) for new, vertex in kept if vertex is not None]
+    far = [np.linalg.norm(images[new] - old[before[vertex]]) for new, vertex in kept]
+    assert len(kept) > 13300 and np.quantile(far, 0.995) < 1e-6 and max(far) < 0.05
+    lowered = "extrude", "inset", "poke", "subdivide", "delete vertices", "merge"
+    assert (symmetry.confidence[used].min() < 0.6) == (name in lowered)
+    assert (symmetry.confidence > 0.9).mean() > 0.99
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_the_same_edit_of_both_sides_pairs_new_vertices(human, name):
+    near, far = _patch(human.data)
+    _edit(human, near + far, name)
+    assert ops.carry() == {"FINISHED"}
+    symmetry, used = _assert_valid(human)
+    assert np.array_equal(symmetry.partner[symmetry.partner[used]], used)
+    assert symmetry.surface_points.barycentrics.max(axis=1)[used].min() > 0.99
+    assert symmetry.confidence[used].min() > 0.99
+
+
+def test_a_loop_cut_through_the_line(human):
+    """Round the trunk: the new ring is paired with itself."""
+    mesh, side = human.data, attribute(human.data, "sym_side")
+    symmetry = module("stored_map").load(mesh)
+    assert symmetry.side.tolist() == side.tolist()
+    enter("EDIT")
+    data = bmesh.from_edit_mesh(mesh)
+    edge = next(edge for edge in data.edges if all(side[vertex.index] == 0 for vertex in edge.verts))
+    ring = _ring(edge)
+    bmesh.ops.subdivide_edges(data, edges=ring, cuts=1, use_grid_fill=True)
+    bmesh.update_edit_mesh(mesh)
+    assert ops.select_line() == {"FINISHED"}
+    symmetry, _ = _assert_valid(human)
+    assert len(symmetry.partner) > 13380 + 4
+    assert np.array_equal(symmetry.partner[symmetry.partner], np.arange(len(symmetry.partner)))
+
+
+def _ring(edge):
+    """The edges that a loop cut crosses."""
+    found = {edge}
+    for loop in edge.link_loops:
+        while len(loop.face.verts) == 4:
+            loop = loop.link_loop_next.link_loop_next
+            if loop.edge in found:
+                break
+            found.add(loop.edge)
+            loop = loop.link_loop_radial_next
+    return list(found)
+
+
+def test_the_whole_mesh_subdivided(quadruped):
+    enter("EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    assert ops.carry() == {"FINISHED"}
+    enter("OBJECT")
+    symmetry = module("stored_map").load(quadruped.data)
+    assert len(symmetry.partner) == 3398 + 10188 and symmetry.partner.min() >= 0
+    fresh = new_object(quadruped.data.copy())
+    ops.clear()
+    ops.detect()
+    found, places = module("stored_map").load(fresh.data), positions(fresh.data)
+    off = np.linalg.norm(symmetry.surface_points.positions(places) - found.surface_points.positions(places), axis=1)
+    assert np.quantile(off, 0.9) < 0.05 * np.ptp(places, axis=0).max()
+
+
+def test_a_mirrored_mesh_subdivided_stays_mirrored():
+    bpy.ops.mesh.primitive_monkey_add()
+    assert ops.detect() == {"FINISHED"}
+    enter("EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide()
+    assert ops.carry() == {"FINISHED"}
+    symmetry, used = _assert_valid(bpy.context.object)
+    assert np.array_equal(symmetry.partner[symmetry.partner], used) and len(used) > 1900
+    places = positions(bpy.context.object.data)
+    assert np.abs(places[symmetry.partner] * (-1, 1, 1) - places).max() < 1e-5
+
+
+def test_every_tool_carries_it_and_says_so(human, capfd):
+    _edit(human, _patch(human.data)[0], "subdivide")
+    words = said(capfd, ops.select)
+    assert "carried through an edit: " in words and "vertices are new" in words
+    assert "carried" not in said(capfd, ops.select)
+
+
+def test_tools_are_offered_after_an_edit(human):
+    _edit(human, _patch(human.data)[0], "subdivide")
+    enter("OBJECT")
+    assert ops.symmetrize.poll() and ops.carry.poll()
+    human.data.attributes.remove(human.data.attributes["sym_mixed"])
+    assert not ops.symmetrize.poll()
+
+
+def test_too_much_changed(human, mode):
+    side = attribute(human.data, "sym_side")
+    select(human, np.flatnonzero(side >= 0))
+    enter("EDIT")
+    bpy.ops.mesh.delete(type="VERT")
+    enter(mode)
+    with pytest.raises(RuntimeError, match="Detect again"):
+        ops.select_line()
+
+
+def test_vertices_of_another_mesh_get_no_image(human):
+    """Not even those that have numbers of vertices that are gone."""
+    select(human, np.arange(100))
+    enter("EDIT")
+    bpy.ops.mesh.delete(type="VERT")
+    enter("OBJECT")
+    new_object(read_example("quadruped"))
+    assert ops.detect() == {"FINISHED"}
+    human.select_set(True)
+    bpy.context.view_layer.objects.active = human
+    bpy.ops.object.join()
+    assert ops.carry() == {"FINISHED"}
+    partner = attribute(human.data, "sym_vertex")
+    assert (partner[-3398:] < 0).all() and (partner[:-3398] >= 0).mean() > 0.99
+
+
+def test_after_saving_and_undo(human, tmp_path):
+    name = human.name
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "saved.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "saved.blend"))
+    object = bpy.data.objects[name]
+    bpy.context.view_layer.objects.active = object
+    _edit(object, _patch(object.data)[0], "subdivide")
+    bpy.ops.ed.undo_push(message="edited")
+    ops.carry("EXEC_DEFAULT", True)
+    bpy.ops.ed.undo()
+    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
+    assert ops.select_line() == {"FINISHED"}
+    assert len(_assert_valid(bpy.context.object)[1]) > 13380

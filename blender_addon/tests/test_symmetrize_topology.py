@@ -1,0 +1,341 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One half of the mesh rebuilt with the other's faces, in a pose."""
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from conftest import attribute, enter, module, new_object, positions, read_example, said, select
+from mathutils.kdtree import KDTree
+
+ops = bpy.ops.intrinsic_symmetry
+DIRECTIONS = {"LEFT_TO_RIGHT": 1, "RIGHT_TO_LEFT": -1}
+
+
+@pytest.fixture
+def remeshed():
+    """The posed human with faces that left and right do not share; with its symmetry."""
+    object = new_object(read_example("human"))
+    object.data.remesh_voxel_size = 0.02
+    bpy.ops.object.voxel_remesh()
+    assert ops.detect() == {"FINISHED"}
+    return object
+
+
+@pytest.fixture
+def body(request):
+    return request.getfixturevalue(request.param)
+
+
+def _faces(mesh):
+    """Each face from its least corner on."""
+    faces = [list(face.vertices) for face in mesh.polygons]
+    return [tuple(face[at:] + face[:at]) for face in faces for at in [face.index(min(face))]]
+
+
+def _assert_mirrored(mesh):
+    """The connectivity is mirrored exactly, and the stored map says how."""
+    partner, side = attribute(mesh, "sym_vertex"), attribute(mesh, "sym_side")
+    assert partner.min() >= 0 and np.array_equal(partner[partner], np.arange(len(partner)))
+    assert np.array_equal(side[partner], -side) and np.array_equal(side == 0, partner == np.arange(len(partner)))
+    faces = set(_faces(mesh))
+    mirrored = {tuple(int(partner[vertex]) for vertex in face[::-1]) for face in faces}
+    assert faces == {face[at:] + face[:at] for face in mirrored for at in [face.index(min(face))]}
+    symmetry = module("stored_map").load(mesh)
+    assert symmetry.confidence.min() == 1 and mesh["intrinsic_symmetry"]["exact_share"] == 1
+
+
+def _edge_faces(mesh):
+    """(edges,) how many faces each has; every vertex has one fan of them."""
+    data = bmesh.new()
+    data.from_mesh(mesh)
+    assert all(vertex.is_manifold for vertex in data.verts)
+    counts = np.array([len(edge.link_faces) for edge in data.edges])
+    data.free()
+    return counts
+
+
+def _nearest(places, wanted):
+    tree = KDTree(len(places))
+    for number, place in enumerate(places):
+        tree.insert(place, number)
+    tree.balance()
+    return np.array([tree.find(place)[1:] for place in wanted])
+
+
+@pytest.mark.parametrize("body", ["quadruped", "remeshed"], indirect=True)
+@pytest.mark.parametrize("direction", DIRECTIONS)
+def test_a_closed_mesh_with_mirrored_connectivity(body, direction):
+    mesh, winner = body.data, DIRECTIONS[direction]
+    before, side = positions(mesh), attribute(mesh, "sym_side")
+    assert _edge_faces(mesh).max() == 2
+    assert ops.symmetrize_topology(direction=direction) == {"FINISHED"}
+    _assert_mirrored(mesh)
+    assert (_edge_faces(mesh) == 2).all()
+    assert len(mesh.vertices) - len(mesh.edges) + len(mesh.polygons) == 2
+    lines = module("stored_map").fixed_lines(mesh)
+    assert len(lines) == 1 and lines[0].closed
+    own = positions(mesh)[attribute(mesh, "sym_side") == winner]
+    assert _nearest(before, own)[:, 1].max() < 1e-6, "the winning half stays as it is"
+    assert len(own) > 0.98 * np.count_nonzero(side == winner)
+
+
+def _creased(mesh, at):
+    """Pairs of edges that are creased at one side, by the cosine between the normals of their faces."""
+    mesh.update()
+    normals, of = np.array([face.normal for face in mesh.polygons]), {}
+    for face in mesh.polygons:
+        for edge in face.edge_keys:
+            of.setdefault(frozenset(edge), []).append(normals[face.index])
+    bend = {edge: sides[0] @ sides[1] for edge, sides in of.items() if len(sides) == 2}
+    partner, side = attribute(mesh, "sym_vertex"), attribute(mesh, "sym_side")
+    edges = [edge for edge in bend if all(side[vertex] == at for vertex in edge)]
+    return sum(bend[edge] < -0.3 and bend[frozenset(int(partner[vertex]) for vertex in edge)] > 0.3 for edge in edges)
+
+
+@pytest.mark.parametrize("body", ["quadruped", "remeshed"], indirect=True)
+def test_the_copy_is_not_folded(body):
+    """Without unfolding, 11 and 29 edges are creased."""
+    ops.symmetrize_topology(direction="LEFT_TO_RIGHT")
+    assert _creased(body.data, -1) < 4
+
+
+def _noisy_map(object, noise, seed):
+    """Stores the map of the mirror plane X = 0, each image off by about `noise` edges, and so each side near it."""
+    from intrinsym import SymmetryKind
+
+    mesh, places = object.data, positions(object.data)
+    ends = places[module("mesh_data").edges(mesh)]
+    edge = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).mean()
+    off = np.random.default_rng(seed).normal(size=places.shape) * noise * edge
+    partner = _nearest(places, places * (-1, 1, 1) + off)[:, 0].astype(int)
+    side = np.where(partner == np.arange(len(partner)), 0, np.sign(places[:, 0] + off[:, 0]))
+    core_mesh = module("detection").core_mesh_of(object, "BASE", None)
+    points = module("vertex_map").at_vertices(core_mesh, partner)
+    symmetry = core_mesh.restore(SymmetryKind.REFLECTION, partner, np.ones(len(side)), side, points)
+    symmetry.fixed_curve = []
+    module("stored_map").store(mesh, core_mesh, symmetry)
+
+
+SHAPES = {
+    "sphere": (lambda: bpy.ops.mesh.primitive_uv_sphere_add(rotation=(0.3, 0.2, 0.1)), 2, False),
+    "triangles": (lambda: bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, rotation=(0.3, 0.2, 0.1)), 2, False),
+    "torus": (lambda: bpy.ops.mesh.primitive_torus_add(rotation=(0, 0, 0.1)), 0, False),
+    "grid": (lambda: bpy.ops.mesh.primitive_grid_add(x_subdivisions=15, y_subdivisions=15), 1, True),
+}
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("noise", [0.3, 1])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_ragged_line_gives_a_manifold(shape, noise, seed):
+    make, characteristic, has_border = SHAPES[shape]
+    make()
+    object = bpy.context.object
+    bpy.ops.object.transform_apply(location=False, rotation=True, scale=False)
+    _noisy_map(object, noise, seed)
+    assert ops.symmetrize_topology(direction="RIGHT_TO_LEFT") == {"FINISHED"}
+    _assert_mirrored(object.data)
+    counts = np.bincount(_edge_faces(object.data), minlength=3)
+    assert len(counts) == 3 and counts[0] == 0 and (counts[1] > 0) == has_border
+    assert len(object.data.vertices) - len(object.data.edges) + len(object.data.polygons) == characteristic
+
+
+@pytest.mark.parametrize("body", ["quadruped", "remeshed"], indirect=True)
+def test_the_copy_lies_on_the_surface_that_was_there(body):
+    from mathutils.bvhtree import BVHTree
+
+    mesh = body.data
+    old = BVHTree.FromPolygons(positions(mesh).tolist(), [list(face.vertices) for face in mesh.polygons])
+    area, size = sum(face.area for face in mesh.polygons), np.ptp(positions(mesh), axis=0).max()
+    ops.symmetrize_topology(direction="LEFT_TO_RIGHT")
+    copies = positions(mesh)[attribute(mesh, "sym_side") == -1]
+    away = np.array([old.find_nearest(place)[3] for place in copies]) / size
+    assert away.mean() < 2e-3 and np.quantile(away, 0.95) < 1e-2
+    assert abs(sum(face.area for face in mesh.polygons) / area - 1) < 0.02, "nothing is folded"
+
+
+@pytest.mark.parametrize("direction", DIRECTIONS)
+def test_where_connectivity_is_mirrored_nothing_changes(human, mode, direction):
+    before, faces = positions(human.data), len(human.data.polygons)
+    enter(mode)
+    assert ops.symmetrize_topology(direction=direction) == {"FINISHED"}
+    enter("OBJECT")
+    _assert_mirrored(human.data)
+    assert len(human.data.polygons) == faces and len(human.data.vertices) == len(before)
+    assert _nearest(before, positions(human.data))[:, 1].max() < 1e-6
+
+
+def test_shells_and_open_borders():
+    object = new_object(read_example("human_shells"))
+    assert ops.detect() == {"FINISHED"}
+    borders = np.bincount(_edge_faces(object.data))
+    ops.symmetrize_topology(direction="RIGHT_TO_LEFT")
+    _assert_mirrored(object.data)
+    assert np.array_equal(np.bincount(_edge_faces(object.data)), borders)
+
+
+def test_a_shell_without_a_mirror_image_stays(human):
+    """A cube that was added since the symmetry was found."""
+    data = bmesh.new()
+    data.from_mesh(human.data)
+    bmesh.ops.create_cube(data, size=0.05)
+    data.to_mesh(human.data)
+    data.free()
+    ops.symmetrize_topology(direction="LEFT_TO_RIGHT")
+    partner = attribute(human.data, "sym_vertex")
+    assert np.count_nonzero(partner < 0) == 8 and (_edge_faces(human.data) == 2).all()
+    assert len(human.data.polygons) == 13378 + 6
+
+
+def _decorate(object, value):
+    """A group, a key, colors, UVs that follow a function of the place."""
+    mesh, places = object.data, positions(object.data)
+    group = object.vertex_groups.new(name="Own")
+    for vertex, weight in enumerate(value(places)):
+        group.add([vertex], float(weight), "REPLACE")
+    object.shape_key_add(name="Basis")
+    key = object.shape_key_add(name="Smile")
+    module("mesh_data").set_key_positions(key, places + value(places)[:, None] * (0.1, 0.2, 0.3))
+    corners = np.array([loop.vertex_index for loop in mesh.loops])
+    write = module("mesh_data").write_attribute
+    write(mesh, "Color", "FLOAT_COLOR", np.tile(value(places)[:, None], (1, 4)))
+    mesh.uv_layers.new(name="UV")
+    write(mesh, "UV", "FLOAT2", places[corners][:, [0, 2]], "CORNER")
+
+
+def test_keys_weights_colors_and_uvs_are_those_of_the_surface_that_was_there(quadruped):
+    def value(places):
+        return np.clip(0.5 + 0.3 * places[:, 0] + 0.1 * places[:, 2], 0, 1)
+
+    _decorate(quadruped, value)
+    ops.symmetrize_topology(direction="LEFT_TO_RIGHT")
+    mesh, places = quadruped.data, positions(quadruped.data)
+    wanted, keys = value(places), quadruped.data.shape_keys.key_blocks
+    size = np.ptp(places, axis=0).max()
+    assert np.abs(module("mesh_data").key_positions(keys[0]) - places).max() < 1e-6
+    moved = module("mesh_data").key_positions(keys["Smile"]) - places
+    weights = module("weights").read_weights(quadruped)[:, 0]
+    uvs = attribute(mesh, "UV") - places[[loop.vertex_index for loop in mesh.loops]][:, [0, 2]]
+    for off in (weights - wanted, attribute(mesh, "Color")[:, 0] - wanted, moved[:, 1] / 0.2 - wanted, uvs / size):
+        assert np.abs(off).mean() < 1e-3 and np.quantile(np.abs(off), 0.95) < 1e-2
+
+
+def test_uvs_of_mirrored_connectivity_stay_on_their_faces(human):
+    """Every face is an island of its own, so that a corner that takes another face's UV is seen."""
+    mesh = human.data
+    mesh.uv_layers.new(name="UV")
+    uvs = np.random.default_rng(1).random((len(mesh.loops), 2))
+    module("mesh_data").update_attribute(mesh.attributes["UV"], uvs)
+
+    def by_place():
+        values, places = attribute(mesh, "UV"), positions(mesh)
+        corner = places[[loop.vertex_index for loop in mesh.loops]]
+        middle = np.repeat([face.center for face in mesh.polygons], [face.loop_total for face in mesh.polygons], axis=0)
+        return np.column_stack([corner, 0.9 * corner + 0.1 * middle]), values
+
+    before, values = by_place()
+    ops.symmetrize_topology(direction="LEFT_TO_RIGHT")
+    after, now = by_place()
+    nearest = _nearest(before[:, 3:], after[:, 3:])[:, 0].astype(int)
+    assert (np.abs(values[nearest] - now).max(axis=1) < 1e-4).mean() > 0.999
+
+
+def test_materials_and_creases_are_those_of_the_winning_half(human):
+    mesh, side = human.data, attribute(human.data, "sym_side")
+    for name in ("cloth", "skin"):
+        mesh.materials.append(bpy.data.materials.new(name))
+    left = np.array([(side[list(face.vertices)] >= 0).all() for face in mesh.polygons])
+    mesh.polygons.foreach_set("material_index", left.astype(np.int32))
+    creases = np.array([(side[list(edge.vertices)] == 1).all() for edge in mesh.edges], float)
+    module("mesh_data").write_attribute(mesh, "crease_edge", "FLOAT", creases, "EDGE")
+    ops.symmetrize_topology(direction="LEFT_TO_RIGHT")
+    assert all(face.material_index == 1 for face in mesh.polygons)
+    side = attribute(mesh, "sym_side")
+    on_line = np.array([0 in side[list(edge.vertices)] for edge in mesh.edges])
+    assert np.array_equal(attribute(mesh, "crease_edge") == 1, ~on_line)
+
+
+def test_custom_normals_are_mirrored(human, capfd):
+    mesh = human.data
+    normals = np.array([normal.vector for normal in mesh.corner_normals]) + np.random.default_rng(1).normal(size=3)
+    mesh.normals_split_custom_set((normals / np.linalg.norm(normals, axis=1, keepdims=True)).tolist())
+    ops.symmetrize_topology(direction="LEFT_TO_RIGHT")
+    assert mesh.has_custom_normals
+    words = said(capfd, ops.mirror_attribute, name="custom_normal", direction="LEFT_TO_RIGHT")
+    changed = int(words.split("Custom normals: ")[1].split(" of ")[0])
+    assert changed < 0.01 * len(mesh.loops), "beside the line nothing is left to mirror"
+
+
+def _extrude(object, faces, depth):
+    enter("OBJECT")
+    select(object, [])
+    chosen = np.zeros(len(object.data.polygons), bool)
+    chosen[faces] = True
+    object.data.polygons.foreach_set("select", chosen)
+    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
+    enter("EDIT")
+    bpy.ops.mesh.extrude_region_shrink_fatten(TRANSFORM_OT_shrink_fatten={"value": -depth})
+
+
+def _foot(mesh, number):
+    """Faces of the left foot, and their mirror images."""
+    side, partner, places = attribute(mesh, "sym_side"), attribute(mesh, "sym_vertex"), positions(mesh)
+    lowest = places[np.where(side == 1, places[:, 2], np.inf).argmin()]
+    left = [face.index for face in mesh.polygons if (side[list(face.vertices)] == 1).all()]
+    near = sorted(left, key=lambda face: np.linalg.norm(np.array(mesh.polygons[face].center) - lowest))[:number]
+    of = {frozenset(face.vertices): face.index for face in mesh.polygons}
+    return near, [of[frozenset(partner[list(mesh.polygons[face].vertices)].tolist())] for face in near]
+
+
+@pytest.mark.parametrize("depth", [0.02, 0.1])
+def test_an_extrusion_arrives_on_the_other_side(human, mode, depth):
+    near, far = _foot(human.data, 20)
+    both = new_object(human.data.copy())
+    _extrude(both, near + far, depth)
+    enter("OBJECT")
+    wanted = positions(both.data)
+    bpy.context.view_layer.objects.active = human
+    _extrude(human, near, depth)
+    enter(mode)
+    assert ops.symmetrize_topology(direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    enter("OBJECT")
+    _assert_mirrored(human.data)
+    assert len(human.data.vertices) == len(wanted)
+    assert _nearest(wanted, positions(human.data))[:, 1].max() < 1e-3
+
+
+def test_undo_in_edit_mode(human):
+    enter("EDIT")
+    bpy.ops.ed.undo_push(message="before")
+    ops.symmetrize_topology("EXEC_DEFAULT", True, direction="RIGHT_TO_LEFT")
+    bpy.ops.ed.undo()
+    enter("OBJECT")
+    mesh = bpy.context.object.data
+    assert mesh["intrinsic_symmetry"]["left_from"] and module("stored_map").load(mesh).partner.min() >= 0
+
+
+def test_what_cannot_work_is_refused(human):
+    human.modifiers.new("detail", "MULTIRES")
+    bpy.ops.object.multires_subdivide(modifier="detail")
+    with pytest.raises(RuntimeError, match="Multires"):
+        ops.symmetrize_topology()
+    human.modifiers.clear()
+    human.data["intrinsic_symmetry"]["kind"] = 1
+    with pytest.raises(RuntimeError, match="half turn"):
+        ops.symmetrize_topology()
+
+
+def test_a_hole_in_the_map_is_refused(quadruped):
+    mesh = quadruped.data
+    partner, side = attribute(mesh, "sym_vertex"), attribute(mesh, "sym_side")
+    lost = np.flatnonzero(side == 1)[:30]
+    partner[lost] = -1
+    core_mesh = module("detection").core_mesh_of(quadruped, "BASE", None)
+    points = module("vertex_map").at_vertices(core_mesh, partner)
+    symmetry = module("stored_map").load(mesh)
+    holed = core_mesh.restore(symmetry.kind, partner, partner >= 0, np.where(partner < 0, 0, side), points)
+    holed.fixed_curve = []
+    module("stored_map").store(mesh, core_mesh, holed)
+    with pytest.raises(RuntimeError, match="30 of 3,398 vertices have no mirror image"):
+        ops.symmetrize_topology()
