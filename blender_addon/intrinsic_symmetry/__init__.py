@@ -28,8 +28,8 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     asymmetry       where the mirror image of each vertex should be
     local_frames    how directions are turned there
     posed_shape     where each vertex should be in a pose; multilevel solves the equation for it
-    live            what changes on one side happens on the other; live_carry says what, live_edit, live_paint and
-                    live_select read and write it
+    live            what changes on one side happens on the other; live_carry says what, live_edit, live_paint,
+                    live_texture and live_select read and write it
     ops_*           operators, one file for each thing that a user does
     panels          the sidebar tab Symmetry
     menus           the tools in Blender's own menus, and a pie menu

@@ -47,3 +47,14 @@ def corner_partners(mesh, partner, faces):
     place = {pair: corner for corner, pair in enumerate(zip(face_of.tolist(), corners.tolist()))}
     wanted = zip(faces[face_of].tolist(), partner[corners].tolist())
     return np.fromiter((place.get(pair, -1) for pair in wanted), np.int64, len(corners))
+
+
+def barycentric(points, triangles):
+    """(n, 3) weights of the corners of (n, 3, 3) triangles at the points' feet in their planes."""
+    first, second = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
+    normal = np.cross(first, second)
+    area = np.maximum(np.einsum("nx,nx->n", normal, normal), 1e-30)
+    away = points - triangles[:, 0]
+    one = np.einsum("nx,nx->n", np.cross(away, second), normal) / area
+    two = np.einsum("nx,nx->n", np.cross(first, away), normal) / area
+    return np.stack([1 - one - two, one, two], axis=1)

@@ -6,7 +6,7 @@ import numpy as np
 from intrinsym import Merge
 
 from . import left_side, mesh_data
-from .elements import corner_partners, face_partners
+from .elements import barycentric, corner_partners, face_partners
 from .mirroring import DIRECTIONS, MirrorProperties
 from .operator_base import MapOperator
 
@@ -124,7 +124,7 @@ class _Layout:
         triangle = self.offsets[np.where(same, holding, partner)][:, None] + np.arange(3)
         positions = mesh_data.positions(self.mesh).astype(float)
         images = self.symmetry.surface_points.positions(positions)[self.vertex[corners]]
-        weights = _barycentric(images, positions[self.vertex[triangle]])
+        weights = barycentric(images, positions[self.vertex[triangle]])
         return np.einsum("ck,cku->cu", weights, self.uvs[triangle])
 
     def in_place(self, corners, source):
@@ -151,17 +151,6 @@ def _about_centre(points, old):
     mirrored = points * (-1, 1)
     centre, wanted = (0.5 * (one.min(axis=0) + one.max(axis=0)) for one in (mirrored, old))
     return mirrored + wanted - centre
-
-
-def _barycentric(points, triangles):
-    """(n, 3) weights of the corners of (n, 3, 3) triangles at the points' feet in their planes."""
-    first, second = triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
-    normal = np.cross(first, second)
-    area = np.maximum(np.einsum("nx,nx->n", normal, normal), 1e-30)
-    away = points - triangles[:, 0]
-    one = np.einsum("nx,nx->n", np.cross(away, second), normal) / area
-    two = np.einsum("nx,nx->n", np.cross(first, away), normal) / area
-    return np.stack([1 - one - two, one, two], axis=1)
 
 
 register, unregister = bpy.utils.register_classes_factory((INTRINSIC_SYMMETRY_OT_mirror_uvs,))
