@@ -27,7 +27,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     line_distance   distance from the line between left and right
     asymmetry       where the mirror image of each vertex should be
     local_frames    how directions are turned there
-    posed_shape     where each vertex should be in a pose; multilevel solves the equation for it
+    posed_shape     the other side's lengths in the own pose; multilevel solves the equation for it
     live            what changes on one side happens on the other; live_carry says what, live_edit, live_paint,
                     live_texture and live_select read and write it
     ops_*           operators, one file for each thing that a user does

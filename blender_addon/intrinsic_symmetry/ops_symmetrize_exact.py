@@ -5,15 +5,14 @@ import bpy
 import numpy as np
 
 from . import asymmetry, left_side, mesh_data
-from .mirroring import MirrorProperties, blend
+from .mirroring import MirrorProperties, blend, shares
 from .operator_base import MapOperator
 from .posed_shape import PosedShape
 
 
 class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bpy.types.Operator):
     """Make the shape exactly symmetric about its own mirror plane: the losing side takes the mirrored places of the
-    winning side, which stays. A posed body keeps its pose and takes the other side's lengths; it becomes more symmetric
-    with each repetition"""
+    winning side, which stays. A posed body keeps its pose, and its losing side takes the lengths of the other"""
 
     bl_idname = "intrinsic_symmetry.symmetrize_exactly"
     bl_label = "Symmetrize Exactly"
@@ -27,7 +26,7 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
     )
     repeat: bpy.props.IntProperty(
         name="Repeat",
-        description="How many times; in a pose each time takes away more, and moves the body itself a little more",
+        description="How many times; in a pose once is usually enough, as each time moves the body itself a little, too",
         min=1, max=100, soft_max=10, default=1,
     )
 
@@ -46,9 +45,10 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
         return f"Asymmetry {reference.in_words()}: {_mean(old)}, now {_mean(now)} of the object's size"
 
     def _in_pose(self, symmetry, mesh, positions, inside):
-        """Makes positions symmetric in their pose; what stays holds the border."""
-        share = np.where(inside > 0, self.shares(symmetry), 0)
-        return PosedShape(symmetry, mesh_data.triangles(mesh), positions, share).symmetrized
+        """Makes positions symmetric in their pose: what is narrow, then the lengths."""
+        symmetry, how = self.held(mesh, symmetry, inside)
+        shape = PosedShape(symmetry, mesh_data.triangles(mesh), positions, shares(symmetry, self.merge, **how))
+        return lambda points: shape.with_lengths(symmetry.symmetrize_positions(points, self.merge, **how))
 
     def _about(self, symmetry, reference):
         """Makes positions symmetric about a plane."""

@@ -1,35 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Symmetric in its pose: each side takes the other's shape and keeps its own bending, whatever the width of the
+"""Symmetric in its pose: each side takes the other's lengths and keeps its own bending, whatever the width of the
 asymmetry.
 
 A pose bends a surface and leaves its lengths alone, so what is wide is taken from the lengths: each triangle is stretched
 in its own plane as much as its mirror image says, without turning, and the positions follow from the edges that this
 gives (R. W. Sumner, J. Popovic, "Deformation Transfer for Triangle Meshes", 2004, section 3; here the own side keeps
-its rotations). What is narrow is shape even where it bends. It is taken first, from the edges around the mirror image in
-local frames, held by the old positions as `symmetrize_positions` does it (O. Sorkine et al., "Laplacian Surface
-Editing", 2004). No bpy here.
+its rotations). No bpy here.
 """
 
 import numpy as np
 
-from .local_frames import turns
 from .multilevel import Graph
 
-#: How strongly old positions hold, against an eigenvalue of the Laplacian at unit area: shape of eigenvalue e is carried
-#: to the share e / (e + hold). A fist has 1000, the halves of a body have 10.
-_NARROW, _WIDE = 1000.0, 0.01
+#: How strongly old positions hold, against an eigenvalue of the Laplacian at unit area, of which the halves of a body
+#: have 10: only so much that what nothing else holds stays where it is.
+_HOLD = 0.01
 #: Least weight of an edge, where the angles opposite to it give less; least and largest stretch of a triangle.
 _LEAST_WEIGHT, _STRETCH = 1e-3, (0.2, 5.0)
 
 
 class PosedShape:
-    """A surface of triangles, (triangles, 3) vertices. `share`, (vertices,) 0..1: how much of the other side's shape each
-    vertex takes; those with 0 stay."""
+    """A surface of triangles, (triangles, 3) vertices. `share`, (vertices,) 0..1: how much of the other side's lengths
+    each vertex takes; those with 0 stay."""
 
     def __init__(self, symmetry, triangles, positions, share):
         self._symmetry, self._share = symmetry, share
-        self._point = np.unique(positions, axis=0, return_inverse=True)[1].ravel()  # seams do not tear
-        self._count = self._point.max(initial=-1) + 1
+        self._places, self._point = np.unique(positions, axis=0, return_inverse=True)  # vertices at one place stay there
+        self._point, self._count = self._point.ravel(), len(self._places)
         corners = self._point[triangles]
         distinct = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
         self._triangles = triangles[distinct]
@@ -40,22 +37,23 @@ class PosedShape:
         self._free[self._point[share <= 0]] = False
         self._moves = self._free[self._point[self._triangles]].any(axis=1)
 
-    def symmetrized(self, positions):
-        """(vertices, 3) as symmetric as one repetition makes them."""
-        narrow = self._solved(positions, self._in_frames(positions), _NARROW)
-        return self._solved(narrow, self._stretched(narrow), _WIDE)
-
-    def _solved(self, positions, wanted, hold):
-        """Positions whose edges come nearest to the wanted ones."""
+    def with_lengths(self, positions):
+        """(vertices, 3) positions whose edges come nearest to those with the lengths of the other side."""
+        places = self._together(positions)
+        positions = places[self._point]
         edges, weights, areas = self._measured(positions)
-        change = np.where(np.isfinite(wanted), wanted - edges, 0)
+        change = self._stretched(positions, edges) - edges
         share = np.maximum(self._share[self._start], self._share[self._end])
-        places = np.zeros((self._count, 3))
-        places[self._point] = positions
         ends = self._point[np.stack([self._start, self._end], axis=1)]
         masses = np.bincount(self._point[self._triangles].ravel(), np.repeat(areas / 3, 3), self._count)
-        graph = Graph(places, ends, weights, hold * masses / max(areas.sum(), 1e-300), self._free)
-        return positions + graph.moved(share[:, None] * change)[self._point]
+        graph = Graph(places, ends, weights, _HOLD * masses / max(areas.sum(), 1e-300), self._free)
+        return (places + graph.moved(share[:, None] * change))[self._point]
+
+    def _together(self, positions):
+        """(points, 3) the mean of the vertices that were at one place; where one of them stays, that place."""
+        sums = [np.bincount(self._point, column, self._count) for column in positions.T]
+        means = np.stack(sums, axis=1) / np.bincount(self._point, minlength=self._count)[:, None]
+        return np.where(self._free[:, None], means, self._places)
 
     def _measured(self, positions):
         """The sides of all triangles, their cotangent weights, and the triangles' areas."""
@@ -66,13 +64,7 @@ class PosedShape:
         cotangents = np.concatenate(opposite) / np.maximum(np.tile(doubled, 3), 1e-300)
         return edges, np.maximum(0.5 * cotangents, _LEAST_WEIGHT), 0.5 * doubled
 
-    def _in_frames(self, positions):
-        """(edges, 3) the edges around the mirror images, in the frames of the edges' ends."""
-        images, turn = self._symmetry.surface_points.positions(positions), turns(self._symmetry, positions)
-        edges = images[self._end] - images[self._start]
-        return 0.5 * sum(np.einsum("eij,ej->ei", turn[vertex], edges) for vertex in (self._start, self._end))
-
-    def _stretched(self, positions):
+    def _stretched(self, positions, edges):
         """(edges, 3) the edges after each triangle is stretched, in its own plane, to the shape of its mirror image."""
         images = self._symmetry.surface_points.positions(positions)
         own, other = (np.stack([at[corner] - at[self._triangles[:, 0]] for corner in self._triangles.T[1:]], axis=2)
@@ -85,7 +77,7 @@ class PosedShape:
         squares, directions = np.linalg.eigh(np.where(used[:, None, None], metric, np.eye(2)))
         stretches = np.clip(np.sqrt(np.maximum(squares, 0)), *_STRETCH)
         axes = axes @ directions
-        edges = (positions[self._end] - positions[self._start]).reshape(3, -1, 3)
+        edges = edges.reshape(3, -1, 3)
         along = np.einsum("fxd,sfx->sfd", axes, edges) * (stretches - 1)
         return (edges + np.einsum("fxd,sfd->sfx", axes, along)).reshape(-1, 3)
 

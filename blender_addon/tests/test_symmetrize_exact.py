@@ -93,7 +93,7 @@ def test_a_longer_leg_in_a_pose_takes_the_length_of_the_other(human):
         _set(human, given)
         assert ops.symmetrize_exactly(direction="RIGHT_TO_LEFT") == {"FINISHED"}
         made.append(positions(human.data))
-    assert np.linalg.norm(made[1] - made[0]) < 0.3 * np.linalg.norm(change)
+    assert np.linalg.norm(made[1] - made[0]) < 0.4 * np.linalg.norm(change)
     assert np.linalg.norm(made[0] - whole, axis=1).mean() < 0.01 * height
     assert np.abs(made[1] - whole)[side == -1].max() < 1e-5, "the winning side stays"
 
