@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live mirroring of texture paint: after a stroke, the texels of the other side whose image points it has changed change
-as much.
+"""Live mirroring of texture paint: after a stroke, the texels of the other side whose image points it has changed
+change as much.
 
 A texel of the other side is a place in a triangle of the UV map. Its image point is the same place among the image
 points of that triangle's corners, brought to the nearest triangle that the stroke has touched, and the change is read

@@ -26,7 +26,7 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
     )
     repeat: bpy.props.IntProperty(
         name="Repeat",
-        description="How many times; in a pose once is usually enough, as each time moves the body itself a little, too",
+        description="How many times; in a pose once is usually enough, as each time moves the body itself, too",
         min=1, max=100, soft_max=10, default=1,
     )
 

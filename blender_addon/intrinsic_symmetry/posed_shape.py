@@ -2,9 +2,9 @@
 """Symmetric in its pose: each side takes the other's lengths and keeps its own bending, whatever the width of the
 asymmetry.
 
-A pose bends a surface and leaves its lengths alone, so what is wide is taken from the lengths: each triangle is stretched
-in its own plane as much as its mirror image says, without turning, and the positions follow from the edges that this
-gives (R. W. Sumner, J. Popovic, "Deformation Transfer for Triangle Meshes", 2004, section 3; here the own side keeps
+A pose bends a surface and leaves its lengths alone, so what is wide is taken from the lengths: each triangle is
+stretched in its own plane as much as its mirror image says, without turning, and the positions follow from the edges
+that this gives (R. W. Sumner, J. Popovic, "Deformation Transfer for Triangle Meshes", 2004, section 3; here the own side keeps
 its rotations). No bpy here.
 """
 
@@ -25,7 +25,7 @@ class PosedShape:
 
     def __init__(self, symmetry, triangles, positions, share):
         self._symmetry, self._share = symmetry, share
-        self._places, self._point = np.unique(positions, axis=0, return_inverse=True)  # vertices at one place stay there
+        self._places, self._point = np.unique(positions, axis=0, return_inverse=True)  # one place stays one
         self._point, self._count = self._point.ravel(), len(self._places)
         corners = self._point[triangles]
         distinct = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
