@@ -32,8 +32,9 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     neighbour_means values between known ones
     regions         what is connected
     local_frames    how directions are turned there
-    live            what changes on one side happens on the other; live_carry says what, live_edit, live_paint and
-                    live_select read and write it
+    posed_shape     the other side's lengths in the own pose; multilevel solves the equation for it
+    live            what changes on one side happens on the other; live_carry says what, live_edit, live_paint,
+                    live_texture and live_select read and write it
     ops_*           operators, one file for each thing that a user does
     panels          the sidebar tab Symmetry
     menus           the tools in Blender's own menus, and a pie menu

@@ -2,8 +2,8 @@
 """Live mirror: what is changed on one side happens on the other, while it is changed.
 
 After each update of the dependency graph the values that the object's mode edits are compared with the last ones, and
-what follows from the difference is written. `live_carry` says what follows; `live_edit` and `live_paint` read and
-write. Nothing is stored on the mesh.
+what follows from the difference is written. `live_carry` says what follows; `live_edit`, `live_paint` and
+`live_texture` read and write. Nothing is stored on the mesh.
 """
 
 import bmesh
@@ -11,7 +11,7 @@ import bpy
 import intrinsym
 import numpy as np
 
-from . import live_edit, live_paint, live_select, mesh_data, stored_map
+from . import live_edit, live_paint, live_select, live_texture, mesh_data, stored_map
 from .live_carry import Carrier, Change, History
 
 #: Objects with Live on, by their number in this session.
@@ -53,6 +53,11 @@ class Track:
             carrier.fit(self.state)
         self.change, self.operation, self.flags = Change(carrier, self.state, channel), None, None
 
+    @property
+    def kept(self):
+        """What another track of the same values goes on with."""
+        return self.state, self.history
+
     def update(self, lit):
         """Somebody may have changed something. `lit` are vertices that only Live Selection selected, or nothing."""
         operation = self.channel.operation()
@@ -90,9 +95,12 @@ class Session:
 
     def enter(self, object, undone=False):
         """Begins with the values that the mode edits, or goes on with them after an undo."""
-        self._kept.update((track.channel.key, (track.state, track.history)) for track in self.tracks)
+        self._kept.update((track.channel.key, track.kept) for track in self.tracks)
         self.tracks = [
             Track(channel, self.carrier, self._kept.get(channel.key), undone) for channel in self._channels(object)
+        ] + [
+            live_texture.TextureTrack(object, self.carrier, key, self._kept.get(key), undone)
+            for key in live_texture.keys_of(object)
         ]
         self.keys = _keys(object)
 
@@ -139,7 +147,7 @@ class Session:
 
 def _keys(object):
     """Changes when the mode edits other values."""
-    return object.mode, object.active_shape_key_index, live_paint.keys_of(object)
+    return object.mode, object.active_shape_key_index, live_paint.keys_of(object) + live_texture.keys_of(object)
 
 
 def mark_of(mesh):

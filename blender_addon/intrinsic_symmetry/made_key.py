@@ -7,7 +7,7 @@ import re
 import bpy
 from intrinsym import Merge
 
-from . import mesh_data, side_names
+from . import mesh_data, side_names, undo
 from .weights import read_weights, write_weights
 
 _NAMED = re.compile(r'(?<=\[")[^"]+(?="\])')
@@ -16,6 +16,7 @@ _NAMED = re.compile(r'(?<=\[")[^"]+(?="\])')
 def make(object, symmetry, name, like):
     """The key at rest, with the settings of `like`."""
     key = object.shape_key_add(name=name, from_mix=False)
+    undo.note_made(object, key)
     keys = object.data.shape_keys
     key.relative_key = keys.key_blocks.get(side_names.flip(like.relative_key.name), like.relative_key)
     _copy_numbers(key, like)
@@ -29,6 +30,7 @@ def like_another(object, like, moved, objects):
     """A key with the settings of a key of another object, that moves each vertex by `moved`. Its drivers are those of
     its mirror image in the first of the objects that has it."""
     key = object.shape_key_add(name=like.name, from_mix=False)
+    undo.note_made(object, key)
     blocks = object.data.shape_keys.key_blocks
     key.relative_key = blocks.get(like.relative_key.name, object.data.shape_keys.reference_key)
     _copy_numbers(key, like)

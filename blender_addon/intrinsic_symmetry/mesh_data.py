@@ -71,6 +71,14 @@ def polygons(mesh):
     return intrinsym.Polygons(offsets, corners)
 
 
+def triangles(mesh):
+    """(triangles, 3) vertices of the triangles that Blender draws the faces with."""
+    mesh.calc_loop_triangles()
+    corners = np.empty((len(mesh.loop_triangles), 3), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", corners.reshape(-1))
+    return corners
+
+
 def edges(mesh):
     """(edges, 2) vertex numbers."""
     ends = np.empty((len(mesh.edges), 2), np.int32)

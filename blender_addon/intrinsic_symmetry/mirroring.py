@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 from intrinsym import Merge, SymmetryKind
 
-from . import mesh_data, side_names
+from . import mesh_data, side_names, stored_map
 
 DIRECTIONS = (
     ("LEFT_TO_RIGHT", "Left to Right", "The left side stays, the right one becomes its mirror image", Merge.POSITIVE_WINS),
@@ -85,6 +85,15 @@ class MirrorProperties(ConfidenceProperties):
             return free
         selected = mesh_data.selected_vertices(object.data)
         return free * (selected | symmetry.mirror_selection(selected))
+
+    def held(self, mesh, symmetry, free):
+        """The map and the keywords of `symmetrize_positions`, with which what is not free, (vertices,) 0..1, holds the
+        border, so that no step appears there."""
+        how = self.how()
+        if free.all():
+            return symmetry, how
+        how["minimum_confidence"] = max(how["minimum_confidence"], stored_map.LEAST)
+        return stored_map.load(mesh, only=free > 0), how
 
 
 class NamedMirrorProperties(MirrorProperties):

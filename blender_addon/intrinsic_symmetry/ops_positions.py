@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
-from . import assembly, entered, mesh_data, stored_map
+from . import assembly, entered, mesh_data
 from .mirroring import DIRECTIONS, MERGE, ConfidenceProperties, MirrorProperties, blend
 from .operator_base import MapOperator, MeshOperator
 
@@ -53,11 +53,8 @@ class INTRINSIC_SYMMETRY_OT_symmetrize(MirrorProperties, MapOperator, bpy.types.
     on_shown_shape = True
 
     def run_with(self, symmetry, _context, object, mode):
-        positions, how = mesh_data.shown_positions(object), self.how()
-        free = self.may_change(object, mode, symmetry)
-        if not free.all():  # what stays holds the border, so that no step appears there
-            symmetry = stored_map.load(object.data, only=free > 0)
-            how["minimum_confidence"] = max(how["minimum_confidence"], stored_map.LEAST)
+        positions, free = mesh_data.shown_positions(object), self.may_change(object, mode, symmetry)
+        symmetry, how = self.held(object.data, symmetry, free)
         moved = blend(positions, symmetry.symmetrize_positions(positions, self.merge, **how), free)
         mesh_data.set_shown_positions(object, moved)
         size = np.linalg.norm(positions.max(axis=0) - positions.min(axis=0))

@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import asymmetry, left_side, line_distance, mesh_data, side_names, stored_map
+from . import asymmetry, left_side, line_distance, mesh_data, side_names, stored_map, undo
 from .operator_base import MapOperator, MeshOperator
 
 
@@ -72,6 +72,7 @@ class INTRINSIC_SYMMETRY_OT_join_shape_keys(MeshOperator, bpy.types.Operator):
 def _new_key(object, name, like):
     """A key with the settings of another, its value 0, since that one stays."""
     made = object.shape_key_add(name=name, from_mix=False)
+    undo.note_made(object, made)
     made.relative_key, made.interpolation, made.vertex_group = like.relative_key, like.interpolation, like.vertex_group
     made.slider_max, made.slider_min = max(like.slider_max, made.slider_min), like.slider_min
     made.slider_max = like.slider_max  # again: the range never turns over

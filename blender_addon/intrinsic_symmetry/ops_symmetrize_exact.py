@@ -1,17 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Remove asymmetry of any width: exactly about the mirror plane in a rest pose, step by step in any other."""
+"""Remove asymmetry of any width: exactly about the mirror plane in a rest pose, by lengths in any other."""
 
 import bpy
 import numpy as np
 
 from . import asymmetry, left_side, mesh_data
-from .mirroring import MirrorProperties, blend
+from .mirroring import MirrorProperties, blend, shares
 from .operator_base import MapOperator
+from .posed_shape import PosedShape
 
 
 class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bpy.types.Operator):
     """Make the shape exactly symmetric about its own mirror plane: the losing side takes the mirrored places of the
-    winning side, which stays. A posed body keeps its pose and becomes more symmetric with each repetition"""
+    winning side, which stays. A posed body keeps its pose, and its losing side takes the lengths of the other"""
 
     bl_idname = "intrinsic_symmetry.symmetrize_exactly"
     bl_label = "Symmetrize Exactly"
@@ -25,8 +26,8 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
     )
     repeat: bpy.props.IntProperty(
         name="Repeat",
-        description="How many times; in a pose each time takes away more of what is wide",
-        min=1, max=100, soft_max=30, default=1,
+        description="How many times; in a pose once is usually enough, as each time moves the body itself, too",
+        min=1, max=100, soft_max=10, default=1,
     )
 
     def run_with(self, symmetry, _context, object, mode):
@@ -34,22 +35,27 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
         before = mesh_data.shown_positions(object).astype(float)
         reference = asymmetry.reference(self.about, symmetry, object.data, before)
         inside = self.may_change(object, mode, symmetry)
+        posed = reference.plane is None
+        once = self._in_pose(symmetry, object.data, before, inside) if posed else self._about(symmetry, reference)
         after = before
         for _ in range(self.repeat):
-            new = self._once(symmetry, reference, after)
-            after = blend(after, new, self.strength * inside)
+            after = blend(after, once(after), self.strength * inside)
         mesh_data.set_shown_positions(object, after)
         old, now = (reference.asymmetry(symmetry, points)[inside > 0] for points in (before, after))
         return f"Asymmetry {reference.in_words()}: {_mean(old)}, now {_mean(now)} of the object's size"
 
-    def _once(self, symmetry, reference, positions):
-        """(vertices, 3) wholly symmetric as far as it goes."""
-        if reference.plane is None:
-            return symmetry.symmetrize_positions(positions, self.merge, **self.how())
+    def _in_pose(self, symmetry, mesh, positions, inside):
+        """Makes positions symmetric in their pose: what is narrow, then the lengths."""
+        symmetry, how = self.held(mesh, symmetry, inside)
+        shape = PosedShape(symmetry, mesh_data.triangles(mesh), positions, shares(symmetry, self.merge, **how))
+        return lambda points: shape.with_lengths(symmetry.symmetrize_positions(points, self.merge, **how))
+
+    def _about(self, symmetry, reference):
+        """Makes positions symmetric about a plane."""
         share = self.shares(symmetry)
         on_line = (symmetry.side == 0) & (symmetry.partner >= 0)
         share[on_line] = np.where(symmetry.confidence[on_line] < self.minimum_confidence, 0.0, 0.5)
-        return blend(positions, reference.images(symmetry, positions), share)
+        return lambda positions: blend(positions, reference.images(symmetry, positions), share)
 
 
 def _mean(values):

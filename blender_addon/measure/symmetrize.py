@@ -27,7 +27,7 @@ TOOLS = (
     ("10 times", ops.symmetrize, {}, 10),
     ("Symmetrize Exactly", ops.symmetrize_exactly, {}, 1),
 )
-REPEATS = (1, 10, 30)
+REPEATS = (1, 2, 5)
 
 
 def rms(distances, areas):

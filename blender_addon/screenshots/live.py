@@ -1,69 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs inside a Blender window: Live Mirror under the hands of a user, by simulated events. Called by `make.sh live`.
 
-Checks grab, Esc, undo, redo, proportional editing and a sculpt stroke; writes the time of an update by size; and
-photographs what the picture in the docs shows, frame by frame. The steps run as those of window.py do.
+Checks grab, Esc, undo, redo, proportional editing, sculpt and texture paint strokes; writes the time of an update by
+size; and photographs what the picture in the docs shows, frame by frame. The steps run as those of window.py do.
 """
 
-import importlib
 import sys
 import time
 
-import bmesh
 import bpy
 import numpy as np
-from bpy_extras.view3d_utils import location_3d_to_region_2d
 
 sys.path.insert(0, "/session")
 import window  # noqa: E402
+from hands import (  # noqa: E402
+    aim, event, human, kept, middle, module, move, on_screen, places, press, redo, sides, stroke, undo,
+)
+from paint import PAINT  # noqa: E402
 from window import PICTURES, area, import_human, in_view, install, look, photograph, region, show_tab  # noqa: E402
 
 #: Vertices of the meshes whose updates are timed.
 SIZES = (5_000, 25_000, 100_000)
 ops = bpy.ops.intrinsic_symmetry
-#: Positions at some moment, by name; and the times of updates.
-kept, times = {}, {}
-
-
-def module(name):
-    """A module of the extension."""
-    return importlib.import_module(f"bl_ext.user_default.intrinsic_symmetry.{name}")
-
-
-def human():
-    return bpy.context.object
-
-
-def places():
-    mesh = human().data
-    if mesh.is_editmode:
-        return np.array([vertex.co[:] for vertex in bmesh.from_edit_mesh(mesh).verts], np.float32)
-    return module("mesh_data").positions(mesh)
-
-
-def sides():
-    return module("live")._sessions[human().session_uid].carrier.side
-
-
-def event(kind, value="PRESS", at=None, **keywords):
-    x, y = at or kept["mouse"]
-    kept["mouse"] = x, y
-    bpy.context.window.event_simulate(kind, value, x=x, y=y, **keywords)
-
-
-def press(kind, **keywords):
-    event(kind, "PRESS", **keywords)
-    event(kind, "RELEASE", **keywords)
-
-
-def move(x, y):
-    """By pixels from the middle of the viewport."""
-    event("MOUSEMOVE", "NOTHING", at=(middle()[0] + x, middle()[1] + y))
-
-
-def middle():
-    view = region()
-    return view.x + view.width // 2, view.y + view.height // 2
+#: Times of updates.
+times = {}
 
 
 def select_hand(count):
@@ -100,14 +60,6 @@ def moved_on_both_sides(since, least):
 def live_on():
     human().intrinsic_symmetry_live = True
     assert human().intrinsic_symmetry_live, module("live").problem_of(human())
-
-
-def undo():
-    press("Z", ctrl=True)
-
-
-def redo():
-    press("Z", ctrl=True, shift=True)
 
 
 def proportional(on):
@@ -155,21 +107,6 @@ EDIT = [
 ]
 
 
-def on_screen(vertex):
-    """Of a vertex, in pixels from the middle of the viewport."""
-    view = area().spaces.active.region_3d
-    place = location_3d_to_region_2d(region(), view, human().matrix_world @ human().data.vertices[vertex].co)
-    return int(place[0]) - region().width // 2, int(place[1]) - region().height // 2
-
-
-def aim():
-    """At the left thigh."""
-    points = places()
-    wanted = np.array((0.35 * points[:, 0].max(), points[:, 1].min(), np.quantile(points[:, 2], 0.3)))
-    front = np.where(sides() == 1, np.linalg.norm(points - wanted, axis=1), np.inf)
-    kept["aim"] = on_screen(int(np.argmin(front)))
-
-
 def sculpt_mode():
     in_view(bpy.ops.object.mode_set, mode="OBJECT")
     in_view(bpy.ops.object.mode_set, mode="SCULPT")
@@ -181,14 +118,6 @@ def sculpt_mode():
             bpy.ops.brush.asset_activate, asset_library_type="LOCAL", relative_asset_identifier="Brush/Draw"
         )
     in_view(bpy.ops.ed.undo_push, message="Sculpt mode")
-
-
-def stroke():
-    """The button goes down, the mouse moves, the button goes up."""
-    found = [(lambda: move(*kept["aim"]), 0.3), (lambda: event("LEFTMOUSE", "PRESS"), 0.2)]
-    for x in range(0, 24, 4):
-        found.append((lambda x=x: move(kept["aim"][0], kept["aim"][1] + x), 0.2))
-    return [*found, (lambda: event("LEFTMOUSE", "RELEASE"), 1.5)]
 
 
 SCULPT = [
@@ -323,6 +252,7 @@ def begin():
 PARTS = {
     "edit": EDIT,
     "sculpt": SCULPT,
+    "paint": PAINT,
     "film": film(),
     "times": [*(step for count in SIZES for step in measured(count)), (report, 0.1)],
 }

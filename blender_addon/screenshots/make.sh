@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Makes the screenshots of docs/blender.md in a real Blender window: Debian trixie's Blender in a chroot, on a
 # virtual screen with software OpenGL. Needs root, debootstrap, and 3 GB under build/.
-# usage: make.sh [live [edit|sculpt|film|times]...]   (after `make blender-extension`; live: Live Mirror's checks, its
+# usage: make.sh [live [edit|sculpt|paint|film|times]...]   (after `make blender-extension`; live: Live Mirror's checks, its
 #        times by size, and docs/blender/live.gif)
 set -euo pipefail
 cd "$(dirname "$0")/../.."

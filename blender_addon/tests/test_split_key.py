@@ -108,3 +108,42 @@ def test_nothing_is_overwritten(human, smile):
     human.active_shape_key_index = 0
     with pytest.raises(RuntimeError, match="not the basis"):
         ops.split_shape_key()
+
+
+@pytest.mark.parametrize("tool, name", [("split_shape_key", "Smile"), ("mirror_shape_keys", "Smile.L"),
+                                        ("join_shape_keys", "Smile.L")])
+def test_undo_in_edit_mode_takes_back_the_keys(human, smile, tool, name):
+    """The active key is as it was; redo brings the keys back when edit mode is left."""
+    if tool == "join_shape_keys":
+        _key(human, "Smile.R", 0.5 * smile)
+    human.data.shape_keys.key_blocks["Smile"].name = name
+    human.active_shape_key_index = before = human.data.shape_keys.key_blocks.find(name)
+    bpy.ops.ed.undo_push(message="start")
+    enter("EDIT")
+    bpy.ops.ed.undo_push(message="entered")
+    names = human.data.shape_keys.key_blocks.keys()
+    getattr(ops, tool)()
+    human.data.shape_keys.key_blocks[-1].driver_add("value")
+    made = human.data.shape_keys.key_blocks.keys()
+    bpy.ops.ed.undo_push(message="made")
+    assert len(made) > len(names)
+    bpy.ops.ed.undo()
+    human = bpy.context.object
+    assert human.mode == "EDIT" and human.data.shape_keys.key_blocks.keys() == names
+    assert human.active_shape_key_index == before and not human.data.shape_keys.animation_data.drivers
+    bpy.ops.ed.redo()
+    enter("OBJECT")
+    assert human.data.shape_keys.key_blocks.keys() == made
+
+
+def test_undo_in_edit_mode_leaves_keys_that_others_made(human, smile):
+    bpy.ops.ed.undo_push(message="start")
+    enter("EDIT")
+    bpy.ops.ed.undo_push(message="entered")
+    enter("OBJECT")
+    human.shape_key_add(name="Other", from_mix=False)
+    enter("EDIT")
+    ops.split_shape_key()
+    bpy.ops.ed.undo_push(message="made")
+    bpy.ops.ed.undo()
+    assert bpy.context.object.data.shape_keys.key_blocks.keys() == ["Basis", "Smile", "Other"]

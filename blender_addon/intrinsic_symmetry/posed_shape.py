@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Symmetric in its pose: each side takes the other's lengths and keeps its own bending, whatever the width of the
+asymmetry.
+
+A pose bends a surface and leaves its lengths alone, so what is wide is taken from the lengths: each triangle is
+stretched in its own plane as much as its mirror image says, without turning, and the positions follow from the edges
+that this gives (R. W. Sumner, J. Popovic, "Deformation Transfer for Triangle Meshes", 2004, section 3; here the own side keeps
+its rotations). No bpy here.
+"""
+
+import numpy as np
+
+from .multilevel import Graph
+
+#: How strongly old positions hold, against an eigenvalue of the Laplacian at unit area, of which the halves of a body
+#: have 10: only so much that what nothing else holds stays where it is.
+_HOLD = 0.01
+#: Least weight of an edge, where the angles opposite to it give less; least and largest stretch of a triangle.
+_LEAST_WEIGHT, _STRETCH = 1e-3, (0.2, 5.0)
+
+
+class PosedShape:
+    """A surface of triangles, (triangles, 3) vertices. `share`, (vertices,) 0..1: how much of the other side's lengths
+    each vertex takes; those with 0 stay."""
+
+    def __init__(self, symmetry, triangles, positions, share):
+        self._symmetry, self._share = symmetry, share
+        self._places, self._point = np.unique(positions, axis=0, return_inverse=True)  # one place stays one
+        self._point, self._count = self._point.ravel(), len(self._places)
+        corners = self._point[triangles]
+        distinct = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
+        self._triangles = triangles[distinct]
+        # One row for each side of each triangle: from a corner to the next one.
+        self._start = self._triangles.T.ravel()
+        self._end = np.roll(self._triangles, -1, axis=1).T.ravel()
+        self._free = np.ones(self._count, bool)
+        self._free[self._point[share <= 0]] = False
+        self._moves = self._free[self._point[self._triangles]].any(axis=1)
+
+    def with_lengths(self, positions):
+        """(vertices, 3) positions whose edges come nearest to those with the lengths of the other side."""
+        places = self._together(positions)
+        positions = places[self._point]
+        edges, weights, areas = self._measured(positions)
+        change = self._stretched(positions, edges) - edges
+        share = np.maximum(self._share[self._start], self._share[self._end])
+        ends = self._point[np.stack([self._start, self._end], axis=1)]
+        masses = np.bincount(self._point[self._triangles].ravel(), np.repeat(areas / 3, 3), self._count)
+        graph = Graph(places, ends, weights, _HOLD * masses / max(areas.sum(), 1e-300), self._free)
+        return (places + graph.moved(share[:, None] * change))[self._point]
+
+    def _together(self, positions):
+        """(points, 3) the mean of the vertices that were at one place; where one of them stays, that place."""
+        sums = [np.bincount(self._point, column, self._count) for column in positions.T]
+        means = np.stack(sums, axis=1) / np.bincount(self._point, minlength=self._count)[:, None]
+        return np.where(self._free[:, None], means, self._places)
+
+    def _measured(self, positions):
+        """The sides of all triangles, their cotangent weights, and the triangles' areas."""
+        edges = positions[self._end] - positions[self._start]
+        sides = edges.reshape(3, -1, 3)
+        doubled = np.linalg.norm(np.cross(sides[0], sides[1]), axis=1)
+        opposite = [-(sides[(side + 1) % 3] * sides[(side + 2) % 3]).sum(axis=1) for side in range(3)]
+        cotangents = np.concatenate(opposite) / np.maximum(np.tile(doubled, 3), 1e-300)
+        return edges, np.maximum(0.5 * cotangents, _LEAST_WEIGHT), 0.5 * doubled
+
+    def _stretched(self, positions, edges):
+        """(edges, 3) the edges after each triangle is stretched, in its own plane, to the shape of its mirror image."""
+        images = self._symmetry.surface_points.positions(positions)
+        own, other = (np.stack([at[corner] - at[self._triangles[:, 0]] for corner in self._triangles.T[1:]], axis=2)
+                      for at in (positions, images))
+        axes = _axes(own)
+        flat = axes.transpose(0, 2, 1) @ own
+        used = self._moves & np.isfinite(other).all(axis=(1, 2)) & (np.abs(np.linalg.det(flat)) > 1e-30)
+        inverse = np.linalg.inv(np.where(used[:, None, None], flat, np.eye(2)))
+        metric = inverse.transpose(0, 2, 1) @ (other.transpose(0, 2, 1) @ other) @ inverse
+        squares, directions = np.linalg.eigh(np.where(used[:, None, None], metric, np.eye(2)))
+        stretches = np.clip(np.sqrt(np.maximum(squares, 0)), *_STRETCH)
+        axes = axes @ directions
+        edges = edges.reshape(3, -1, 3)
+        along = np.einsum("fxd,sfx->sfd", axes, edges) * (stretches - 1)
+        return (edges + np.einsum("fxd,sfd->sfx", axes, along)).reshape(-1, 3)
+
+
+def _axes(sides):
+    """(triangles, 3, 2) orthonormal axes of the planes of (triangles, 3, 2) pairs of sides."""
+    first = sides[:, :, 0] / np.maximum(np.linalg.norm(sides[:, :, 0], axis=1, keepdims=True), 1e-300)
+    second = sides[:, :, 1] - first * (first * sides[:, :, 1]).sum(axis=1, keepdims=True)
+    second /= np.maximum(np.linalg.norm(second, axis=1, keepdims=True), 1e-300)
+    return np.stack([first, second], axis=2)
