@@ -1,7 +1,7 @@
 # `make demo` and `make test` each set up a fresh Debian or Ubuntu machine by themselves.
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test fmt examples clean setup setup-test header check-header check-folders public-api check-public-api test-c
+.PHONY: help demo test fmt examples clean setup setup-test header check-header check-folders public-api check-public-api test-c mutants
 
 help: ## Say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -26,7 +26,7 @@ test: setup-test ## Check format and lints, run all tests
 	cargo test --release --locked --doc --quiet
 	cargo nextest run --release --locked
 	@$(MAKE) --no-print-directory test-c
-	@$(MAKE) --no-print-directory fuzz FUZZ_SECONDS=10
+	@$(MAKE) --no-print-directory fuzz FUZZ_SECONDS=10 FUZZ_FLAGS=
 	@$(MAKE) --no-print-directory test-meshlab
 	@$(MAKE) --no-print-directory train-test
 	@$(MAKE) --no-print-directory test-accuracy
@@ -38,6 +38,16 @@ test-c: ## Test the C library: C and C++ programs under sanitizers, and an insta
 	cmake -S . -B out/cmake -DCMAKE_BUILD_TYPE=Release
 	cmake --build out/cmake
 	ctest --test-dir out/cmake --output-on-failure
+
+MUTANTS_SHARD ?=
+MUTANTS_FLAGS ?=
+
+# A build directory of its own: nothing that is changed on purpose lies where others build.
+mutants: setup-test ## Change the program in one place at a time; a test must fail. MUTANTS_SHARD=k/n: a part (docs/mutants.md)
+	@scripts/setup.sh mutants
+	@mkdir -p out
+	CARGO_TARGET_DIR=$(abspath target/mutants) CARGO_INCREMENTAL=0 cargo mutants --workspace --output out \
+		--sharding round-robin $(if $(MUTANTS_SHARD),--shard $(MUTANTS_SHARD)) $(MUTANTS_FLAGS)
 
 header: ## Make include/isym.h again from capi/src
 	cargo run --quiet --locked --target-dir target/header --manifest-path tools/header/Cargo.toml -- --write

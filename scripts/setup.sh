@@ -1,11 +1,12 @@
 #!/usr/bin/env bash
 # Makes sure that everything the build needs is there; installs it on Debian and Ubuntu, and says plainly
 # what is missing on any other system. Does nothing, quickly, where all is installed.
-# usage: setup.sh [nextest|python|blender|meshlab|release]
+# usage: setup.sh [nextest|mutants|python|blender|meshlab|release]
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
 NEXTEST_VERSION=0.9.143
+MUTANTS_VERSION=27.1.0
 PACKAGES=(ca-certificates g++ libopenmesh-dev make pkg-config)
 
 fail() {
@@ -87,6 +88,12 @@ check_nextest() {
     cargo install cargo-nextest --locked --version "$NEXTEST_VERSION"
 }
 
+check_mutants() {
+    cargo mutants --version >/dev/null 2>&1 && return
+    echo "setup: installing cargo-mutants $MUTANTS_VERSION"
+    cargo install cargo-mutants --locked --version "$MUTANTS_VERSION"
+}
+
 check_python() {
     python3 -c 'import ensurepip, venv' 2>/dev/null && return
     command -v apt-get >/dev/null || fail "Python 3.9 or later with its module venv is needed"
@@ -140,6 +147,10 @@ check_rust
 if [ "${1:-}" = nextest ]; then
     check_lints
     check_nextest
+fi
+if [ "${1:-}" = mutants ]; then
+    check_nextest
+    check_mutants
 fi
 if [ "${1:-}" = python ]; then check_python; fi
 if [ "${1:-}" = blender ]; then

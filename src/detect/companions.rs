@@ -103,7 +103,7 @@ fn paired(
     progress: &Progress,
 ) -> Result<Vec<Option<Companion>>> {
     let mut companions: Vec<Option<Companion>> = shells.iter().map(|_| None).collect();
-    for (first, second, mismatch) in pair_shells(mesh, shells, places, primary) {
+    for (first, second, mismatch) in pair_shells(mesh, shells, places, primary, progress)? {
         progress.report("other shells", 0.95)?;
         for (source, target) in [(first, second), (second, first)] {
             if companions[source].is_none() {
@@ -199,7 +199,13 @@ impl SimilarShells {
 ///
 /// Of lashes, feathers or teeth in a row all are assigned together: if each took what is nearest, a map that is off by half their distance would send each to its twin's
 /// neighbour; but then one has nobody left at each end of the row.
-fn pair_shells(mesh: &Mesh, shells: &[Shell], places: &Places, primary: usize) -> Vec<(usize, usize, f32)> {
+fn pair_shells(
+    mesh: &Mesh,
+    shells: &[Shell],
+    places: &Places,
+    primary: usize,
+    progress: &Progress,
+) -> Result<Vec<(usize, usize, f32)>> {
     let middles = |of: &[Vec<Vector>]| -> Vec<Vector> { of.iter().map(|points| mean(points)).collect() };
     let (mirrored, own) = (middles(&places.mirrored), middles(&places.own));
     let others = (0..shells.len()).filter(|&shell| shell != primary);
@@ -209,6 +215,7 @@ fn pair_shells(mesh: &Mesh, shells: &[Shell], places: &Places, primary: usize) -
         |shell: usize| signatures[mesh.shell_of_point[shells[shell].points[0] as usize] as usize].hash;
     let mut options: BTreeMap<(usize, usize), f32> = BTreeMap::new();
     for source in others {
+        progress.report("other shells", 0.95)?;
         let near: Vec<usize> = similar.nearest(source, mirrored[source]).collect();
         // One that is its own image has no other of its connectivity nearby.
         let same = |&&target: &&usize| signature(target) == signature(source);
@@ -220,7 +227,7 @@ fn pair_shells(mesh: &Mesh, shells: &[Shell], places: &Places, primary: usize) -
             }
         }
     }
-    involution(&options)
+    Ok(involution(&options))
 }
 
 /// The involution whose pairs are of least mismatch in all, squared, where a shell without a partner counts as the farthest: by swarms, the shells that

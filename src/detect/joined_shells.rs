@@ -219,12 +219,16 @@ impl Contacts {
             }
         }
         // What is still apart, by its nearest places.
-        while shells.iter().any(|&shell| group[shell] != group[shells[0]]) {
-            let pairs = shells.iter().flat_map(|&a| shells.iter().map(move |&b| [a, b]));
-            let apart = pairs.filter(|[a, b]| a < b && group[*a] != group[*b]);
-            let contacts = apart.map(|pair| contact(pair, &self.places, &self.trees));
-            let nearest = contacts.min_by(|a, b| a.distance.total_cmp(&b.distance));
-            join(&nearest.expect("two groups"), &mut group);
+        let pairs = shells.iter().flat_map(|&a| shells.iter().map(move |&b| [a, b]));
+        let apart = pairs.filter(|[a, b]| a < b && group[*a] != group[*b]);
+        let contacts = apart.map(|pair| contact(pair, &self.places, &self.trees));
+        let mut contacts: Vec<Contact> = contacts.collect();
+        contacts.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        for contact in &contacts {
+            let [a, b] = contact.shells;
+            if group[a] != group[b] {
+                join(contact, &mut group);
+            }
         }
         joined
     }

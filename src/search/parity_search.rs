@@ -253,3 +253,19 @@ fn extend(beam: &Beam, step: &Step, sources: usize) -> Beam {
     blocks.push(step.block);
     Beam { blocks, distances }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn involutions_of_a_triple_are_their_own_inverses() {
+        let found = involutions_of_three(&[1.0, 1.0, 1.0]);
+        assert_eq!(found.len(), 2 * DIRECTIONS);
+        for (matrix, trace) in found.iter().zip([1.0, -1.0].into_iter().cycle()) {
+            assert!((matrix * matrix - Mat::<f64>::identity(3, 3)).norm_max() < 1e-12);
+            assert!(((0..3).map(|i| matrix[(i, i)]).sum::<f64>() - trace).abs() < 1e-12);
+        }
+        assert!(involutions_of_three(&[1.0, 1.0, 2.0 * TRIPLE_RATIO]).is_empty());
+    }
+}
