@@ -39,7 +39,7 @@ impl Motion {
     }
 }
 
-/// Moves where shells should be, `mirrored`, to where they fit on what there is, `own`; both are points by shell, in one unit. O(shells log shells).
+/// Moves where shells should be, `mirrored`, to where they fit on what there is, `own`; both are points by shell, in one unit. O(shells x balls).
 pub fn settle(mirrored: &mut [Vec<Vector>], own: &[Vec<Vector>]) {
     let tree = RTree::bulk_load(own.iter().flat_map(|points| some(points, POINTS)).collect());
     for ball in balls(mirrored) {
