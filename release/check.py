@@ -5,6 +5,7 @@ usage: check.py     Exit status 1 if anything is not as it must be.
 
 from __future__ import annotations
 
+import shlex
 import shutil
 import subprocess
 import sys
@@ -78,11 +79,11 @@ def _example() -> Path:
 
 
 def _by_cmake(target: Target, folder: Path) -> list[str]:
-    """What README.txt says, as it says it."""
-    build = folder / "build"
-    run("cmake", "-S", folder / "examples", "-B", build, f"-DCMAKE_PREFIX_PATH={folder}")
-    run("cmake", "--build", build)
-    return _run(Runner(target, folder), build / "detect", _example())
+    """The commands of README.txt, as they stand there."""
+    lines = (folder / "README.txt").read_text().splitlines()
+    commands = [line.strip() for line in lines if line.startswith("    ")]
+    run("sh", "-e", "-c", "\n".join([f"cd {shlex.quote(str(folder))}", *commands]))
+    return _run(Runner(target, folder), folder / "build" / "detect", _example())
 
 
 def _wheel(target: Target, path: Path, folder: Path) -> list[str]:

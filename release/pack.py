@@ -32,8 +32,10 @@ FIRST_COMMANDS = """The first minute, in this folder:
 Put {file} into a folder of your PATH to use it from anywhere."""
 FIRST_LINK = """The interface is include/isym.h (C) and include/isym.hpp (C++17). examples/ is a complete program:
 
-    cmake -S examples -B build -DCMAKE_PREFIX_PATH=.
-    cmake --build build"""
+    cmake -S examples -B build -DCMAKE_PREFIX_PATH="$PWD"
+    cmake --build build
+
+Its program, detect in build, takes the path of a mesh."""
 
 
 def fresh(folder: Path) -> Path:
@@ -75,7 +77,7 @@ def command_line(target: Target, program: Path, manual: Path | None) -> Path:
     shutil.copy(ROOT / "examples" / "human.ply", folder)
     if manual:
         shutil.copytree(manual, folder, dirs_exist_ok=True)
-    called = "intrinsym" if target.system == "windows" else "./intrinsym"
+    called = ".\\intrinsym" if target.system == "windows" else "./intrinsym"
     _write_readme(target, folder, FIRST_COMMANDS.format(program=called, file=program.name))
     write_licences(target, folder)
     return _pack(target, folder)

@@ -169,7 +169,7 @@ class Mesh:
         previous : Detection or Symmetry
             What was found on a mesh with the same connectivity and other positions, or a restored Symmetry. Its maps that
             are symmetries of the new shape, too, are kept, if the best one is: partners, confidence, sides and curves as they
-            were, figures and report new (``report.kept``). That is some twenty times as fast as a search. Otherwise this is a
+            were, figures and report new (``report.kept``). That is some seven times as fast as a search. Otherwise this is a
             search. What is kept knows nothing of vertices that were slid along the surface, on one side alone: search anew
             after that. The newest Detection or the first is the fastest ``previous``; a restored Symmetry takes twice as long.
         progress : Progress, or a callback ``(stage, fraction)`` that may answer False to cancel
