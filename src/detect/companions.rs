@@ -10,7 +10,7 @@ use crate::detect::mirror_plane::MirrorPlane;
 use crate::detect::swarm_motion;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
-use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
 use crate::mesh::{Mesh, Shell};
 use crate::refine::rigid_parts::Carrier;
 use crate::search::refinement::nearest;
@@ -206,7 +206,9 @@ fn pair_shells(
     primary: usize,
     progress: &Progress,
 ) -> Result<Vec<(usize, usize, f32)>> {
-    let middles = |of: &[Vec<Vector>]| -> Vec<Vector> { of.iter().map(|points| mean(points)).collect() };
+    let middles = |of: &[Vec<Vector>]| -> Vec<Vector> {
+        of.iter().map(|points| mean(points.iter().copied())).collect()
+    };
     let (mirrored, own) = (middles(&places.mirrored), middles(&places.own));
     let others = (0..shells.len()).filter(|&shell| shell != primary);
     let similar = SimilarShells::new(shells, &own, others.clone());
@@ -339,8 +341,4 @@ fn picked(points: &[Vector]) -> Vec<Vector> {
 
 fn rows(points: &[Vector]) -> Mat<f32> {
     Mat::from_fn(points.len(), 3, |i, j| points[i][j] as f32)
-}
-
-fn mean(points: &[Vector]) -> Vector {
-    [0, 1, 2].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / points.len().max(1) as f64)
 }

@@ -6,7 +6,7 @@
 
 use crate::geometry::embedded_triangles::TrianglePoint;
 use crate::geometry::vertex_map::VertexMap;
-use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
 use crate::mesh::{NONE, Shell};
 use std::collections::{HashMap, HashSet};
 
@@ -52,7 +52,7 @@ impl FilledShell {
                 [a, b, c] => triangles.push([a, b, c]),
                 _ => {
                     let middle = positions.len() as u32;
-                    positions.push(mean(rim, &positions));
+                    positions.push(mean(rim.iter().map(|&vertex| positions[vertex as usize])));
                     triangles.extend(around(rim).map(|(from, to)| [from, to, middle]));
                 }
             }
@@ -181,9 +181,4 @@ fn length(rim: &[u32], positions: &[Vector]) -> f64 {
     around(rim)
         .map(|(a, b)| squared_norm(subtract(positions[a as usize], positions[b as usize])).sqrt())
         .sum()
-}
-
-fn mean(rim: &[u32], positions: &[Vector]) -> Vector {
-    let sum = |axis: usize| rim.iter().map(|&vertex| positions[vertex as usize][axis]).sum::<f64>();
-    std::array::from_fn(|axis| sum(axis) / rim.len() as f64)
 }

@@ -8,7 +8,7 @@ use crate::geometry::surface_grid::{Place, places};
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::mesh::Mesh;
 use crate::mesh::rotation::principal_axes;
-use crate::mesh::vector::{Vector, cross, dot, squared_norm, subtract};
+use crate::mesh::vector::{Vector, cross, dot, mean, squared_norm, subtract};
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
@@ -197,15 +197,6 @@ impl MirrorPlane {
         let normal = principal_axes(moments).into_iter().min_by(least).expect("three");
         MirrorPlane { normal, offset: 0.5 * (dot(normal, from) + dot(normal, to)) }
     }
-}
-
-fn mean(places: impl Iterator<Item = Vector>) -> Vector {
-    let (mut sum, mut all) = ([0.0; 3], 0.0);
-    for at in places {
-        (0..3).for_each(|axis| sum[axis] += at[axis]);
-        all += 1.0;
-    }
-    sum.map(|value| value / all)
 }
 
 /// What the moments say of a direction.

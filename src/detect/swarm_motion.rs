@@ -5,7 +5,7 @@
 //! several turns, since each next card is a fit of its own).
 
 use crate::mesh::rotation::{Matrix, nearest_rotation, principal_axes, rotation, turned};
-use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
 use rstar::RTree;
 
 /// Radius, in sqrt(area) of the primary shell, of the balls that hold what moves together, and the fewest shells that tell how.
@@ -57,14 +57,12 @@ fn some(points: &[Vector], count: usize) -> impl Iterator<Item = Vector> {
 
 /// Shells by balls: around the first that is in none all others that are in none.
 fn balls(shells: &[Vec<Vector>]) -> Vec<Vec<usize>> {
-    let middles: Vec<Option<Vector>> = shells.iter().map(|points| mean(points)).collect();
-    let mut left: Vec<usize> = (0..shells.len()).filter(|&shell| middles[shell].is_some()).collect();
+    let middles: Vec<Vector> = shells.iter().map(|points| mean(points.iter().copied())).collect();
+    let mut left: Vec<usize> = (0..shells.len()).filter(|&shell| !shells[shell].is_empty()).collect();
     let mut balls = Vec::new();
     while let Some(&first) = left.first() {
-        let is_near = |&shell: &usize| {
-            let apart = middles[shell].zip(middles[first]).map(|(a, b)| squared_norm(subtract(a, b)));
-            apart.is_some_and(|square| square < RADIUS * RADIUS)
-        };
+        let is_near =
+            |&shell: &usize| squared_norm(subtract(middles[shell], middles[first])) < RADIUS * RADIUS;
         let (ball, others): (Vec<usize>, Vec<usize>) = left.iter().partition(|shell| is_near(shell));
         left = others;
         if ball.len() >= FEWEST {
@@ -76,7 +74,7 @@ fn balls(shells: &[Vec<Vector>]) -> Vec<Vec<usize>> {
 
 /// The motion that puts points best on others; `None` if none is much better than to leave them.
 fn best(points: &[Vector], tree: &RTree<Vector>) -> Option<Motion> {
-    let middle = mean(points)?;
+    let middle = mean(points.iter().copied());
     let offsets: Vec<Vector> = points.iter().map(|&at| subtract(at, middle)).collect();
     let axes = principal_axes(products(&offsets, &offsets, &vec![1.0; offsets.len()]));
     let still = Motion { turn: rotation(axes[0], 0.0), from: middle, to: middle };
@@ -130,12 +128,6 @@ fn products(a: &[Vector], b: &[Vector], weights: &[f64]) -> Matrix {
         }
     }
     sum
-}
-
-fn mean(points: &[Vector]) -> Option<Vector> {
-    let count = points.len() as f64;
-    let middle = [0, 1, 2].map(|axis| points.iter().map(|point| point[axis]).sum::<f64>() / count);
-    (!points.is_empty()).then_some(middle)
 }
 
 #[cfg(test)]

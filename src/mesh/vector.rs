@@ -23,6 +23,16 @@ pub fn squared_norm(a: Vector) -> f64 {
     dot(a, a)
 }
 
+/// The mean of some positions; 0 of none.
+pub fn mean(positions: impl IntoIterator<Item = Vector>) -> Vector {
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for position in positions {
+        (0..3).for_each(|axis| sum[axis] += position[axis]);
+        count += 1.0;
+    }
+    sum.map(|value| value / f64::max(count, 1.0))
+}
+
 /// Area of a triangle, exactly 0 where its corners are collinear to within rounding.
 pub fn triangle_area(a: Vector, b: Vector, c: Vector) -> f64 {
     let (ab, ac, bc) = (subtract(b, a), subtract(c, a), subtract(c, b));
