@@ -24,5 +24,5 @@ pub mod report;
 pub mod shell_symmetry;
 pub mod spectrum;
 pub mod stated_signs;
-pub mod swarm_motion;
+pub mod cluster_motion;
 pub mod twins;

@@ -6,8 +6,8 @@
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::connectivity::automorphism::shell_signatures;
+use crate::detect::cluster_motion;
 use crate::detect::mirror_plane::MirrorPlane;
-use crate::detect::swarm_motion;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
@@ -137,7 +137,7 @@ impl Places {
         let own: Vec<Vec<Vector>> = shells.iter().zip(anchors).map(of_shell).collect();
         let carried = |(points, anchors): (&Vec<Vector>, &Vec<u32>)| primary.carrier.carried(points, anchors);
         let mut mirrored: Vec<Vec<Vector>> = own.iter().zip(anchors).map(carried).collect();
-        swarm_motion::settle(&mut mirrored, &own);
+        cluster_motion::settle(&mut mirrored, &own);
         Places { mirrored, own, shifts: true }
     }
 

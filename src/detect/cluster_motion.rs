@@ -7,13 +7,14 @@
 use crate::mesh::rotation::{Matrix, nearest_rotation, principal_axes, rotation, turned};
 use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
 use rstar::RTree;
+use rstar::primitives::GeomWithData;
 
-/// Radius, in sqrt(area) of the primary shell, of the balls that hold what moves together, and the fewest shells that tell how.
+/// Radius, in sqrt(area) of the primary shell, of a cluster, which moves together, and the fewest shells that tell how.
 const RADIUS: f64 = 0.2;
 const FEWEST: usize = 4;
-/// Points of each shell, and of all in a ball, that are compared.
+/// Points of each shell, and of a whole cluster, that are compared.
 const POINTS: usize = 24;
-const MOST_POINTS: usize = 400;
+const MOST_POINTS: usize = 200;
 /// Turns, in radians, about each axis that are tried, of which so many are followed to the end.
 const TURNS: [f64; 4] = [-0.4, -0.2, 0.2, 0.4];
 const FOLLOWED: usize = 3;
@@ -39,14 +40,14 @@ impl Motion {
     }
 }
 
-/// Moves where shells should be, `mirrored`, to where they fit on what there is, `own`; both are points by shell, in one unit. O(shells x balls).
+/// Moves where shells should be, `mirrored`, to where they fit on what there is, `own`; both are points by shell, in one unit. O(shells log shells).
 pub fn settle(mirrored: &mut [Vec<Vector>], own: &[Vec<Vector>]) {
     let tree = RTree::bulk_load(own.iter().flat_map(|points| some(points, POINTS)).collect());
-    for ball in balls(mirrored) {
-        let sought: Vec<Vector> = ball.iter().flat_map(|&shell| some(&mirrored[shell], POINTS)).collect();
+    for cluster in clusters(mirrored) {
+        let sought: Vec<Vector> = cluster.iter().flat_map(|&shell| some(&mirrored[shell], POINTS)).collect();
         let sought: Vec<Vector> = some(&sought, MOST_POINTS).collect();
         if let Some(motion) = best(&sought, &tree) {
-            ball.iter().for_each(|&shell| mirrored[shell].iter_mut().for_each(|at| *at = motion.of(*at)));
+            cluster.iter().for_each(|&shell| mirrored[shell].iter_mut().for_each(|at| *at = motion.of(*at)));
         }
     }
 }
@@ -55,21 +56,26 @@ fn some(points: &[Vector], count: usize) -> impl Iterator<Item = Vector> {
     points.iter().step_by(points.len().div_ceil(count).max(1)).copied()
 }
 
-/// Shells by balls: around the first that is in none all others that are in none.
-fn balls(shells: &[Vec<Vector>]) -> Vec<Vec<usize>> {
-    let middles: Vec<Vector> = shells.iter().map(|points| mean(points.iter().copied())).collect();
-    let mut left: Vec<usize> = (0..shells.len()).filter(|&shell| !shells[shell].is_empty()).collect();
-    let mut balls = Vec::new();
-    while let Some(&first) = left.first() {
-        let is_near =
-            |&shell: &usize| squared_norm(subtract(middles[shell], middles[first])) < RADIUS * RADIUS;
-        let (ball, others): (Vec<usize>, Vec<usize>) = left.iter().partition(|shell| is_near(shell));
-        left = others;
-        if ball.len() >= FEWEST {
-            balls.push(ball);
+/// Shells in clusters: one that is in none with all others near it that are in none. O(shells log shells).
+fn clusters(shells: &[Vec<Vector>]) -> Vec<Vec<usize>> {
+    let leaf = |(shell, points): (usize, &Vec<Vector>)| {
+        (!points.is_empty()).then(|| GeomWithData::new(mean(points.iter().copied()), shell))
+    };
+    let leaves: Vec<GeomWithData<Vector, usize>> = shells.iter().enumerate().filter_map(leaf).collect();
+    let tree = RTree::bulk_load(leaves.clone());
+    let mut is_free = vec![true; shells.len()];
+    let mut clusters = Vec::new();
+    for first in leaves {
+        if is_free[first.data] {
+            let near = tree.locate_within_distance(*first.geom(), RADIUS * RADIUS).map(|leaf| leaf.data);
+            let mut cluster: Vec<usize> = near.filter(|&shell| is_free[shell]).collect();
+            cluster.iter().for_each(|&shell| is_free[shell] = false);
+            cluster.sort_unstable();
+            clusters.push(cluster);
         }
     }
-    balls
+    clusters.retain(|cluster| cluster.len() >= FEWEST);
+    clusters
 }
 
 /// The motion that puts points best on others; `None` if none is much better than to leave them.
