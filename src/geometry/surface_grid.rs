@@ -6,9 +6,6 @@ use std::collections::HashSet;
 /// Most places on the longest edge of a triangle.
 const MOST_PLACES: usize = 64;
 
-/// Cells that are remembered as taken, beside the set of all: neighbouring needles lie in the same ones.
-const REMEMBERED: usize = 1 << 12;
-
 /// A place on a surface, and the corners of its triangle, the nearest first.
 #[derive(Debug, Clone, Copy)]
 pub struct Place {
@@ -18,64 +15,50 @@ pub struct Place {
     pub corners: [u32; 3],
 }
 
-/// Places on triangles over `positions`, about `spacing` from each other. O(triangles + (longest edge / spacing)^2 of each).
+/// Places on triangles over `positions`, about `spacing` from each other. O(triangles + (longest edge / spacing) (1 + shortest edge / spacing) of each).
 pub fn places<'a>(
     positions: &[Vector],
     triangles: impl IntoIterator<Item = &'a [u32; 3]>,
     spacing: f64,
 ) -> Vec<Place> {
-    let (mut cells, mut places) = (Cells::new(spacing), Vec::new());
-    for &corners in triangles {
-        let ends = corners.map(|point| positions[point as usize]);
-        let length = |a: usize, b: usize| squared_norm(subtract(ends[a], ends[b])).sqrt();
-        let longest = length(0, 1).max(length(1, 2)).max(length(2, 0));
-        let steps = ((longest / spacing).ceil() as usize).clamp(1, MOST_PLACES);
-        // Of a triangle smaller than a cell one corner is enough.
-        let last = if steps == 1 { 0 } else { steps };
-        for i in 0..=last {
-            for j in 0..=last.saturating_sub(i) {
-                let weights = [i, j, steps - i - j].map(|count| count as f64 / steps as f64);
-                let at: Vector = std::array::from_fn(|axis| (0..3).map(|c| weights[c] * ends[c][axis]).sum());
-                if cells.take(at) {
-                    let mut order = [0, 1, 2];
-                    order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
-                    places.push(Place { at, corners: order.map(|corner| corners[corner]) });
-                }
+    let (mut cells, mut places) = (HashSet::new(), Vec::new());
+    for corners in triangles {
+        for (corners, weights) in spread(positions, *corners, spacing) {
+            let ends = corners.map(|point| positions[point as usize]);
+            let at: Vector = std::array::from_fn(|axis| (0..3).map(|c| weights[c] * ends[c][axis]).sum());
+            if cells.insert(at.map(|x| (x / spacing).floor() as i64)) {
+                let mut order = [0, 1, 2];
+                order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
+                places.push(Place { at, corners: order.map(|corner| corners[corner]) });
             }
         }
     }
     places
 }
 
-/// Cells of a grid that are taken.
-struct Cells {
+/// Weights of a triangle's corners, in rows along its shortest side: a needle has one or two in each. Of a triangle smaller than the spacing
+/// one corner is enough.
+fn spread(
+    positions: &[Vector],
+    [a, b, c]: [u32; 3],
     spacing: f64,
-    all: HashSet<[i64; 3]>,
-    recent: Vec<Option<[i64; 3]>>,
-}
-
-impl Cells {
-    fn new(spacing: f64) -> Cells {
-        Cells { spacing, all: HashSet::new(), recent: vec![None; REMEMBERED] }
-    }
-
-    /// Takes the cell of a place; whether it was free.
-    fn take(&mut self, at: Vector) -> bool {
-        let cell = at.map(|coordinate| floor(coordinate / self.spacing));
-        let mixed = cell.iter().fold(0i64, |mixed, &index| mixed.wrapping_mul(31).wrapping_add(index));
-        let recent = &mut self.recent[mixed as usize % REMEMBERED];
-        if *recent == Some(cell) {
-            return false;
-        }
-        *recent = Some(cell);
-        self.all.insert(cell)
-    }
-}
-
-/// As [`f64::floor`], which is a call of the system's library on older processors.
-fn floor(value: f64) -> i64 {
-    let whole = value as i64;
-    whole.saturating_sub(i64::from(value < whole as f64))
+) -> impl Iterator<Item = ([u32; 3], [f64; 3])> {
+    let length = |a: u32, b: u32| {
+        squared_norm(subtract(positions[a as usize], positions[b as usize])).sqrt() / spacing
+    };
+    let mut sides = [(length(b, c), [a, b, c]), (length(c, a), [b, c, a]), (length(a, b), [c, a, b])];
+    sides.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let [(shortest, corners), _, (longest, _)] = sides;
+    let steps = (longest.ceil() as usize).clamp(1, MOST_PLACES);
+    let rows = if steps == 1 { 0 } else { steps };
+    (0..=rows).flat_map(move |row| {
+        let away = row as f64 / steps as f64;
+        let columns = ((away * shortest).ceil() as usize).min(row);
+        (0..=columns).map(move |column| {
+            let along = column as f64 / columns.max(1) as f64;
+            (corners, [1.0 - away, away * (1.0 - along), away * along])
+        })
+    })
 }
 
 #[cfg(test)]
@@ -83,12 +66,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_cell_is_taken_once_however_many_lie_between() {
-        let mut cells = Cells::new(0.5);
-        let at = |index: i32| [-0.25 + 0.5 * f64::from(index), 1e-9, -1e-9];
-        let many = 3 * REMEMBERED as i32;
-        assert!((0..many).all(|index| cells.take(at(index))));
-        assert!((0..many).rev().all(|index| !cells.take(at(index))));
-        assert_eq!([-1.5, -1.0, -0.0, 0.9, 1e300, -1e300].map(floor), [-2, -1, 0, 0, i64::MAX, i64::MIN]);
+    fn places_are_as_far_apart_as_asked_for_on_needles_too() {
+        let positions = [[0.01, 0.01, 0.0], [1.01, 0.01, 0.0], [0.51, 0.81, 0.0], [1.01, 0.02, 0.0]];
+        let count = |triangle: [u32; 3]| places(&positions, &[triangle], 0.05).len();
+        // 160 cells of a grid have the broad one's area, and those on its border are cut.
+        assert!((160..240).contains(&count([0, 1, 2])), "{}", count([0, 1, 2]));
+        assert!((21..=44).contains(&spread(&positions, [0, 1, 3], 0.05).count()));
+        assert!((19..=21).contains(&count([0, 1, 3])), "{}", count([0, 1, 3]));
+        assert_eq!(count([0, 0, 0]), 1);
     }
 }
