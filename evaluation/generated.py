@@ -59,10 +59,12 @@ class Shape:
 
 
 def read_shapes(folder: Path) -> list[Shape]:
-    """All shapes that `training.generate` wrote into a folder, by name."""
+    """All shapes that `training.generate` wrote into a folder, by name. FileNotFoundError if there are none."""
     shapes = []
     for path in sorted(folder.glob("*.ply")):
         description = json.loads(path.with_suffix(".json").read_text())
         mirror = np.loadtxt(path.with_suffix(".mirror"), dtype=int, ndmin=1)
         shapes.append(Shape(path.stem, path, mirror, description))
+    if not shapes:
+        raise FileNotFoundError(f"no shapes in {folder}")
     return shapes

@@ -42,6 +42,11 @@ def test_errors_are_distances_from_the_truth(tmp_path):
     assert (shape.errors(np.full(len(shape.mirror), -1)) == generated.LARGEST_ERROR).all()
 
 
+def test_a_folder_without_shapes_is_an_error(tmp_path):
+    with pytest.raises(FileNotFoundError, match="no shapes"):
+        generated.read_shapes(tmp_path)
+
+
 def test_acceptance_learns_what_tells_right_maps_from_others(tmp_path, monkeypatch, capsys):
     write_shapes(tmp_path / "symmetric", "even", 40, True)
     write_shapes(tmp_path / "asymmetric", "odd", 40, False)
@@ -59,13 +64,12 @@ def test_acceptance_learns_what_tells_right_maps_from_others(tmp_path, monkeypat
     acceptance.main()
     printed = capsys.readouterr().out
     assert "40 symmetric shapes: 35 right maps, 5 wrong, 0 without a map" in printed
-    weights = [float(line.split("|")[2]) for line in printed.splitlines() if line.startswith(("| ln", "| iso"))]
-    alone, with_parts = weights[:3], weights[3:]  # those without scatter
-    assert alone.pop(1) < -1.5 and max(map(abs, alone)) < 1.2
-    (scatter,) = [float(line.split("|")[2]) for line in printed.splitlines() if line.startswith("| scatter")]
-    assert scatter < -20
-    disagreement, mismatch, (chance,) = with_parts.pop(2), with_parts.pop(0), with_parts
-    assert disagreement < -1 and mismatch < -1.5 and abs(chance) < 0.5 * abs(mismatch)
+    lines = [line.split("|") for line in printed.splitlines() if line.startswith(("| ln", "| iso", "| sig", "| scatter"))]
+    weights = [(name.strip().removeprefix("ln("), float(weight)) for _, name, weight, *_ in lines]
+    alone, with_parts = ({name.split(" ")[0]: weight for name, weight in part} for part in (weights[:3], weights[3:]))
+    assert alone.pop("signature_mismatch") < -1.5 and max(map(abs, alone.values())) < 1.2
+    assert with_parts["scatter"] < -20 and with_parts["disagreement"] < -0.5 and with_parts["signature_mismatch"] < -5
+    assert abs(with_parts["displacement"]) < 0.2 * abs(with_parts["signature_mismatch"])
     assert "of kinds not seen:" in printed
     assert "from 50 % on: 35 of 35 right maps accepted, 40 of 40 asymmetric shapes" in printed  # as stated now
 

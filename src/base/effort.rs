@@ -139,9 +139,7 @@ impl Plan {
 pub struct PartsEffort {
     /// Parts of the first pass, which are large, and of the second.
     pub passes: [usize; 2],
-    /// Points of a part that its motion is fitted to.
-    pub points: usize,
-    /// Rounds of that fit.
+    /// Rounds of the fit of a part's motion.
     pub rounds: usize,
     /// How turned parts are sought; `None` if they are not.
     pub turned: Option<TurnedEffort>,
@@ -168,7 +166,7 @@ impl PartsEffort {
     /// Slower and a little more exact than the default.
     pub fn thorough() -> PartsEffort {
         let turned = TurnedEffort { parts: 70, points: 100, turns: 12, small: 300, fitted: 4, most: 100 };
-        PartsEffort { passes: [200, 400], points: 80, rounds: 3, turned: Some(turned) }
+        PartsEffort { passes: [200, 400], rounds: 3, turned: Some(turned) }
     }
 
     /// The same without turned parts.
@@ -180,7 +178,7 @@ impl PartsEffort {
 impl Default for PartsEffort {
     fn default() -> PartsEffort {
         let turned = TurnedEffort { parts: 70, points: 100, turns: 12, small: 150, fitted: 4, most: 24 };
-        PartsEffort { passes: [150, 300], points: 60, rounds: 3, turned: Some(turned) }
+        PartsEffort { passes: [150, 300], rounds: 3, turned: Some(turned) }
     }
 }
 

@@ -134,7 +134,7 @@ fn parts<'a>(
     let approach = Approach { rounds: effort.rounds, noise: NOISE, held: MAP_ERROR, free: false };
     let part = |disc: &'a Disc| {
         token.check()?;
-        let places = mapped.places(&mapped.picked(&disc.members, effort.points));
+        let places = mapped.places(&mapped.by_area(&disc.members));
         let start = Motion::between(&places, mirrored);
         let mut near: Vec<u32> = places.iter().map(|place| place.partner).collect();
         let motion = start.settled(mapped, &places, &mut near, approach);

@@ -9,7 +9,7 @@ use crate::search::candidate_score::Score;
 /// Weights of the logistic model: constant, then those of [`Judgement::features`].
 const WEIGHTS: [f64; 4] = [-14.2018, -2.3760, -5.8793, 3.9466];
 /// The same for reflections once rigid parts are fitted: of the signature mismatch, the displacement, the parts' disagreement and the scatter.
-const WEIGHTS_WITH_PARTS: [f64; 5] = [-13.9391, -3.4618, 3.8687, -2.6964, -38.8520];
+const WEIGHTS_WITH_PARTS: [f64; 5] = [-5.9423, -10.7357, 3.5435, -2.5912, -45.8264];
 
 /// A map as plausible as this leaves no doubts.
 const SURE: f64 = 0.8;
@@ -63,8 +63,8 @@ impl Judgement {
     /// Judges a reflection anew by what its rigid parts say, too, if any were fitted.
     pub fn with_parts(self, rigidity: Option<Rigidity>) -> Judgement {
         let Some(Rigidity { disagreement, scatter }) = rigidity else { return self };
-        let [_, mismatch, displacement] = self.features();
-        let features = [mismatch, displacement, (disagreement + 0.0005).ln(), scatter];
+        let [.., displacement] = self.features();
+        let features = [self.signature_mismatch, displacement, (disagreement + 0.0005).ln(), scatter];
         Judgement {
             disagreement: Some(disagreement),
             scatter: Some(scatter),

@@ -12,8 +12,6 @@ use crate::mesh::vector::Vector;
 
 /// Radius, in sqrt(area), of the regions whose motions carry points.
 const RADIUS: f64 = 0.12;
-/// Points of a region that its motion is fitted to.
-const POINTS: usize = 80;
 /// A region of fewer vertices, as on a coarse mesh, says little of a turn, and is made larger.
 const LEAST_VERTICES: usize = 16;
 const LARGEST_RADIUS: f64 = 2.0;
@@ -43,7 +41,7 @@ impl<'a> Carrier<'a> {
                 continue;
             }
             let disc = self.region(anchors[index]);
-            let places = self.mapped.places(&self.mapped.picked(&disc.members, POINTS));
+            let places = self.mapped.places(&self.mapped.by_area(&disc.members));
             let motion = Motion::between(&places, self.mirrored);
             disc.members.iter().for_each(|&(vertex, weight)| weight_at[vertex as usize] = weight);
             for ((sum, all), (point, &anchor)) in sums.iter_mut().zip(points.iter().zip(anchors)) {

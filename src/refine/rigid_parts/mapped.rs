@@ -153,6 +153,12 @@ impl<'a> Mapped<'a> {
         joined
     }
 
+    /// A disc's members, each of which stands for its own area.
+    pub fn by_area(&self, members: &[(u32, f64)]) -> Vec<(u32, f64)> {
+        let weighted = members.iter().map(|&(vertex, weight)| (vertex, weight * self.areas[vertex as usize]));
+        weighted.filter(|(_, weight)| *weight > 0.0).collect()
+    }
+
     /// Some of a disc's members, each standing for the same area.
     pub fn picked(&self, members: &[(u32, f64)], count: usize) -> Vec<(u32, f64)> {
         let areas: Vec<f64> = members.iter().map(|&(vertex, _)| self.areas[vertex as usize]).collect();

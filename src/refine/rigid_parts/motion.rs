@@ -113,12 +113,13 @@ impl Motion {
         motion
     }
 
-    /// Root mean square distance of the places from the tangent planes of the vertices most like them, in sqrt(area).
+    /// Root mean square distance of the places from the tangent planes of the vertices most like them, in sqrt(area); none counts as more
+    /// than [`ROBUST`].
     pub fn left(&self, mapped: &Mapped, places: &[Place], near: &[u32]) -> f64 {
         let (mut squares, mut weights) = (0.0, 0.0);
         for (place, &near) in places.iter().zip(near) {
             let goal = self.of_oriented(place.own);
-            let gap = gap(goal.position, mapped.oriented(mapped.alike(goal, near).0));
+            let gap = gap(goal.position, mapped.oriented(mapped.alike(goal, near).0)).abs().min(ROBUST);
             squares += place.weight * gap * gap;
             weights += place.weight;
         }
