@@ -5,7 +5,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, new_object, positions, read_example, said, select
+from conftest import attribute, edit_faces, enter, faces_around, module, new_object, positions, read_example, said
 from mathutils.kdtree import KDTree
 
 ops = bpy.ops.intrinsic_symmetry
@@ -268,29 +268,19 @@ def test_custom_normals_are_mirrored(human, capfd):
 
 
 def _extrude(object, faces, depth):
-    enter("OBJECT")
-    select(object, [])
-    chosen = np.zeros(len(object.data.polygons), bool)
-    chosen[faces] = True
-    object.data.polygons.foreach_set("select", chosen)
-    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
-    enter("EDIT")
+    edit_faces(object, faces)
     bpy.ops.mesh.extrude_region_shrink_fatten(TRANSFORM_OT_shrink_fatten={"value": -depth})
 
 
-def _foot(mesh, number):
+def _foot(mesh):
     """Faces of the left foot, and their mirror images."""
-    side, partner, places = attribute(mesh, "sym_side"), attribute(mesh, "sym_vertex"), positions(mesh)
-    lowest = places[np.where(side == 1, places[:, 2], np.inf).argmin()]
-    left = [face.index for face in mesh.polygons if (side[list(face.vertices)] == 1).all()]
-    near = sorted(left, key=lambda face: np.linalg.norm(np.array(mesh.polygons[face].center) - lowest))[:number]
-    of = {frozenset(face.vertices): face.index for face in mesh.polygons}
-    return near, [of[frozenset(partner[list(mesh.polygons[face].vertices)].tolist())] for face in near]
+    height = np.where(attribute(mesh, "sym_side") == 1, positions(mesh)[:, 2], np.inf)
+    return faces_around(mesh, height.argmin(), slice(20))
 
 
 @pytest.mark.parametrize("depth", [0.02, 0.1])
 def test_an_extrusion_arrives_on_the_other_side(human, mode, depth):
-    near, far = _foot(human.data, 20)
+    near, far = _foot(human.data)
     both = new_object(human.data.copy())
     _extrude(both, near + far, depth)
     enter("OBJECT")
