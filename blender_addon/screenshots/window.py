@@ -87,9 +87,11 @@ def select_hand():
 
 
 def start_and_press_escape():
-    """Two symmetries are sought, which takes a second: one is told by the mirrored connectivity at once."""
+    """Two symmetries are sought, which takes a second: one is told by the mirrored connectivity at once. The key is
+    pressed before the window may stall."""
     in_view(ops.detect, "INVOKE_DEFAULT", symmetries=2)
     assert running(), "no modal run was started"
+    escape()
 
 
 def running():
@@ -148,8 +150,7 @@ STEPS = [
     (import_human, 0.5),
     (show_tab, 0.5),
     (lambda: look(15), 1.0),
-    (start_and_press_escape, 0.15),
-    (escape, 1.5),
+    (start_and_press_escape, 1.5),
     (was_cancelled, 0.1),
     (lambda: in_view(ops.detect, "INVOKE_DEFAULT", symmetries=2), 1.3),
     (lambda: photograph("progress"), 0.5),
