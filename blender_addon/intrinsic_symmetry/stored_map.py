@@ -87,7 +87,7 @@ def why_none(object):
 def may_be_carried(mesh):
     """Whether a map that does not fit the mesh may be carried through the edit; see `carry`."""
     record, kinds = mesh.get(RECORD, {}), {**KINDS, **dict(zip(NUMBERS, ("INT", "FLOAT")))}
-    return "members" not in record and all(_attribute(mesh, name, kind) is not None for name, kind in kinds.items())
+    return bool(record) and all(_attribute(mesh, name, kind) is not None for name, kind in kinds.items())
 
 
 def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X), exact_share=None):
@@ -158,6 +158,20 @@ def _number(mesh):
     numbers = np.full(len(mesh.vertices), undo.number_of(mesh[RECORD]))
     mesh_data.write_attribute(mesh, undo.NUMBER, "INT", numbers)
     undo.remember(mesh)
+
+
+def number_as_whole(mesh, first):
+    """Gives the vertices of one of several objects that share a map the numbers that they have in the joined mesh, where
+    its vertices begin with `first`. What did not fit before does not fit afterwards."""
+    if not may_be_carried(mesh):
+        return
+    record, names = mesh[RECORD], (*NUMBERS, undo.NUMBER)
+    own, mixed, mark = (mesh_data.read_attribute(mesh.attributes[name]).astype(float) for name in names)
+    there = np.where((own > 0) & (own <= record["vertices"]), own + first, 0)
+    mixed += scattered(there) - scattered(own)
+    mark += undo.number_of(record["whole"]) - undo.number_of(record)
+    for name, values in zip(names, (there, mixed, np.clip(mark, 0, undo.MOST))):
+        mesh_data.update_attribute(mesh.attributes[name], values)
 
 
 def scattered(numbers):
