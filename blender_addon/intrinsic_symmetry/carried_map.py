@@ -96,6 +96,11 @@ class CarriedMap:
         confidence, side = (np.where(has, np.nan_to_num(values), 0) for values in (self._confidence, self._side))
         return self._core_mesh.restore(kind, self.partner, np.clip(confidence, 0, 1), side.astype(np.int8), points)
 
+    def edited_side(self):
+        """1 or -1: the side that has new vertices, or less of the old ones; 0 for neither. After `found`."""
+        lost = ~self.new & ~self._kept
+        return int(np.sign(np.nansum(self._side[self.new]) - np.nansum(self._side[lost])))
+
     def extruded(self):
         """(vertices,) bool: duplicates without a partner of their own, what they enclose, and what is new between."""
         off = np.where(self.new, np.nan, 0.0)

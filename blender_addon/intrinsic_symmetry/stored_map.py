@@ -231,8 +231,14 @@ def name_sides(mesh, sign, left_from):
     """Keeps the sides, 1, or exchanges them, -1, and what says so."""
     undo.remember(mesh)
     mesh_data.update_attribute(mesh.attributes[SIDE], sign * mesh_data.read_attribute(mesh.attributes[SIDE]))
-    mesh[RECORD].update({"checksum": _checksum(mesh), "left_from": left_from})
+    edited = sign * edited_side(mesh)
+    mesh[RECORD].update({"checksum": _checksum(mesh), "left_from": left_from, "edited_side": edited})
     _number(mesh)
+
+
+def edited_side(mesh):
+    """The side that the last edit of vertices and faces was on, 1 or -1; 0 if there was none, or none that says it."""
+    return mesh[RECORD].get("edited_side", 0)
 
 
 def move_partners(mesh, core_mesh, partner):

@@ -111,6 +111,19 @@ def faces_around(mesh, vertex, chosen):
     return near, [of[frozenset(partner[list(mesh.polygons[face].vertices)].tolist())] for face in near]
 
 
+def ring(edge):
+    """The edges that a loop cut crosses."""
+    found = {edge}
+    for loop in edge.link_loops:
+        while len(loop.face.verts) == 4:
+            loop = loop.link_loop_next.link_loop_next
+            if loop.edge in found:
+                break
+            found.add(loop.edge)
+            loop = loop.link_loop_radial_next
+    return list(found)
+
+
 def selected(object):
     """Numbers of the selected vertices, in any mode."""
     with module("mesh_data").object_mode(bpy.context):

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from conftest import (
-    attribute, edit_faces, enter, faces_around, module, new_object, positions, read_example, said, select,
+    attribute, edit_faces, enter, faces_around, module, new_object, positions, read_example, ring, said, select,
 )
 
 ops = bpy.ops.intrinsic_symmetry
@@ -80,26 +80,12 @@ def test_a_loop_cut_through_the_line(human):
     enter("EDIT")
     data = bmesh.from_edit_mesh(mesh)
     edge = next(edge for edge in data.edges if all(side[vertex.index] == 0 for vertex in edge.verts))
-    ring = _ring(edge)
-    bmesh.ops.subdivide_edges(data, edges=ring, cuts=1, use_grid_fill=True)
+    bmesh.ops.subdivide_edges(data, edges=ring(edge), cuts=1, use_grid_fill=True)
     bmesh.update_edit_mesh(mesh)
     assert ops.select_line() == {"FINISHED"}
     symmetry, _ = _assert_valid(human)
     assert len(symmetry.partner) > 13380 + 4
     assert np.array_equal(symmetry.partner[symmetry.partner], np.arange(len(symmetry.partner)))
-
-
-def _ring(edge):
-    """The edges that a loop cut crosses."""
-    found = {edge}
-    for loop in edge.link_loops:
-        while len(loop.face.verts) == 4:
-            loop = loop.link_loop_next.link_loop_next
-            if loop.edge in found:
-                break
-            found.add(loop.edge)
-            loop = loop.link_loop_radial_next
-    return list(found)
 
 
 def test_the_whole_mesh_subdivided(quadruped):
