@@ -29,10 +29,10 @@ def draw(layout, object):
     """In the panel, where the mesh was edited since."""
     if any(_has_changed(each.data) for each in assembly.there(object)) and stored_map.may_be_carried(object.data):
         layout.label(text="Edited since; the next tool updates it", icon="INFO")
-        row = layout.row(align=True)
-        row.operator("intrinsic_symmetry.carry", icon="FILE_REFRESH")
+        column = layout.column(align=True)
+        column.operator("intrinsic_symmetry.carry", icon="FILE_REFRESH")
         if "members" not in object.data[stored_map.RECORD]:
-            row.operator("intrinsic_symmetry.symmetrize_topology", text="Mirror This Edit").direction = "EDITED"
+            column.operator("intrinsic_symmetry.symmetrize_topology", text="Mirror This Edit").direction = "EDITED"
 
 
 register, unregister = bpy.utils.register_classes_factory((INTRINSIC_SYMMETRY_OT_carry,))

@@ -87,7 +87,7 @@ def cost(model, prepare, tool):
 def main():
     object = body()
     assert ops.detect() == {"FINISHED"}
-    print(f"| {len(object.data.vertices):,} vertices | processor time | on the clock |\n|---|---|---|")
+    print(f"{len(object.data.vertices):,} vertices\n\n| tool | processor time | on the clock |\n|---|---|---|")
     for name, prepare, tool in STEPS:
         took = np.min([cost(object.data, prepare, tool) for _ in range(RUNS)], axis=0)
         print(f"| {name} | {took[0]:.1f} s | {took[1]:.1f} s |")
