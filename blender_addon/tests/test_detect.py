@@ -149,12 +149,12 @@ def test_one_of_several_symmetries_can_be_chosen():
 
 def test_what_was_found_on_a_mesh_that_is_gone_is_forgotten():
     first = new_object(read_example("human_shells"))
-    ops.detect()
+    assert detect() == {"FINISHED"}
     number = first.data.session_uid
     assert number in module("detection")._found
     bpy.data.meshes.remove(first.data)
     second = new_object(read_example("human_shells"))
-    ops.detect()
+    assert detect() == {"FINISHED"}
     assert number not in module("detection")._found and module("detection").remembered(second.data)
 
 
