@@ -127,7 +127,7 @@ def click(x, y):
 
 def open_label_panel():
     """Its header, closed at first, as the window lies; then that of Select, so that there is room."""
-    click(860, 146)
+    click(860, 126)
     click(860, 651)
 
 
@@ -152,7 +152,7 @@ STEPS = [
     (lambda: look(15), 1.0),
     (start_and_press_escape, 1.5),
     (was_cancelled, 0.1),
-    (lambda: in_view(ops.detect, "INVOKE_DEFAULT", symmetries=2), 1.3),
+    (lambda: in_view(ops.detect, "INVOKE_DEFAULT", symmetries=2), 0.4),
     (lambda: photograph("progress"), 0.5),
     (detected, 0.1),
     (undo_and_redo, 0.5),
