@@ -25,7 +25,8 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     mirroring       which way values go, and how far
     carry           the map of an edited mesh, by carried_map and carried_walk
     half_*          one half of a mesh rebuilt: half_line says where it ends, half_copy copies faces, half_map pairs
-                    vertices, half_form places them, half_data gives them what was there, from half_surface
+                    vertices, half_form places them, half_data gives them what was there
+    surface         nearest points of a surface, and values there
     vertex_map      maps that are known vertex by vertex
     line_distance   distance from the line between left and right
     asymmetry       where the mirror image of each vertex should be

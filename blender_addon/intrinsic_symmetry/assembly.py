@@ -112,6 +112,9 @@ def _numbered_copy(members, number, edited):
     for domain, elements in _DOMAINS.items():
         numbers = _offset(members, number, elements) + np.arange(len(getattr(mesh, elements)))
         mesh_data.write_attribute(mesh, f"{_NUMBER}_{domain.lower()}", "INT", numbers, domain)
+    records = [member.data.get(RECORD, {}) for member in members[: number + 1]]
+    if all("members" in record for record in records):
+        stored_map.number_as_whole(mesh, sum(record["vertices"] for record in records[:-1]))
     if (members[0].matrix_world.inverted() @ copy.matrix_world).determinant() < 0:
         mesh.flip_normals()  # a mirrored object would be inside out in the joined one
     if edited is not None and members[number] not in edited:

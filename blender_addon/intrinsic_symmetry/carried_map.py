@@ -8,14 +8,13 @@ others lie between the images of their neighbours.
 
 import intrinsym
 import numpy as np
-from mathutils.bvhtree import BVHTree
 from mathutils.kdtree import KDTree
 
 from . import mesh_data, stored_map, vertex_map
 from .carried_walk import pairs
-from .elements import barycentric
 from .neighbour_means import filled
 from .regions import components
+from .surface import Surface
 
 #: By how much the confidence of what is carried is lowered.
 _LOWERED = 0.5
@@ -97,6 +96,11 @@ class CarriedMap:
         confidence, side = (np.where(has, np.nan_to_num(values), 0) for values in (self._confidence, self._side))
         return self._core_mesh.restore(kind, self.partner, np.clip(confidence, 0, 1), side.astype(np.int8), points)
 
+    def edited_side(self):
+        """1 or -1: the side that has new vertices, or less of the old ones; 0 for neither. After `found`."""
+        lost = ~self.new & ~self._kept
+        return int(np.sign(np.nansum(self._side[self.new]) - np.nansum(self._side[lost])))
+
     def extruded(self):
         """(vertices,) bool: duplicates without a partner of their own, what they enclose, and what is new between."""
         off = np.where(self.new, np.nan, 0.0)
@@ -145,7 +149,9 @@ class CarriedMap:
         found = ~np.isnan(self._target).any(axis=1) & (np.bincount(self._used, minlength=len(self.new)) > 0)
         loose = np.flatnonzero(found & ~self._exact & (self._faces < 0))
         if len(loose):
-            self._faces[loose], self._corners[loose], self._weights[loose] = _nearest(self._mesh, self._target[loose])
+            surface = Surface(self._mesh, self._places, np.ones(len(found), bool))
+            triangle, self._weights[loose] = surface.feet(self._target[loose])
+            self._faces[loose], self._corners[loose] = surface.faces[triangle], surface.vertices[triangle]
         nearest = self._corners[np.arange(len(found)), self._weights.argmax(axis=1)]
         self._exact &= found
         keeps = self._exact | found & (self.partner >= 0) & ~self.new
@@ -166,19 +172,3 @@ class CarriedMap:
         if met:
             self._pair(met)
             self._walk()
-
-
-def _nearest(mesh, points):
-    """Faces, corners and weights of the nearest points of the mesh."""
-    mesh.calc_loop_triangles()
-    triangles = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    faces = np.empty(len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("vertices", triangles)
-    mesh.loop_triangles.foreach_get("polygon_index", faces)
-    triangles, places = triangles.reshape(-1, 3), mesh_data.positions(mesh)
-    tree = BVHTree.FromPolygons(places.tolist(), triangles.tolist())
-    found = [tree.find_nearest(point) for point in points.tolist()]
-    triangle = np.array([each[2] for each in found])
-    feet = np.array([each[0] for each in found])
-    weights = np.maximum(barycentric(feet, places[triangles[triangle]].astype(float)), 0)
-    return faces[triangle], triangles[triangle], weights / weights.sum(axis=1, keepdims=True)

@@ -40,6 +40,7 @@ def _bring(mesh):
     symmetry.fixed_curve = _lines(mesh, new_of)
     left = (1, record["left_from"])
     stored_map.store(mesh, core_mesh, symmetry, record.get("doubtful", False), left, record["exact_share"])
+    mesh[stored_map.RECORD]["edited_side"] = carried.edited_side()
     extruded = carried.extruded()
     if extruded.any():
         mesh_data.write_attribute(mesh, stored_map.EXTRUDED, "BOOLEAN", extruded)

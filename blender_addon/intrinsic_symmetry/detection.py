@@ -3,6 +3,7 @@
 
 import threading
 
+import bpy
 import intrinsym
 
 from . import mesh_data
@@ -69,7 +70,10 @@ class Job:
 
 
 def remember(mesh, core_mesh, found):
-    """Keeps all symmetries that were found, so that the user can choose among them."""
+    """Keeps all symmetries that were found, so that the user can choose among them, as long as the mesh is there."""
+    there = {other.session_uid for other in bpy.data.meshes}
+    for gone in _found.keys() - there:
+        del _found[gone]
     _found[mesh.session_uid] = (core_mesh, found)
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from . import mesh_data, stored_map
 from .half_line import LOSES
-from .half_surface import Mix, Surface
 from .regions import uv_islands
+from .surface import Mix, Surface
 from .weights import read_weights, write_weights
 
 

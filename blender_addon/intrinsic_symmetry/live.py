@@ -22,7 +22,7 @@ reasons = {}
 _undoing = _switching = False
 #: How long the status bar says why.
 _SECONDS = 8.0
-_TOPOLOGY = "Live Mirror is off: the mesh has other vertices, edges or faces now. Detect again"
+_TOPOLOGY = "Live Mirror is off: the mesh has other vertices, edges or faces now. Update Symmetry, then switch it on"
 
 
 def problem_of(object):

@@ -4,7 +4,7 @@
 import bmesh
 import bpy
 
-from . import stored_map
+from . import assembly, stored_map
 from .operator_base import MapOperator
 
 
@@ -14,24 +14,25 @@ class INTRINSIC_SYMMETRY_OT_carry(MapOperator, bpy.types.Operator):
 
     bl_idname = "intrinsic_symmetry.carry"
     bl_label = "Update Symmetry"
-    one_object = True
 
     def run_with(self, symmetry, _context, _object, _mode):
         return f"{(symmetry.partner >= 0).mean():.1%} of the vertices have a mirror image"
 
 
-def _has_changed(object):
-    """Whether the object has another number of vertices than its map."""
-    mesh = object.data
+def _has_changed(mesh):
+    """Whether a mesh has another number of vertices than its map."""
     count = len(bmesh.from_edit_mesh(mesh).verts) if mesh.is_editmode else len(mesh.vertices)
-    return count != mesh[stored_map.RECORD]["vertices"]
+    return stored_map.RECORD in mesh and count != mesh[stored_map.RECORD]["vertices"]
 
 
 def draw(layout, object):
     """In the panel, where the mesh was edited since."""
-    if _has_changed(object) and stored_map.may_be_carried(object.data):
+    if any(_has_changed(each.data) for each in assembly.there(object)) and stored_map.may_be_carried(object.data):
         layout.label(text="Edited since; the next tool updates it", icon="INFO")
-        layout.operator("intrinsic_symmetry.carry", icon="FILE_REFRESH")
+        column = layout.column(align=True)
+        column.operator("intrinsic_symmetry.carry", icon="FILE_REFRESH")
+        if "members" not in object.data[stored_map.RECORD]:
+            column.operator("intrinsic_symmetry.symmetrize_topology", text="Mirror This Edit").direction = "EDITED"
 
 
 register, unregister = bpy.utils.register_classes_factory((INTRINSIC_SYMMETRY_OT_carry,))

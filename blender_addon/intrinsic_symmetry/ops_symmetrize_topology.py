@@ -19,7 +19,7 @@ _WHOLE = 0.999
 class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator):
     """Replace one half of the mesh by a mirrored copy of the other half's faces, in any pose. The copy lies on the
     surface that was there, and takes positions, shape keys, weights, colors and UVs from it; materials, seams, creases
-    and sharp edges are the winning half's. An extrusion or a loop cut of the winning half arrives on the other one"""
+    and sharp edges are the winning half's. So an extrusion or a loop cut on one side arrives on the other one"""
 
     bl_idname = "intrinsic_symmetry.symmetrize_topology"
     bl_label = "Symmetrize Topology"
@@ -28,14 +28,16 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
     direction: bpy.props.EnumProperty(
         name="Direction",
         description="Which half is replaced by a mirrored copy of the other",
-        items=[entry[:3] for entry in DIRECTIONS[:2]],
+        items=[("EDITED", "Edited Side", "The half whose faces were edited last stays; without an edit, the left one")]
+        + [entry[:3] for entry in DIRECTIONS[:2]],
     )
 
     def run_with(self, symmetry, _context, object, _mode):
         self._refuse(symmetry, object)
         symmetry = left_side.agreed(self, object, symmetry)
-        winner = 1 if MERGE[self.direction] == Merge.POSITIVE_WINS else -1
         mesh = object.data
+        direction = self._direction(mesh)
+        winner = 1 if MERGE[direction] == Merge.POSITIVE_WINS else -1
         before, left_from = len(mesh.polygons), mesh[stored_map.RECORD]["left_from"]
         half = _Half(object, symmetry, winner)
         forget(mesh)
@@ -43,9 +45,16 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         stored_map.store(mesh, half.core_mesh, half.known, left=(1, left_from), exact_share=1.0)
         mesh.update()
         if mesh.has_custom_normals:
-            bpy.ops.intrinsic_symmetry.mirror_attribute(name="custom_normal", direction=self.direction)
+            bpy.ops.intrinsic_symmetry.mirror_attribute(name="custom_normal", direction=direction)
         copied = np.count_nonzero(half.copies)
-        return f"{copied:,} vertices are copies; {len(mesh.polygons):,} faces now, {before:,} before"
+        way = "Left to right" if winner > 0 else "Right to left"
+        return f"{way}: {copied:,} vertices are copies; {len(mesh.polygons):,} faces now, {before:,} before"
+
+    def _direction(self, mesh):
+        """The one that was chosen, or from the edited side."""
+        if self.direction != "EDITED":
+            return self.direction
+        return "RIGHT_TO_LEFT" if stored_map.edited_side(mesh) < 0 else "LEFT_TO_RIGHT"
 
     def _refuse(self, symmetry, object):
         """Raises MeshProblem where it cannot work."""

@@ -47,9 +47,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_uvs(MirrorProperties, MapOperator, bpy.types.
         attribute = mesh.attributes[mesh.uv_layers.active.name]
         uvs = mesh_data.read_attribute(attribute).astype(float)
         layout = _Layout(mesh, symmetry, uvs)
-        losing = self.shares(symmetry) * self.may_change(object, mode, symmetry) > 0
-        loser = -1 if self.merge == Merge.POSITIVE_WINS else 1
-        corners, source = layout.sources(losing, loser)
+        may_change, loser = self.may_change(object, mode, symmetry) > 0, -1 if self.merge == Merge.POSITIVE_WINS else 1
+        corners, source = layout.sources((self.shares(symmetry) > 0) & may_change, may_change, loser)
         if not len(corners):
             raise mesh_data.MeshProblem("No UVs of the losing side have a mirror image")
         if self.placement == "BESIDE":
@@ -80,14 +79,14 @@ class _Layout:
         self.island = uv_islands(self.offsets, self.vertex, uvs)
         self.island_of_face = self.island[self.offsets[:-1]]
 
-    def sources(self, losing, loser):
+    def sources(self, losing, may_change, loser):
         """Corners of the losing side, and the UV at the mirror image of each: at the corner there, or else inside the
-        face that holds it. `losing`: (vertices,) bool, of side `loser`. On the line, corners of the losing side's faces
-        lose, too."""
+        face that holds it. `losing` and `may_change`: (vertices,) bool; `loser` is the side of the former. On the line,
+        corners of the losing side's faces lose, too."""
         faces = face_partners(self.mesh, self.symmetry)
         side = self.symmetry.side[self.vertex]
         wholly = self._any(losing[self.vertex]) & ~self._any(side == -loser)
-        on_line = (side == 0) & (self.symmetry.partner[self.vertex] >= 0)
+        on_line = (side == 0) & ((self.symmetry.partner >= 0) & may_change)[self.vertex]
         corners = np.flatnonzero((losing[self.vertex] | (on_line & wholly)) & (faces[self.face] >= 0))
         exact = corner_partners(self.mesh, self.symmetry.partner, faces)[corners]
         source = self.uvs[np.maximum(exact, 0)]

@@ -94,14 +94,15 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
 
     def _mirrored(self, object, symmetry, before, other, trust, names):
         """The weights, and (groups,) bool: those that could change."""
-        image = symmetry.mirror_values(before[:, other], Merge.SWAP)
-        taken = self.with_line(symmetry, trust)
-        after = blend(before, image, taken)
+        image = np.asfortranarray(symmetry.mirror_values(before[:, other], Merge.SWAP))
+        taken, after = self.with_line(symmetry, trust), before.copy(order="F")
         free = np.zeros(len(other), bool)
         free[[object.vertex_groups[name].index for name in names]] = True
-        free |= free[other]
-        for first in np.flatnonzero(free & (other > np.arange(len(other)))):
-            self._as_a_whole(object, symmetry.side, (first, other[first]), before, after, image, trust, free)
+        chosen = np.flatnonzero((free | free[other]) & (other >= np.arange(len(other))))
+        free[:] = False
+        for group in chosen:
+            for column, share in self._shares_of(object, symmetry.side, (group, other[group]), before, trust, taken):
+                after[:, column], free[column] = blend(before[:, column], image[:, column], share), True
         free &= self._unlocked(object, before, after, other, free)
         after[:, ~free] = before[:, ~free]
         return after, free
@@ -118,20 +119,21 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
             self.leave([group.name for group, told in zip(object.vertex_groups, held & would) if told], why)
         return ~(locked | alone)
 
-    def _as_a_whole(self, object, side, pair, before, after, image, trust, free):
-        """Where one of a pair alone says what it has beyond the middle, the other becomes its image everywhere."""
+    def _shares_of(self, object, side, pair, before, trust, taken):
+        """The groups of a pair, or the one that is its own image, each with the (vertices,) share of the image that it
+        takes; without those that stay. Where one of a pair alone says what it has beyond the middle, the other becomes
+        its image everywhere."""
+        if pair[0] == pair[1]:
+            return [(pair[0], taken)]
         try:
             source = counterparts.source_of_groups(before[:, pair], side, self.merge)
         except counterparts.NothingToTake:
             self.leave([object.vertex_groups[int(index)].name for index in pair], "no weights on the side that wins")
-            free[list(pair)] = False
-            return
+            return []
         if source is None:
-            return
+            return [(group, taken) for group in pair]
         on_line = np.where(side == 0, 0.5 * trust, 0)
-        source, target = pair[source], pair[1 - source]
-        after[:, source] = blend(before[:, source], image[:, source], on_line)
-        after[:, target] = blend(before[:, target], image[:, target], np.where(side == 0, on_line, trust))
+        return [(pair[source], on_line), (pair[1 - source], np.where(side == 0, on_line, trust))]
 
 
 register, unregister = bpy.utils.register_classes_factory((INTRINSIC_SYMMETRY_OT_mirror_vertex_groups,))

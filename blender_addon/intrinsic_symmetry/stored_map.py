@@ -87,7 +87,7 @@ def why_none(object):
 def may_be_carried(mesh):
     """Whether a map that does not fit the mesh may be carried through the edit; see `carry`."""
     record, kinds = mesh.get(RECORD, {}), {**KINDS, **dict(zip(NUMBERS, ("INT", "FLOAT")))}
-    return "members" not in record and all(_attribute(mesh, name, kind) is not None for name, kind in kinds.items())
+    return bool(record) and all(_attribute(mesh, name, kind) is not None for name, kind in kinds.items())
 
 
 def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X), exact_share=None):
@@ -160,6 +160,20 @@ def _number(mesh):
     undo.remember(mesh)
 
 
+def number_as_whole(mesh, first):
+    """Gives the vertices of one of several objects that share a map the numbers that they have in the joined mesh, where
+    its vertices begin with `first`. What did not fit before does not fit afterwards."""
+    if not may_be_carried(mesh):
+        return
+    record, names = mesh[RECORD], (*NUMBERS, undo.NUMBER)
+    own, mixed, mark = (mesh_data.read_attribute(mesh.attributes[name]).astype(float) for name in names)
+    there = np.where((own > 0) & (own <= record["vertices"]), own + first, 0)
+    mixed += scattered(there) - scattered(own)
+    mark += undo.number_of(record["whole"]) - undo.number_of(record)
+    for name, values in zip(names, (there, mixed, np.clip(mark, 0, undo.MOST))):
+        mesh_data.update_attribute(mesh.attributes[name], values)
+
+
 def scattered(numbers):
     """0..1, so that the mean of some numbers goes elsewhere than the mean of where they go."""
     return numbers * _GOLDEN % 1
@@ -217,8 +231,14 @@ def name_sides(mesh, sign, left_from):
     """Keeps the sides, 1, or exchanges them, -1, and what says so."""
     undo.remember(mesh)
     mesh_data.update_attribute(mesh.attributes[SIDE], sign * mesh_data.read_attribute(mesh.attributes[SIDE]))
-    mesh[RECORD].update({"checksum": _checksum(mesh), "left_from": left_from})
+    edited = sign * edited_side(mesh)
+    mesh[RECORD].update({"checksum": _checksum(mesh), "left_from": left_from, "edited_side": edited})
     _number(mesh)
+
+
+def edited_side(mesh):
+    """The side that the last edit of vertices and faces was on, 1 or -1; 0 if there was none, or none that says it."""
+    return mesh[RECORD].get("edited_side", 0)
 
 
 def move_partners(mesh, core_mesh, partner):

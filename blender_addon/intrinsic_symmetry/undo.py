@@ -13,6 +13,8 @@ import bpy
 RECORD = "intrinsic_symmetry"
 NUMBER = "sym_record"
 _MOST_RECORDS = 64
+#: The largest number of a record.
+MOST = 0x7FFFFFFF
 
 #: Number of a record: the record.
 _records = {}
@@ -22,7 +24,7 @@ _made = set()
 
 def number_of(record):
     """The value of NUMBER for a record; int32, never 0, which new vertices may get."""
-    return int(record["checksum"], 16) & 0x7FFFFFFF or 1
+    return int(record["checksum"], 16) & MOST or 1
 
 
 def remember(mesh):

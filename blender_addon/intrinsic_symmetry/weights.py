@@ -14,7 +14,7 @@ _UNEVEN = 1e-3
 
 def read_weights(object):
     """(vertices, groups) float64; 0 where a vertex is not in a group."""
-    weights = np.zeros((len(object.data.vertices), len(object.vertex_groups)))
+    weights = np.zeros((len(object.data.vertices), len(object.vertex_groups)), order="F")
     found = np.fromiter(_memberships(object.data), float).reshape(-1, 3)
     vertices, groups = found[:, :2].T.astype(np.intp)
     weights[vertices, groups] = found[:, 2]

@@ -7,7 +7,7 @@ import bmesh
 import bpy
 import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
-from window import area, region
+from window import AGAIN, area, region
 
 #: What is kept from some moment, by name: positions, images, places of the mouse.
 kept = {}
@@ -62,6 +62,14 @@ def redo():
     press("Z", ctrl=True, shift=True)
 
 
+def rest():
+    """Waits until no operator runs, and Live has seen the end of the last one: after a stall of the window the timer of a
+    step may come before that of Live."""
+    sessions = module("live")._sessions.values()
+    if bpy.context.window.modal_operators or any(session._waits for session in sessions):
+        return AGAIN
+
+
 def on_screen(vertex):
     """Of a vertex, in pixels from the middle of the viewport."""
     view = area().spaces.active.region_3d
@@ -82,4 +90,4 @@ def stroke():
     found = [(lambda: move(*kept["aim"]), 0.3), (lambda: event("LEFTMOUSE", "PRESS"), 0.2)]
     for x in range(0, 24, 4):
         found.append((lambda x=x: move(kept["aim"][0], kept["aim"][1] + x), 0.2))
-    return [*found, (lambda: event("LEFTMOUSE", "RELEASE"), 1.5)]
+    return [*found, (lambda: event("LEFTMOUSE", "RELEASE"), 1.5), (rest, 0.1)]

@@ -14,7 +14,7 @@ import numpy as np
 sys.path.insert(0, "/session")
 import window  # noqa: E402
 from hands import (  # noqa: E402
-    aim, event, human, kept, middle, module, move, on_screen, places, press, redo, sides, stroke, undo,
+    aim, event, human, kept, middle, module, move, on_screen, places, press, redo, rest, sides, stroke, undo,
 )
 from paint import PAINT  # noqa: E402
 from window import PICTURES, area, import_human, in_view, install, look, photograph, region, show_tab  # noqa: E402
@@ -71,7 +71,7 @@ def grab(steps, end, wait=0.08):
     """G, mouse moves, and the event that ends it."""
     found = [(lambda: move(0, 0), wait), (lambda: press("G"), wait)]
     found += [(lambda x=x, y=y: move(x, y), wait) for x, y in steps]
-    return [*found, (lambda: press(end), 1.0)]
+    return [*found, (lambda: press(end), 1.0), (rest, 0.1)]
 
 
 WAY = [(8 * step, 5 * step) for step in range(1, 8)]

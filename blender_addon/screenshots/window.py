@@ -87,9 +87,11 @@ def select_hand():
 
 
 def start_and_press_escape():
-    """Two symmetries are sought, which takes a second: one is told by the mirrored connectivity at once."""
+    """Two symmetries are sought, which takes a second: one is told by the mirrored connectivity at once. The key is
+    pressed before the window may stall."""
     in_view(ops.detect, "INVOKE_DEFAULT", symmetries=2)
     assert running(), "no modal run was started"
+    escape()
 
 
 def running():
@@ -125,7 +127,7 @@ def click(x, y):
 
 def open_label_panel():
     """Its header, closed at first, as the window lies; then that of Select, so that there is room."""
-    click(860, 146)
+    click(860, 126)
     click(860, 651)
 
 
@@ -148,10 +150,9 @@ STEPS = [
     (import_human, 0.5),
     (show_tab, 0.5),
     (lambda: look(15), 1.0),
-    (start_and_press_escape, 0.15),
-    (escape, 1.5),
+    (start_and_press_escape, 1.5),
     (was_cancelled, 0.1),
-    (lambda: in_view(ops.detect, "INVOKE_DEFAULT", symmetries=2), 1.3),
+    (lambda: in_view(ops.detect, "INVOKE_DEFAULT", symmetries=2), 0.4),
     (lambda: photograph("progress"), 0.5),
     (detected, 0.1),
     (undo_and_redo, 0.5),

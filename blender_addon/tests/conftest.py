@@ -90,6 +90,40 @@ def select(object, vertices):
     module("ops_select").write_selection(bpy.context, object.data, flags)
 
 
+def edit_faces(object, faces):
+    """Selects faces, in edit mode."""
+    enter("OBJECT")
+    select(object, [])
+    chosen = np.zeros(len(object.data.polygons), bool)
+    chosen[faces] = True
+    object.data.polygons.foreach_set("select", chosen)
+    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
+    enter("EDIT")
+
+
+def faces_around(mesh, vertex, chosen):
+    """Faces of the left side by their distance from a vertex, of which some are chosen by a slice; and their mirror
+    images."""
+    side, partner, place = attribute(mesh, "sym_side"), attribute(mesh, "sym_vertex"), positions(mesh)[vertex]
+    left = [face.index for face in mesh.polygons if (side[list(face.vertices)] == 1).all()]
+    near = sorted(left, key=lambda face: np.linalg.norm(np.array(mesh.polygons[face].center) - place))[chosen]
+    of = {frozenset(face.vertices): face.index for face in mesh.polygons}
+    return near, [of[frozenset(partner[list(mesh.polygons[face].vertices)].tolist())] for face in near]
+
+
+def ring(edge):
+    """The edges that a loop cut crosses."""
+    found = {edge}
+    for loop in edge.link_loops:
+        while len(loop.face.verts) == 4:
+            loop = loop.link_loop_next.link_loop_next
+            if loop.edge in found:
+                break
+            found.add(loop.edge)
+            loop = loop.link_loop_radial_next
+    return list(found)
+
+
 def selected(object):
     """Numbers of the selected vertices, in any mode."""
     with module("mesh_data").object_mode(bpy.context):

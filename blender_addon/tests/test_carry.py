@@ -5,7 +5,9 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, new_object, positions, read_example, said, select
+from conftest import (
+    attribute, edit_faces, enter, faces_around, module, new_object, positions, read_example, ring, said, select,
+)
 
 ops = bpy.ops.intrinsic_symmetry
 EDITS = {
@@ -21,24 +23,14 @@ EDITS = {
 }
 
 
-def _patch(mesh, number=6):
+def _patch(mesh):
     """Faces of the raised hand's arm, left, and their mirror images."""
-    side, partner, places = attribute(mesh, "sym_side"), attribute(mesh, "sym_vertex"), positions(mesh)
-    left = [face.index for face in mesh.polygons if (side[list(face.vertices)] == 1).all()]
-    place = places[np.where(side == 1, np.abs(places[:, 0]), 0).argmax()]
-    near = sorted(left, key=lambda face: np.linalg.norm(np.array(mesh.polygons[face].center) - place))
-    near = near[100 : 100 + number]
-    of = {frozenset(face.vertices): face.index for face in mesh.polygons}
-    return near, [of[frozenset(partner[list(mesh.polygons[face].vertices)].tolist())] for face in near]
+    outward = np.where(attribute(mesh, "sym_side") == 1, np.abs(positions(mesh)[:, 0]), 0)
+    return faces_around(mesh, outward.argmax(), slice(100, 106))
 
 
 def _edit(object, faces, name):
-    select(object, [])
-    chosen = np.zeros(len(object.data.polygons), bool)
-    chosen[faces] = True
-    object.data.polygons.foreach_set("select", chosen)
-    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
-    enter("EDIT")
+    edit_faces(object, faces)
     EDITS[name]()
 
 
@@ -88,26 +80,12 @@ def test_a_loop_cut_through_the_line(human):
     enter("EDIT")
     data = bmesh.from_edit_mesh(mesh)
     edge = next(edge for edge in data.edges if all(side[vertex.index] == 0 for vertex in edge.verts))
-    ring = _ring(edge)
-    bmesh.ops.subdivide_edges(data, edges=ring, cuts=1, use_grid_fill=True)
+    bmesh.ops.subdivide_edges(data, edges=ring(edge), cuts=1, use_grid_fill=True)
     bmesh.update_edit_mesh(mesh)
     assert ops.select_line() == {"FINISHED"}
     symmetry, _ = _assert_valid(human)
     assert len(symmetry.partner) > 13380 + 4
     assert np.array_equal(symmetry.partner[symmetry.partner], np.arange(len(symmetry.partner)))
-
-
-def _ring(edge):
-    """The edges that a loop cut crosses."""
-    found = {edge}
-    for loop in edge.link_loops:
-        while len(loop.face.verts) == 4:
-            loop = loop.link_loop_next.link_loop_next
-            if loop.edge in found:
-                break
-            found.add(loop.edge)
-            loop = loop.link_loop_radial_next
-    return list(found)
 
 
 def test_the_whole_mesh_subdivided(quadruped):

@@ -147,6 +147,17 @@ def test_one_of_several_symmetries_can_be_chosen():
         bpy.ops.intrinsic_symmetry.choose(index=16)
 
 
+def test_what_was_found_on_a_mesh_that_is_gone_is_forgotten():
+    first = new_object(read_example("human_shells"))
+    assert detect() == {"FINISHED"}
+    number = first.data.session_uid
+    assert number in module("detection")._found
+    bpy.data.meshes.remove(first.data)
+    second = new_object(read_example("human_shells"))
+    assert detect() == {"FINISHED"}
+    assert number not in module("detection")._found and module("detection").remembered(second.data)
+
+
 def test_sides_can_be_exchanged_and_the_map_removed(human, mode):
     before = attribute(human.data, "sym_side")
     enter(mode)

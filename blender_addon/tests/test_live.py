@@ -224,7 +224,7 @@ def test_a_topology_edit_switches_it_off_with_a_word(live, call):
     switch(live, name="intrinsic_symmetry_live_select")
     assert call() == {"FINISHED"}
     assert not live.intrinsic_symmetry_live and not live.intrinsic_symmetry_live_select
-    assert "Detect again" in module("live").problem_of(live)
+    assert "Update Symmetry" in module("live").problem_of(live)
     before = places(live)
     ops.transform.translate(value=(0, 0.02, 0))
     assert not np.any(places(live) != before, axis=1)[~np.isin(np.arange(len(before)), a_hand_of(live))].any()

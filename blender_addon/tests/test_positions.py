@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Symmetrize positions, and mirror an edit."""
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, positions, said, select
+from conftest import attribute, enter, module, new_object, positions, read_example, said, select, truth_of
+from mathutils import Matrix
 
 ops = bpy.ops.intrinsic_symmetry
 
@@ -96,6 +98,33 @@ def test_an_edit_is_mirrored(human, truth, mode):
     now = positions(human.data)
     ops.mirror_edit()
     assert np.abs(positions(human.data) - now).max() < 1e-6
+
+
+def test_doubled_vertices_stay_together():
+    """As an importer splits them at seams; the object's origin is elsewhere, and it is turned and scaled."""
+    mesh = read_example("human")
+    whole, data, random = positions(mesh), bmesh.new(), np.random.default_rng(1)
+    data.from_mesh(mesh)
+    bmesh.ops.split_edges(data, edges=[edge for edge in data.edges if random.random() < 0.15])
+    data.to_mesh(mesh)
+    data.free()
+    object, points = new_object(mesh), positions(mesh)
+    number = {tuple(point): number for number, point in enumerate(whole)}
+    of = np.array([number[tuple(point)] for point in points])
+    assert len(of) > len(whole) + 1000
+    mesh.transform(Matrix.Translation((5, -7, 2)))
+    object.matrix_world = Matrix.Translation((100, 20, 3)) @ Matrix.Rotation(1, 4, (1, 2, 3)) @ Matrix.Scale(3, 4)
+    assert ops.detect() == {"FINISHED"}
+    assert np.array_equal(of[attribute(mesh, "sym_vertex")], truth_of("human")[of])
+    ops.remember()
+    before = positions(mesh)
+    near = np.maximum(1 - np.linalg.norm(points - whole[whole[:, 0].argmax()], axis=1) / 0.3, 0)
+    module("mesh_data").set_shown_positions(object, before + 0.05 * near[:, None])
+    for tool in (ops.mirror_edit, ops.symmetrize):
+        assert tool() == {"FINISHED"}
+        after = positions(mesh)
+        assert (np.abs(after - before).max(axis=1) > 1e-3).sum() > 1000
+        assert np.abs(after - after[np.unique(of, return_index=True)[1]][of]).max() < 1e-5
 
 
 def test_an_edit_of_uncertain_vertices_is_not_carried(quadruped):

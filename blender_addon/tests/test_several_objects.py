@@ -5,7 +5,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, new_object, positions, read_example, said, select, truth_of
+from conftest import attribute, edit_faces, enter, module, new_object, positions, read_example, said, select, truth_of
 from mathutils import Matrix
 
 ops = bpy.ops.intrinsic_symmetry
@@ -219,6 +219,31 @@ def test_positions_go_across_objects_and_the_map_can_be_removed(parts):
     assert left.data["intrinsic_symmetry"]["left_from"] == "Exchange Sides"
     assert ops.clear() == {"FINISHED"}
     assert not [name for part in parts[:3] for name in part.data.attributes.keys() if name.startswith("sym_")]
+
+
+@pytest.mark.parametrize("edit", ["subdivide", "delete"])
+def test_the_map_is_carried_through_an_edit_of_one_of_them(parts, edit, capfd):
+    body, left, right, partner = parts
+    before = positions(left.data)
+    for object in (body, right):
+        object.select_set(False)
+    bpy.context.view_layer.objects.active = left
+    edit_faces(left, np.arange(10, 14))
+    bpy.ops.mesh.subdivide() if edit == "subdivide" else bpy.ops.mesh.delete(type="FACE")
+    enter("OBJECT")
+    after, first = positions(left.data), len(body.data.vertices)
+    assert (len(after) > len(before)) == (edit == "subdivide")
+    old = {tuple(place): number for number, place in enumerate(before)}
+    new, number = np.array([(new, old[tuple(place)]) for new, place in enumerate(after) if tuple(place) in old]).T
+    left.vertex_groups.new(name="Eye.L").add(new[:100].tolist(), 0.5, "ADD")
+    bpy.context.view_layer.objects.active = right
+    assert "carried through an edit" in said(capfd, ops.mirror_vertex_groups)
+    assert "carried" not in said(capfd, ops.mirror_vertex_groups)
+    found = np.flatnonzero(module("weights").read_weights(right)[:, 0])
+    assert len(set(found) ^ set(partner[number[:100]])) < 5
+    images, last = attribute(left.data, "sym_vertex"), first + len(after)
+    assert images.min() >= last and (images[new] - last == partner[number]).mean() > 0.97
+    assert (attribute(right.data, "sym_vertex")[partner[number]] == new + first).mean() > 0.97
 
 
 def test_a_missing_object_is_named(parts):

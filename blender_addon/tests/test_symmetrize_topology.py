@@ -5,7 +5,9 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, new_object, positions, read_example, said, select
+from conftest import (
+    attribute, edit_faces, enter, faces_around, module, new_object, positions, read_example, ring, said,
+)
 from mathutils.kdtree import KDTree
 
 ops = bpy.ops.intrinsic_symmetry
@@ -267,41 +269,59 @@ def test_custom_normals_are_mirrored(human, capfd):
     assert changed < 0.01 * len(mesh.loops), "beside the line nothing is left to mirror"
 
 
-def _extrude(object, faces, depth):
-    enter("OBJECT")
-    select(object, [])
-    chosen = np.zeros(len(object.data.polygons), bool)
-    chosen[faces] = True
-    object.data.polygons.foreach_set("select", chosen)
-    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
-    enter("EDIT")
+def _select_feet(object, sides):
+    """In edit mode, faces of the foot on some of the sides."""
+    height = np.where(attribute(object.data, "sym_side") == 1, positions(object.data)[:, 2], np.inf)
+    feet = dict(zip((1, -1), faces_around(object.data, height.argmin(), slice(20))))
+    edit_faces(object, sum((feet[side] for side in sides), []))
+
+
+def _extrude(object, sides, depth):
+    _select_feet(object, sides)
     bpy.ops.mesh.extrude_region_shrink_fatten(TRANSFORM_OT_shrink_fatten={"value": -depth})
 
 
-def _foot(mesh, number):
-    """Faces of the left foot, and their mirror images."""
-    side, partner, places = attribute(mesh, "sym_side"), attribute(mesh, "sym_vertex"), positions(mesh)
-    lowest = places[np.where(side == 1, places[:, 2], np.inf).argmin()]
-    left = [face.index for face in mesh.polygons if (side[list(face.vertices)] == 1).all()]
-    near = sorted(left, key=lambda face: np.linalg.norm(np.array(mesh.polygons[face].center) - lowest))[:number]
-    of = {frozenset(face.vertices): face.index for face in mesh.polygons}
-    return near, [of[frozenset(partner[list(mesh.polygons[face].vertices)].tolist())] for face in near]
+def _delete(object, sides):
+    _select_feet(object, sides)
+    bpy.ops.mesh.delete(type="FACE")
 
 
-@pytest.mark.parametrize("depth", [0.02, 0.1])
-def test_an_extrusion_arrives_on_the_other_side(human, mode, depth):
-    near, far = _foot(human.data, 20)
+def _cut(object, sides):
+    """A loop cut that stays on its side, on some of the sides."""
+    side, partner = attribute(object.data, "sym_side"), attribute(object.data, "sym_vertex")
+    enter("EDIT")
+    data = bmesh.from_edit_mesh(object.data)
+    rings = (ring(edge) for edge in data.edges)
+    left = next(each for each in rings if all(side[vertex.index] == 1 for edge in each for vertex in edge.verts))
+    data.verts.ensure_lookup_table()
+    right = [data.edges.get([data.verts[partner[vertex.index]] for vertex in edge.verts]) for edge in left]
+    crossed = (left if 1 in sides else []) + (right if -1 in sides else [])
+    bmesh.ops.subdivide_edges(data, edges=crossed, cuts=1, use_grid_fill=True)
+    bmesh.update_edit_mesh(object.data)
+
+
+EDITS = {
+    "shallow extrusion": lambda object, sides: _extrude(object, sides, 0.02),
+    "deep extrusion": lambda object, sides: _extrude(object, sides, 0.1),
+    "loop cut": _cut,
+    "deletion": _delete,
+}
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("edit", EDITS)
+def test_an_edit_of_one_side_arrives_on_the_other(human, mode, edit, side):
     both = new_object(human.data.copy())
-    _extrude(both, near + far, depth)
+    EDITS[edit](both, (1, -1))
     enter("OBJECT")
     wanted = positions(both.data)
     bpy.context.view_layer.objects.active = human
-    _extrude(human, near, depth)
+    EDITS[edit](human, (side,))
     enter(mode)
-    assert ops.symmetrize_topology(direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    assert ops.symmetrize_topology() == {"FINISHED"}
     enter("OBJECT")
     _assert_mirrored(human.data)
-    assert len(human.data.vertices) == len(wanted)
+    assert len(human.data.vertices) == len(wanted) != 13380
     assert _nearest(wanted, positions(human.data))[:, 1].max() < 1e-3
 
 

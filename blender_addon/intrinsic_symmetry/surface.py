@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The surface of a losing half before it is replaced, and values mixed from its vertices and face corners."""
+"""The surface of some faces, its nearest points, and values mixed from its vertices and face corners."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,9 +32,9 @@ class Mix:
 
 
 class Surface:
-    """Triangles of the faces with a vertex of the losing half, (vertices,) bool; triangle 0 is the first of them."""
+    """Triangles of the faces with one of the chosen vertices, (vertices,) bool; triangle 0 is the first of them."""
 
-    def __init__(self, mesh, positions, loses):
+    def __init__(self, mesh, positions, chosen):
         mesh.calc_loop_triangles()
         loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
         faces = np.empty(len(mesh.loop_triangles), np.int32)
@@ -42,24 +42,29 @@ class Surface:
         mesh.loop_triangles.foreach_get("polygon_index", faces)
         corners = np.asarray(mesh_data.polygons(mesh)[1]).astype(np.int64)
         loops = loops.reshape(-1, 3)
-        chosen = loses[corners[loops]].any(axis=1)
-        self._loops, face = loops[chosen], faces[chosen]
-        self._vertices, self.positions = corners[self._loops], positions
-        self._places = positions[self._vertices]
-        self._first = np.searchsorted(face, face)  # triangles are in the order of their faces
-        self._count = np.bincount(face, minlength=face.max(initial=0) + 1)[face]
+        inside = chosen[corners[loops]].any(axis=1)
+        self._loops, self.faces = loops[inside], faces[inside]
+        self.vertices, self.positions = corners[self._loops], positions
+        self._places = positions[self.vertices]
+        self._first = np.searchsorted(self.faces, self.faces)  # triangles are in the order of their faces
+        self._count = np.bincount(self.faces, minlength=self.faces.max(initial=0) + 1)[self.faces]
 
     @cached_property
     def _tree(self):
         triangles = np.arange(self._loops.size).reshape(-1, 3)
         return BVHTree.FromPolygons(self._places.reshape(-1, 3).tolist(), triangles.tolist())
 
-    def vertex_mix(self, points):
-        """The Mix of vertices at the nearest points of the surface."""
+    def feet(self, points):
+        """Triangles of the nearest points of the surface, and the weights of their vertices there."""
         found = [self._tree.find_nearest(point) for point in points.tolist()]
         triangle, feet = np.array([each[2] for each in found]), np.array([each[0] for each in found])
         weights = np.maximum(barycentric(feet, self._places[triangle]), 0)
-        return Mix(self._vertices[triangle], weights / weights.sum(axis=1, keepdims=True))
+        return triangle, weights / weights.sum(axis=1, keepdims=True)
+
+    def vertex_mix(self, points):
+        """The Mix of vertices at the nearest points of the surface."""
+        triangle, weights = self.feet(points)
+        return Mix(self.vertices[triangle], weights)
 
     def nearest(self, points, chosen):
         """(points,) number of the nearest triangle, of the chosen ones."""

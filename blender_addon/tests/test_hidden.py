@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every tool leaves what is hidden in edit mode as it is, and changes what is not."""
+
+import bpy
+import numpy as np
+import pytest
+from conftest import attribute, enter, module, positions
+
+ops = bpy.ops.intrinsic_symmetry
+
+
+def _one_sided(mesh):
+    """(vertices, 1) 1 on the left side, growing from the line."""
+    return np.where(attribute(mesh, "sym_side") == 1, np.abs(positions(mesh)[:, 0]), 0)[:, None]
+
+
+def _with_dent(object):
+    module("mesh_data").set_shown_positions(object, positions(object.data) + 0.1 * _one_sided(object.data))
+
+
+def _with_key(object):
+    object.shape_key_add(name="Basis")
+    key = object.shape_key_add(name="Smile")
+    module("mesh_data").set_key_positions(key, positions(object.data) + 0.1 * _one_sided(object.data))
+    object.active_shape_key_index = 1
+
+
+def _key(object):
+    return module("mesh_data").key_positions(object.data.shape_keys.key_blocks["Smile"])
+
+
+def _with_colors(object):
+    mesh = object.data
+    corners = np.array([loop.vertex_index for loop in mesh.loops])
+    values = np.tile(_one_sided(mesh), (1, 4))
+    for name, domain, rows in (("points", "POINT", slice(None)), ("corners", "CORNER", corners)):
+        module("mesh_data").write_attribute(mesh, name, "FLOAT_COLOR", values[rows], domain)
+
+
+def _with_uvs(object):
+    object.data.uv_layers.new(name="UV")
+    places = positions(object.data)[[loop.vertex_index for loop in object.data.loops]]
+    faces = object.data.polygons
+    is_left = np.repeat([face.center.x > 0 for face in faces], [face.loop_total for face in faces])
+    module("mesh_data").update_attribute(object.data.attributes["UV"], places[:, [0, 2]] + 0.3 * is_left[:, None])
+
+
+def _of(name):
+    return lambda object: attribute(object.data, name)
+
+
+def _places(object):
+    return positions(object.data)
+
+
+#: What comes before, the tool, and what it changes: values of vertices or of face corners.
+TOOLS = {
+    "symmetrize positions": (_with_dent, lambda: ops.symmetrize(direction="LEFT_TO_RIGHT"), _places),
+    "symmetrize exactly": (_with_dent, lambda: ops.symmetrize_exactly(direction="LEFT_TO_RIGHT"), _places),
+    "shape key": (_with_key, lambda: ops.mirror_shape_keys(direction="LEFT_TO_RIGHT"), _key),
+    "points": (_with_colors, lambda: ops.mirror_attribute(name="points"), _of("points")),
+    "corners": (_with_colors, lambda: ops.mirror_attribute(name="corners"), _of("corners")),
+    "overlapping uvs": (_with_uvs, lambda: ops.mirror_uvs(placement="OVERLAP"), _of("UV")),
+    "uvs in place": (_with_uvs, lambda: ops.mirror_uvs(placement="BESIDE"), _of("UV")),
+}
+
+
+@pytest.mark.parametrize("tool", TOOLS)
+def test_what_is_hidden_stays(human, tool):
+    prepare, call, values = TOOLS[tool]
+    prepare(human)
+    side, before = attribute(human.data, "sym_side"), values(human)
+    hidden = (side < 1) & (np.arange(len(side)) % 2 == 0)
+    enter("EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    enter("OBJECT")
+    module("mesh_data").write_attribute(human.data, ".hide_vert", "BOOLEAN", hidden)
+    enter("EDIT")
+    assert call() == {"FINISHED"}
+    enter("OBJECT")
+    changed = np.abs(values(human) - before).max(axis=1) > 1e-6
+    corners = np.array([loop.vertex_index for loop in human.data.loops])
+    there = hidden if len(changed) == len(side) else hidden[corners]
+    assert not changed[there].any() and changed[~there].sum() > 500
