@@ -30,7 +30,7 @@ pub use canonical::Canonical;
 pub use connectivity_hash::connectivity_hash;
 pub use polygons::bucket;
 pub use shells::Shell;
-pub use split_hubs::SplitHubs;
+pub use split_hubs::{MOST_AROUND, SplitHubs};
 
 /// Marks "no such element" in index arrays.
 pub const NONE: u32 = u32::MAX;

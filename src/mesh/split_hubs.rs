@@ -3,7 +3,7 @@
 use super::vector::Vector;
 
 /// Most triangles around a vertex.
-const MOST: u32 = 256;
+pub const MOST_AROUND: u32 = 256;
 
 /// A triangle mesh without hubs.
 pub struct SplitHubs {
@@ -22,7 +22,7 @@ impl SplitHubs {
     pub fn new(positions: &[Vector], triangles: &[[u32; 3]]) -> Option<SplitHubs> {
         let mut used = vec![0; positions.len()];
         triangles.as_flattened().iter().for_each(|&corner| used[corner as usize] += 1);
-        if used.iter().all(|&triangles| triangles <= MOST) {
+        if used.iter().all(|&triangles| triangles <= MOST_AROUND) {
             return None;
         }
         used.fill(0);
@@ -35,7 +35,7 @@ impl SplitHubs {
         let mut copy_of: Vec<u32> = split.original.clone();
         for corner in split.triangles.as_flattened_mut() {
             let vertex = *corner as usize;
-            if used[vertex] == MOST {
+            if used[vertex] == MOST_AROUND {
                 (used[vertex], copy_of[vertex]) = (0, split.original.len() as u32);
                 split.original.push(*corner);
                 split.positions.push(positions[vertex]);
@@ -51,7 +51,7 @@ impl SplitHubs {
 
     /// Whether hubs are joined by more triangles than one vertex may have, as a fan on one edge is: nothing of that can be split.
     pub fn has_fan(&self) -> bool {
-        self.between_hubs > MOST as usize
+        self.between_hubs > MOST_AROUND as usize
     }
 
     /// Triangles of the copies as triangles of what they are copies of; those that become lines are left out.
@@ -73,11 +73,14 @@ mod tests {
         let split = SplitHubs::new(&positions, &triangles).unwrap();
         let mut around = vec![0; split.positions.len()];
         split.triangles.as_flattened().iter().for_each(|&corner| around[corner as usize] += 1);
-        assert_eq!((around[0], around.len(), around.iter().max()), (MOST, positions.len() + 3, Some(&MOST)));
+        assert_eq!(
+            (around[0], around.len(), around.iter().max()),
+            (MOST_AROUND, positions.len() + 3, Some(&MOST_AROUND))
+        );
         assert_eq!(split.joined(&split.triangles), triangles);
         assert!(split.joined(&[[0, 1001, 5]]).is_empty() && !split.has_fan());
         let fan: Vec<[u32; 3]> = (2..count).map(|tip| [0, 1, tip]).collect();
         assert!(SplitHubs::new(&positions, &fan).unwrap().has_fan());
-        assert!(SplitHubs::new(&positions, &triangles[..MOST as usize]).is_none());
+        assert!(SplitHubs::new(&positions, &triangles[..MOST_AROUND as usize]).is_none());
     }
 }

@@ -5,7 +5,7 @@
 //! by one Jacobi step, and the stiffness is carried over as `P^T K P`. The mass is lumped again (ours), so that the
 //! coarse problem has the form of the fine one: rows of the stiffness sum to 0, masses to the area.
 
-use crate::mesh::NONE;
+use crate::mesh::{MOST_AROUND, NONE};
 use crate::spectral::laplacian::SymmetricSparse;
 
 /// Steps of the power iteration that bounds the smoother.
@@ -117,7 +117,7 @@ fn aggregate(stiffness: &SymmetricSparse) -> (Vec<u32>, usize) {
     (group, count as usize)
 }
 
-/// `(1 - w D^-1 K) P` with the grouping P and `w = 4 / (3 largest eigenvalue of D^-1 K)`.
+/// `(1 - w D^-1 K) P` with the grouping P and `w = 4 / (3 largest eigenvalue of D^-1 K)`; rows of P as they are at hubs.
 fn smoothed(stiffness: &SymmetricSparse, groups: &[u32]) -> SparseRows {
     let diagonal = diagonal(stiffness);
     let weight = 4.0 / (3.0 * largest_eigenvalue(stiffness, &diagonal));
@@ -125,7 +125,9 @@ fn smoothed(stiffness: &SymmetricSparse, groups: &[u32]) -> SparseRows {
     for i in 0..stiffness.size() {
         let start = out.entries.len();
         out.entries.push((groups[i], 1.0));
-        for (j, value) in stiffness.row(i) {
+        // Smoothed, a hub would couple all groups around it with each other.
+        let is_hub = stiffness.neighbours(i).len() > MOST_AROUND as usize;
+        for (j, value) in stiffness.row(i).filter(|_| !is_hub) {
             let change = -weight * value / diagonal[i];
             match out.entries[start..].iter_mut().find(|entry| entry.0 == groups[j]) {
                 Some(entry) => entry.1 += change,
@@ -201,21 +203,39 @@ fn symmetric(rows: SparseRows) -> SymmetricSparse {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::adjacency::Adjacency;
 
-    /// The path of `count` vertices with unit weights.
-    fn path(count: usize) -> SymmetricSparse {
+    /// The graph Laplacian of `count` vertices and some edges.
+    fn laplacian(count: usize, edges: impl Iterator<Item = (u32, u32)> + Clone) -> SymmetricSparse {
+        let graph = Adjacency::new(count, edges.flat_map(|(a, b)| [(a, b), (b, a)]));
         let mut matrix = SymmetricSparse { row_offsets: vec![0], ..Default::default() };
         for i in 0..count {
-            let neighbours = [i.wrapping_sub(1), i + 1].into_iter().filter(|&j| j < count).count();
-            for (j, value) in [(i.wrapping_sub(1), -1.0), (i, neighbours as f64), (i + 1, -1.0)] {
-                if j < count {
-                    matrix.columns.push(j as u32);
-                    matrix.values.push(value);
-                }
-            }
+            let mut row: Vec<(u32, f64)> = graph.of(i).iter().map(|&j| (j, -1.0)).collect();
+            row.push((i as u32, row.len() as f64));
+            row.sort_unstable_by_key(|entry| entry.0);
+            matrix.columns.extend(row.iter().map(|entry| entry.0));
+            matrix.values.extend(row.iter().map(|entry| entry.1));
             matrix.row_offsets.push(matrix.columns.len() as u32);
         }
         matrix
+    }
+
+    /// The path of `count` vertices with unit weights.
+    fn path(count: usize) -> SymmetricSparse {
+        laplacian(count, (1..count as u32).map(|i| (i - 1, i)))
+    }
+
+    #[test]
+    fn a_hub_leaves_the_coarse_operator_sparse() {
+        // 2000 paths of five vertices that begin at one.
+        let edges = (0..2000u32).flat_map(|path| {
+            (0..5).map(move |step| (if step == 0 { 0 } else { 5 * path + step }, 5 * path + step + 1))
+        });
+        let fine = laplacian(10_001, edges);
+        let coarse = Coarsening::new(&fine, &[1.0; 10_001]);
+        assert!((1500..5000).contains(&coarse.mass.len()), "{}", coarse.mass.len());
+        let entries = coarse.stiffness.columns.len();
+        assert!(entries < fine.columns.len(), "{entries} from {}", fine.columns.len());
     }
 
     #[test]
