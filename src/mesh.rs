@@ -3,7 +3,7 @@
 mod attachment;
 mod canonical;
 mod connectivity_hash;
-mod edges;
+pub(crate) mod edges;
 mod fans;
 mod frame;
 pub mod half_edges;

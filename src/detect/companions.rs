@@ -10,6 +10,7 @@ use crate::detect::cluster_motion;
 use crate::detect::mirror_plane::MirrorPlane;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
+use crate::mesh::edges::UnionFind;
 use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
 use crate::mesh::{Mesh, Shell};
 use crate::refine::rigid_parts::Carrier;
@@ -236,47 +237,35 @@ fn pair_shells(
 /// [`pair_shells`] may pair with each other, directly or over others.
 fn involution(options: &BTreeMap<(usize, usize), f32>) -> Vec<(usize, usize, f32)> {
     let last = options.keys().map(|&(_, second)| second + 1).max().unwrap_or(0);
-    let mut swarm_of: Vec<usize> = (0..last).collect();
-    for &(first, second) in options.keys() {
-        let (from, to) = (swarm_of[first], swarm_of[second]);
-        if from != to {
-            swarm_of.iter_mut().filter(|swarm| **swarm == from).for_each(|swarm| *swarm = to);
-        }
+    let mut sets = UnionFind::new(last);
+    options.keys().for_each(|&(first, second)| sets.join(first as u32, second as u32));
+    let mut swarms: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for shell in options.keys().flat_map(|&(first, second)| [first, second]) {
+        swarms.entry(sets.find(shell as u32)).or_default().push(shell);
     }
-    let mut swarms: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    options
-        .keys()
-        .flat_map(|&(first, second)| [first, second])
-        .for_each(|shell| swarms.entry(swarm_of[shell]).or_default().push(shell));
     let mut pairs = Vec::new();
-    let mut left: Vec<(f32, usize, usize)> = Vec::new();
+    let mut taken = vec![false; last];
     for mut swarm in swarms.into_values() {
         swarm.sort_unstable();
         swarm.dedup();
-        let within = |&a: &usize, &b: &usize| options.get(&(a.min(b), a.max(b))).copied();
-        let mut free = vec![true; swarm.len()];
-        if swarm.len() <= MOST_TOGETHER {
-            let partners = assigned(swarm.len(), |i, j| within(&swarm[i], &swarm[j]));
-            for (i, &j) in partners.iter().enumerate().filter(|(i, j)| **j < swarm.len() && *i <= **j) {
-                if partners[j] == i
-                    && let Some(mismatch) = within(&swarm[i], &swarm[j])
-                {
-                    (free[i], free[j]) = (false, false);
-                    pairs.push((swarm[i], swarm[j], mismatch));
-                }
+        if swarm.len() > MOST_TOGETHER {
+            continue;
+        }
+        let within = |a: usize, b: usize| options.get(&(a.min(b), a.max(b))).copied();
+        let partners = assigned(swarm.len(), |i, j| within(swarm[i], swarm[j]));
+        for (i, &j) in partners.iter().enumerate().filter(|(i, j)| **j < swarm.len() && *i <= **j) {
+            if partners[j] == i
+                && let Some(mismatch) = within(swarm[i], swarm[j])
+            {
+                (taken[swarm[i]], taken[swarm[j]]) = (true, true);
+                pairs.push((swarm[i], swarm[j], mismatch));
             }
         }
-        let free: Vec<usize> =
-            swarm.iter().zip(free).filter(|(_, free)| *free).map(|(shell, _)| *shell).collect();
-        for (place, first) in free.iter().enumerate() {
-            left.extend(
-                free[place..].iter().filter_map(|second| Some((within(first, second)?, *first, *second))),
-            );
-        }
     }
-    // What was sent around in a ring, the best first.
+    // What was sent around in a ring, and larger swarms, the best first.
+    let mut left: Vec<(f32, usize, usize)> =
+        options.iter().map(|(&(first, second), &mismatch)| (mismatch, first, second)).collect();
     left.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-    let mut taken = vec![false; last];
     for (mismatch, first, second) in left {
         if !taken[first] && !taken[second] {
             (taken[first], taken[second]) = (true, true);
