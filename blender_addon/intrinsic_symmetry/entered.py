@@ -38,7 +38,7 @@ def shape_of(object, key=None):
 def note(object):
     """Keeps the shape of an object in edit mode, if that of the shape key is not kept yet. The mesh has it, as edits
     are in the edit mesh."""
-    found, key = _entered.get(object.session_uid), _key(object)
+    found, key = _entered.get(object.session_uid), mesh_data.key_name(object)
     if found is None or found.key != key:
         _entered[object.session_uid] = _Entered(key, _topology(object.data), mesh_data.shown_positions(object))
 
@@ -51,11 +51,6 @@ def restart(object, edited):
         before, shape = (edited, found.before[1] if undone else found.positions), mesh_data.shown_positions(object)
         changed = not np.array_equal(edited, shape)
         _entered[object.session_uid] = replace(found, positions=shape, before=before if changed else None)
-
-
-def _key(object):
-    key = object.active_shape_key
-    return "" if key is None else key.name
 
 
 def _topology(mesh):

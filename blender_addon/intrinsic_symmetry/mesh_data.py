@@ -136,6 +136,12 @@ def shown_positions(object):
     return positions(object.data) if key is None else key_positions(key)
 
 
+def key_name(object):
+    """Name of the active shape key, the basis or another; empty without keys. Its number may be another one's when keys
+    are removed or moved."""
+    return getattr(object.active_shape_key, "name", "")
+
+
 def shown_key(object):
     """Name of the shape key that edits go to; empty for the basis or without keys."""
     key = object.active_shape_key
