@@ -25,9 +25,26 @@ def why_not(context):
     object = context.active_object
     if object is None or object.type != "MESH":
         return "Needs an active mesh object"
-    if object.data.library is not None:
-        return "The mesh is linked from another file: make it local first"
+    problem = why_fixed(object, is_left=object.mode == "EDIT")
+    return f"The mesh {problem}" if problem else None
+
+
+def why_fixed(object, is_left=False):
+    """Why an object's mesh cannot be written, to follow its name, or nothing. `is_left`: edit mode is left before."""
+    mesh = object.data
+    if mesh.library is not None or mesh.override_library is not None:
+        return "is linked from another file: make it local first"
+    if mesh.is_editmode and not is_left:
+        through = ": leave it first" if object.mode == "EDIT" else " through another object: leave that first"
+        return f"is in edit mode{through}"
     return None
+
+
+def refuse_fixed(objects):
+    """Raises MeshProblem if the mesh of one of the objects cannot be written; in object mode."""
+    for object in objects:
+        if problem := why_fixed(object):
+            raise MeshProblem(f'"{object.name}" {problem}')
 
 
 class NothingSelected(MeshProblem):

@@ -42,6 +42,7 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
         if not others:
             raise mesh_data.MeshProblem("Select the objects to transfer to, the one to transfer from last")
         others = list({other.data: other for other in others}.values())  # one of those that share a mesh
+        mesh_data.refuse_fixed(others)
         source = _core_mesh(object)
         kind, points = self._map(object, source)
         scales = [_scale(object, other) for other in others]
