@@ -22,7 +22,7 @@ class _Entered:
     before: tuple | None = None  # the edited shape that was mirrored, and what it started from; undo leads back there
 
 
-#: By the object's number in this session.
+#: By the object's number in this session; nothing for one whose topology was edited, until edit mode is back.
 _entered = {}
 
 
@@ -33,6 +33,11 @@ def shape_of(object, key=None):
         return None
     undone = found.before and np.array_equal(found.before[0], mesh_data.shown_positions(object))
     return found.before[1] if undone else found.positions
+
+
+def is_lost(object):
+    """Whether vertices or faces were edited since; in object mode."""
+    return _entered.get(object.session_uid, object) is None
 
 
 def note(object):
@@ -61,8 +66,10 @@ def _update(object):
     found = _entered.get(object.session_uid)
     if object.mode == "EDIT":
         note(object)
-    elif found is not None and (not mesh_data.passing or found.topology != _topology(object.data)):
-        del _entered[object.session_uid]
+    elif not mesh_data.passing:
+        _entered.pop(object.session_uid, None)
+    elif found is not None and found.topology != _topology(object.data):
+        _entered[object.session_uid] = None
 
 
 @bpy.app.handlers.persistent
