@@ -16,6 +16,10 @@ import numpy as np
 passing = False
 
 
+#: How many times as far from the middle as the others a vertex may be.
+_FAR = 1e8
+
+
 class MeshProblem(Exception):
     """What the user has to know; the text is shown as it is."""
 
@@ -106,6 +110,17 @@ def positions(mesh):
     """(vertices, 3) float32 of the base shape."""
     places = np.empty((len(mesh.vertices), 3), np.float32)
     return _stored(mesh, ("position", "vector"), (mesh.vertices, "co"), places)
+
+
+def refuse_far(points):
+    """Raises MeshProblem where single vertices are so far away that the others are one point beside them."""
+    if not len(points):
+        return
+    away = np.linalg.norm(points - np.median(points, axis=0).astype(float), axis=1)
+    usual = np.median(away)
+    far = np.flatnonzero(away > _FAR * usual)
+    if usual > 0 and len(far):
+        raise MeshProblem(f"Vertex {far[0]} is too far from all others: move or delete it")
 
 
 def _stored(mesh, attribute, elements, array):
