@@ -24,6 +24,7 @@ def check(columns, about, mesh, core_mesh):
         _check_line(line, count)
     partner, ends = columns["partner"], mesh_data.edges(mesh).astype(np.int64)
     _check_mutual(partner, ends)
+    _check_sides(partner, columns.get("side", np.zeros(count)))
     _check_neighbours(partner, ends, mesh_data.positions(mesh).astype(float))
 
 
@@ -59,6 +60,13 @@ def _check_mutual(partner, ends):
         raise mesh_data.MeshProblem(
             f"Only {share:.0%} of the vertices are the partner of their partner: these are not pairs of a symmetry"
         )
+
+
+def _check_sides(partner, side):
+    """Most partners have to be on the other side."""
+    sided = np.flatnonzero((partner >= 0) & (side != 0))
+    if len(sided) and (side[partner[sided]] == side[sided]).mean() > 0.5:
+        raise mesh_data.MeshProblem("Most partners are on the same side: the column side is not of these pairs")
 
 
 def _check_neighbours(partner, ends, positions):

@@ -61,8 +61,11 @@ def read(path):
         raise MeshProblem(f"Pairs are read from .csv, .json and .map, not from {path.name}")
     try:
         return readers[path.suffix.lower()](path)
-    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, csv.Error) as problem:
+    except ValueError as problem:
         raise MeshProblem(f"The file {path.name} holds no pairs of vertices: {problem}") from None
+    except (KeyError, TypeError, AttributeError, OverflowError, csv.Error):
+        said = "it is damaged, or written in another form"
+        raise MeshProblem(f"The file {path.name} holds no pairs of vertices: {said}") from None
 
 
 def _read_json(path):

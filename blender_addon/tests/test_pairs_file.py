@@ -129,6 +129,15 @@ def test_numbers_out_of_range_are_refused(human, tmp_path, column, value, proble
     _refused(human, path, "\n".join(map(",".join, [head, *rows])), problem)
 
 
+def test_partners_on_one_side_are_refused(human, tmp_path):
+    path = tmp_path / "pairs.csv"
+    ops.export_pairs(filepath=str(path))
+    head, *rows = list(csv.reader(path.open()))
+    for row in rows:
+        row[head.index("side")] = "1"
+    _refused(human, path, "\n".join(map(",".join, [head, *rows])), "Most partners are on the same side")
+
+
 def test_a_map_that_counts_from_1_is_refused(human, truth, tmp_path):
     _refused(human, tmp_path / "mine.map", "\n".join(map(str, truth + 1)), "holds 13380: .* count from 0")
 
@@ -139,7 +148,7 @@ _LINE = {"edges": [[0, 1]], "parameters": [0.5], "closed": False}
 @pytest.mark.parametrize("changed, problem", [
     ({"kind": "banana"}, 'the kind "banana" is none of reflection, half_turn'),
     ({"kind": 3}, 'the kind "3" is none of'),
-    ({"lines": 5}, "holds no pairs"),
+    ({"lines": 5}, "holds no pairs of vertices: it is damaged, or written in another form"),
     ({"lines": [5]}, "holds no pairs"),
     ({"lines": [_LINE | {"edges": [[0, 99999999]]}]}, "The line between left and right holds the vertex 99999999"),
     ({"lines": [_LINE | {"edges": [[0, -1]]}]}, "The line between left and right holds the vertex -1"),
