@@ -12,7 +12,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     labels          what the network and the user say of each eigenfunction
     eigenfunctions  those that are shown in this session
     label_file      judgements as training data
-    pairs_file      pairs of vertices as files
+    pairs_file      pairs of vertices as files; pairs_check says whether they can be a mesh's
     overlay         what is drawn over the viewport; overlay_data says what
     elements        mirror images of edges and faces
     side_names      left and right in names

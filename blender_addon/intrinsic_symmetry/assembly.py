@@ -53,8 +53,7 @@ def selected(context):
     members = [context.active_object, *others]
     if len({member.data for member in members}) < len(members):
         raise mesh_data.MeshProblem("Some of the selected objects share a mesh: make it single-user first")
-    if any(member.data.library for member in members):
-        raise mesh_data.MeshProblem("Some of the meshes are linked from another file: make them local first")
+    mesh_data.refuse_fixed(members)
     return members
 
 
@@ -62,7 +61,9 @@ def selected(context):
 def whole(members, edited=None, held=None):
     """One object for a tool to work on, in object mode: the object itself, or the joined ones. What was changed is
     given back at the end, if nothing was raised. Of those not in `edited`, if that is given, nothing is selected.
-    Hidden ones are given the map alone; `held`, a list, gets the names of those that would have changed."""
+    Hidden ones are given the map alone; `held`, a list, gets the names of those that would have changed. Raises
+    MeshProblem if the mesh of one cannot be written."""
+    mesh_data.refuse_fixed(members)
     with joined(members, edited) as body:
         if len(members) == 1:
             yield body

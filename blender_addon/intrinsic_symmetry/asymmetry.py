@@ -63,6 +63,7 @@ def size(positions):
 
 def reference(about, symmetry, mesh, positions):
     """The Reference that one of ABOUT names. Raises MeshProblem."""
+    mesh_data.refuse_far(positions)
     if about == "POSE" or about == "AUTO" and symmetry.kind == SymmetryKind.HALF_TURN:
         return Reference(None)
     if symmetry.kind == SymmetryKind.HALF_TURN:

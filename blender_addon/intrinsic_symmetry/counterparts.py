@@ -27,6 +27,11 @@ def balance(amounts, side):
     return (left - right) / np.maximum(left + right, 1e-12)
 
 
+def is_on_one_side(amounts, side):
+    """Whether a group, (vertices, 1), lies on one side alone."""
+    return abs(balance(amounts, side)[0]) > _ON_ONE
+
+
 def one_sided(names, amounts, symmetry, merge):
     """Names of groups without a side in their name that lie on one side: those that may not be mirrored in place, and
     those that may."""

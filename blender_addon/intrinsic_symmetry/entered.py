@@ -22,7 +22,7 @@ class _Entered:
     before: tuple | None = None  # the edited shape that was mirrored, and what it started from; undo leads back there
 
 
-#: By the object's number in this session.
+#: By the object's number in this session; nothing for one whose topology was edited, until edit mode is back.
 _entered = {}
 
 
@@ -35,10 +35,15 @@ def shape_of(object, key=None):
     return found.before[1] if undone else found.positions
 
 
+def is_lost(object):
+    """Whether vertices or faces were edited since; in object mode."""
+    return _entered.get(object.session_uid, object) is None
+
+
 def note(object):
     """Keeps the shape of an object in edit mode, if that of the shape key is not kept yet. The mesh has it, as edits
     are in the edit mesh."""
-    found, key = _entered.get(object.session_uid), _key(object)
+    found, key = _entered.get(object.session_uid), mesh_data.key_name(object)
     if found is None or found.key != key:
         _entered[object.session_uid] = _Entered(key, _topology(object.data), mesh_data.shown_positions(object))
 
@@ -53,11 +58,6 @@ def restart(object, edited):
         _entered[object.session_uid] = replace(found, positions=shape, before=before if changed else None)
 
 
-def _key(object):
-    key = object.active_shape_key
-    return "" if key is None else key.name
-
-
 def _topology(mesh):
     return len(mesh.vertices), zlib.crc32(mesh_data.edges(mesh).tobytes())
 
@@ -66,8 +66,10 @@ def _update(object):
     found = _entered.get(object.session_uid)
     if object.mode == "EDIT":
         note(object)
-    elif found is not None and (not mesh_data.passing or found.topology != _topology(object.data)):
-        del _entered[object.session_uid]
+    elif not mesh_data.passing:
+        _entered.pop(object.session_uid, None)
+    elif found is not None and found.topology != _topology(object.data):
+        _entered[object.session_uid] = None
 
 
 @bpy.app.handlers.persistent

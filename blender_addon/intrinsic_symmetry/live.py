@@ -6,6 +6,8 @@ what follows from the difference is written. `live_carry` says what follows; `li
 `live_texture` read and write. Nothing is stored on the mesh.
 """
 
+from contextlib import contextmanager
+
 import bmesh
 import bpy
 import intrinsym
@@ -26,7 +28,9 @@ _TOPOLOGY = "Live Mirror is off: the mesh has other vertices, edges or faces now
 
 
 def problem_of(object):
-    return reasons.get(object.session_uid)
+    """Why nothing follows, in words, or nothing."""
+    lacking = live_paint.lacking_group(object) if object.intrinsic_symmetry_live else None
+    return f'Live does not follow: there is no group "{lacking}"' if lacking else reasons.get(object.session_uid)
 
 
 class Track:
@@ -65,6 +69,8 @@ class Track:
             self.settle()
         self.operation = operation
         vertices, values = self.channel.read()
+        if not np.isfinite(values).all():
+            raise mesh_data.MeshProblem("a value became infinite or no number. Undo that, then switch it on")
         if len(vertices):
             self.change.take(vertices, values)
             if self.flags is None:
@@ -147,7 +153,7 @@ class Session:
 
 def _keys(object):
     """Changes when the mode edits other values."""
-    return object.mode, object.active_shape_key_index, live_paint.keys_of(object) + live_texture.keys_of(object)
+    return object.mode, mesh_data.key_name(object), live_paint.keys_of(object) + live_texture.keys_of(object)
 
 
 def mark_of(mesh):
@@ -201,13 +207,10 @@ def wanted(object):
 
 
 def _session(object):
-    """That of an object with Live on, made if there is none that fits its map; nothing if there cannot be one."""
+    """That of an object with Live on, made if there is none that fits its map. Raises if there cannot be one."""
     session = _sessions.get(object.session_uid)
     if session is None or session.mark != mark_of(object.data):
-        try:
-            switch_on(object)
-        except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
-            _switch_off(object, f"Live Mirror is off: {problem}")
+        switch_on(object)
     return _sessions.get(object.session_uid)
 
 
@@ -217,10 +220,25 @@ def _fits(session, object):
     return live_edit.has(object, session.topology, in_the_middle)
 
 
+@contextmanager
+def _off_if_it_fails(object):
+    """Switches Live off where the other side cannot follow; in a handler nobody would hear of it. What is no fault of
+    the mesh is raised again, for the console."""
+    try:
+        yield
+    except Exception as problem:
+        expected = isinstance(problem, (mesh_data.MeshProblem, intrinsym.IntrinsymError))
+        _switch_off(object, f"Live Mirror is off: {problem if expected else repr(problem)}")
+        if not expected:
+            raise
+
+
 def _follow(object, moved, undone=False):
-    session = _session(object)
-    if session is None:
-        return
+    with _off_if_it_fails(object):
+        _follow_session(_session(object), object, moved, undone)
+
+
+def _follow_session(session, object, moved, undone):
     entered = session.is_entered(object)
     if (moved or not entered) and not _fits(session, object):
         _switch_off(object, _TOPOLOGY)
@@ -271,7 +289,8 @@ def _toggled(object, _context):
     reasons.pop(object.session_uid, None)
     _sessions.pop(object.session_uid, None)
     if wanted(object):
-        _session(object)
+        with _off_if_it_fails(object):
+            _session(object)
 
 
 #: Handlers and the lists they are in.

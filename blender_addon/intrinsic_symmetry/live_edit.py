@@ -173,7 +173,7 @@ class EditChannel(Positions, EditVertices):
 
     def __init__(self, object, polygons):
         super().__init__(object.data, polygons)
-        self.key = "EDIT", object.active_shape_key_index
+        self.key = "EDIT", mesh_data.key_name(object)
 
     @staticmethod
     def is_busy():

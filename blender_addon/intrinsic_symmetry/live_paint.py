@@ -150,10 +150,7 @@ class Weights(PaintChannel):
     limits = 0, 1
 
     def __init__(self, object, key):
-        group = object.vertex_groups.active
-        names = [other.name for other in object.vertex_groups]
-        flipped = object.vertex_groups.get(side_names.counterpart(group.name, names), group)
-        self._groups = [group.name] if flipped == group else [group.name, flipped.name]
+        self._groups = key[1:]
         super().__init__(object, key)
 
     def _read(self):
@@ -186,10 +183,24 @@ def channels_of(object):
 
 def keys_of(object):
     """Names of the arrays, without reading them."""
-    colour, group = object.data.color_attributes.active_color, object.vertex_groups.active
+    colour = object.data.color_attributes.active_color
     colours = [("COLOURS", colour.name)] if colour is not None else []
     if object.mode == "SCULPT" and not object.use_dynamic_topology_sculpting:
-        return [("POSITIONS", object.active_shape_key_index), ("MASK",), *colours]
+        return [("POSITIONS", mesh_data.key_name(object)), ("MASK",), *colours]
     if object.mode == "VERTEX_PAINT":
         return colours
-    return [("WEIGHTS", group.name)] if object.mode == "WEIGHT_PAINT" and group is not None else []
+    groups = _groups_of(object)
+    return [("WEIGHTS", *groups)] if groups and lacking_group(object) is None else []
+
+
+def _groups_of(object):
+    """In weight paint mode, the names of the active group and that of the other side; one without a side is its own."""
+    group = object.vertex_groups.active
+    if object.mode != "WEIGHT_PAINT" or group is None:
+        return ()
+    return tuple(dict.fromkeys((group.name, side_names.counterpart(group.name, object.vertex_groups.keys()))))
+
+
+def lacking_group(object):
+    """Name of the group of the other side that strokes would go to, if there is none."""
+    return next((name for name in _groups_of(object) if name not in object.vertex_groups), None)

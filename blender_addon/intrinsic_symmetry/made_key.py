@@ -5,9 +5,10 @@ vertex group and drivers, with left and right exchanged in names."""
 import re
 
 import bpy
+import numpy as np
 from intrinsym import Merge
 
-from . import mesh_data, side_names, undo
+from . import counterparts, mesh_data, side_names, undo
 from .weights import read_weights, write_weights
 
 _NAMED = re.compile(r'(?<=\[")[^"]+(?="\])')
@@ -15,12 +16,13 @@ _NAMED = re.compile(r'(?<=\[")[^"]+(?="\])')
 
 def make(object, symmetry, name, like):
     """The key at rest, with the settings of `like`."""
+    group = _group(object, symmetry, like.vertex_group, side_names.side(name))
     key = object.shape_key_add(name=name, from_mix=False)
     undo.note_made(object, key)
     keys = object.data.shape_keys
     key.relative_key = keys.key_blocks.get(side_names.flip(like.relative_key.name), like.relative_key)
     _copy_numbers(key, like)
-    key.vertex_group = _group(object, symmetry, like.vertex_group)
+    key.vertex_group = group
     mesh_data.set_key_positions(key, mesh_data.key_positions(key.relative_key))
     _copy_drivers(keys, like, key)
     return key
@@ -50,18 +52,25 @@ def _copy_numbers(key, like):
     key.value, key.mute, key.interpolation = like.value, like.mute, like.interpolation
 
 
-def _group(object, symmetry, name):
-    """Name of the mirror image of a group, which is made if there is none."""
+def _group(object, symmetry, name, side):
+    """Name of the mirror image of a group, which is made if there is none. A group without a side in its name that lies
+    on one side alone is that of the other one, and its image gets the `side` as an ending."""
     groups = object.vertex_groups
+    if name not in groups:
+        return name
+    before = read_weights(object)
+    column = before[:, [groups[name].index]]
     other = side_names.counterpart(name, groups.keys())
-    if name not in groups or other in groups:
-        return other if name in groups else name
+    if other == name and counterparts.is_on_one_side(column, symmetry.side):
+        other = name + (".L" if side > 0 else ".R")
+    if other in groups:
+        return other
+    side_names.refuse_too_long([other])
     active = groups.active_index
     groups.new(name=other)
     groups.active_index = active
-    before = read_weights(object)
+    before = np.pad(before, ((0, 0), (0, 1)))
     after = before.copy()
-    column = before[:, [groups[name].index]]
     after[:, groups[other].index] = symmetry.mirror_values(column, Merge.SWAP)[:, 0] * (symmetry.partner >= 0)
     write_weights(object, before, after)
     return other

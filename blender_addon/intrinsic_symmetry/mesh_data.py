@@ -16,6 +16,10 @@ import numpy as np
 passing = False
 
 
+#: How many times as far from the middle as the others a vertex may be.
+_FAR = 1e8
+
+
 class MeshProblem(Exception):
     """What the user has to know; the text is shown as it is."""
 
@@ -25,9 +29,26 @@ def why_not(context):
     object = context.active_object
     if object is None or object.type != "MESH":
         return "Needs an active mesh object"
-    if object.data.library is not None:
-        return "The mesh is linked from another file: make it local first"
+    problem = why_fixed(object, is_left=object.mode == "EDIT")
+    return f"The mesh {problem}" if problem else None
+
+
+def why_fixed(object, is_left=False):
+    """Why an object's mesh cannot be written, to follow its name, or nothing. `is_left`: edit mode is left before."""
+    mesh = object.data
+    if mesh.library is not None or mesh.override_library is not None:
+        return "is linked from another file: make it local first"
+    if mesh.is_editmode and not is_left:
+        through = ": leave it first" if object.mode == "EDIT" else " through another object: leave that first"
+        return f"is in edit mode{through}"
     return None
+
+
+def refuse_fixed(objects):
+    """Raises MeshProblem if the mesh of one of the objects cannot be written; in object mode."""
+    for object in objects:
+        if problem := why_fixed(object):
+            raise MeshProblem(f'"{object.name}" {problem}')
 
 
 class NothingSelected(MeshProblem):
@@ -91,6 +112,17 @@ def positions(mesh):
     return _stored(mesh, ("position", "vector"), (mesh.vertices, "co"), places)
 
 
+def refuse_far(points):
+    """Raises MeshProblem where single vertices are so far away that the others are one point beside them."""
+    if not len(points):
+        return
+    away = np.linalg.norm(points - np.median(points, axis=0).astype(float), axis=1)
+    usual = np.median(away)
+    far = np.flatnonzero(away > _FAR * usual)
+    if usual > 0 and len(far):
+        raise MeshProblem(f"Vertex {far[0]} is too far from all others: move or delete it")
+
+
 def _stored(mesh, attribute, elements, array):
     """Fills an array with one of the mesh' own attributes, which is read in one piece. In edit mode there is none, and
     the elements are read one by one."""
@@ -134,6 +166,12 @@ def shown_positions(object):
     """(vertices, 3) float32 of the shape that edits go to: the active shape key, or the base shape."""
     key = object.active_shape_key
     return positions(object.data) if key is None else key_positions(key)
+
+
+def key_name(object):
+    """Name of the active shape key, the basis or another; empty without keys. Its number may be another one's when keys
+    are removed or moved."""
+    return getattr(object.active_shape_key, "name", "")
 
 
 def shown_key(object):

@@ -108,6 +108,12 @@ class NamedMirrorProperties(MirrorProperties):
         if side and not self.properties.is_property_set("direction"):
             self.direction = "LEFT_TO_RIGHT" if side > 0 else "RIGHT_TO_LEFT"
 
+    def without_too_long(self, names, every):
+        """The names but those whose twin's is too long, which are left alone."""
+        long = [name for name in names if side_names.is_too_long(side_names.counterpart(name, every))]
+        self.leave(long, "the name of the other side is too long for Blender: shorten it")
+        return [name for name in names if name not in long]
+
 
 def shares(symmetry, merge, *, minimum_confidence=0.0, weight_by_confidence=False):
     """(vertices,) share of the mirrored value in the new one, 0..1: what `intrinsym.Symmetry.mirror_values` does

@@ -5,7 +5,7 @@ import bpy
 import intrinsym
 
 from . import detection, left_side, mesh_data, ops_detect, preferences, stored_map
-from .operator_base import MeshOperator, sentence
+from .operator_base import MeshOperator
 
 #: So many objects are named in the report.
 _MOST_NAMES = 3
@@ -79,13 +79,18 @@ def _named(names):
     return f" ({', '.join(names[:_MOST_NAMES])}{more})"
 
 
+def _key(object):
+    """Of an object among all: a linked one may have the name of one of this file."""
+    return object.name, getattr(object.library, "filepath", None)
+
+
 class _Batch:
-    """What is left to do, and what was done: names of objects."""
+    """What is left to do, keys of objects; and what was done, their names."""
 
     def __init__(self, context, operator):
         meshes = {object.data: object for object in context.selected_objects if object.type == "MESH"}
         meshes[context.active_object.data] = context.active_object
-        self.left = [object.name for mesh, object in meshes.items() if mesh.library is None]
+        self.left = [_key(object) for object in meshes.values()]
         self.found, self.shared, self.kept, self.without = [], [], [], []
         self._arguments, self._share = operator.arguments(context), operator.share
         self._job, self._maps = None, {}
@@ -94,8 +99,8 @@ class _Batch:
 
     def _keep_maps(self):
         """Objects that have a map which fits are done, and lend it."""
-        for name in list(self.left):
-            mesh = bpy.data.objects[name].data
+        for key in list(self.left):
+            mesh = bpy.data.objects[key].data
             try:
                 symmetry = stored_map.load(mesh)
             except stored_map.StaleMap:
@@ -103,8 +108,8 @@ class _Batch:
             symmetry.fixed_curve = stored_map.fixed_lines(mesh)
             record = mesh[stored_map.RECORD]
             self._maps.setdefault(record["connectivity"], (symmetry, record["doubtful"]))
-            self.kept.append(name)
-            self.left.remove(name)
+            self.kept.append(key[0])
+            self.left.remove(key)
 
     def is_busy(self):
         return self._job is not None and self._job.is_running()
@@ -122,13 +127,15 @@ class _Batch:
             self.left.pop(0)
             return
         try:
+            if problem := mesh_data.why_fixed(object):
+                raise mesh_data.MeshProblem(f"the mesh {problem}")
             if self._job is None and not self._begin(context, object):
                 return
             if wait or not self._job.is_running():
                 self._end(object)
         except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
             self._job = None
-            self.without.append(f"{self.left.pop(0)}: {sentence(problem)}")
+            self.without.append(f"{self.left.pop(0)[0]}: {problem}")
 
     def _begin(self, context, object):
         """Takes over a map, or starts the worker; whether there is a worker."""
@@ -140,13 +147,13 @@ class _Batch:
         symmetry, is_doubtful = known
         left = left_side.left_of(object, symmetry.side)
         stored_map.store(object.data, core_mesh, symmetry, is_doubtful, left)
-        self.shared.append(self.left.pop(0))
+        self.shared.append(self.left.pop(0)[0])
         return False
 
     def _end(self, object):
         job, self._job = self._job, None
         found = job.answer()
-        name = self.left.pop(0)
+        name, _ = self.left.pop(0)
         if not found:
             self.without.append(name)
             return

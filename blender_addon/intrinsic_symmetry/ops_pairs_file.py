@@ -6,7 +6,7 @@ import intrinsym
 import numpy as np
 from bpy_extras.io_utils import ExportHelper, ImportHelper
 
-from . import asymmetry, left_side, mesh_data, pairs_file, stored_map, vertex_map
+from . import asymmetry, left_side, mesh_data, pairs_check, pairs_file, stored_map, vertex_map
 from .operator_base import MapOperator, MeshOperator
 
 
@@ -55,9 +55,8 @@ class INTRINSIC_SYMMETRY_OT_import_pairs(ImportHelper, MeshOperator, bpy.types.O
         except OSError as problem:
             raise mesh_data.MeshProblem(f'The file "{self.filepath}" cannot be read: {problem.strerror}') from None
         core_mesh = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
-        _check(columns, about, core_mesh)
+        pairs_check.check(columns, about, mesh, core_mesh)
         symmetry = _restored(core_mesh, mesh, columns, about)
-        _check_pairs(columns["partner"], mesh)
         left = (1, "the file") if "side" in columns else left_side.left_of(object, symmetry.side)
         stored_map.store(mesh, core_mesh, symmetry, left=left)
         mesh.update()
@@ -91,39 +90,15 @@ def _about(symmetry, mesh):
     }
 
 
-def _check(columns, about, core_mesh):
-    """Raises MeshProblem where the pairs are of another mesh."""
-    count = len(columns["partner"])
-    if count != core_mesh.vertex_count:
-        raise mesh_data.MeshProblem(f"The file speaks of {count} vertices, the mesh has {core_mesh.vertex_count}")
-    if about.get("connectivity", "") not in ("", f"{core_mesh.connectivity_hash:016x}"):
-        raise mesh_data.MeshProblem("The file belongs to a mesh with other faces")
-
-
-def _check_pairs(partner, mesh):
-    """Raises MeshProblem where most partners do not lead back to their vertex or a neighbour of it."""
-    found = np.flatnonzero(partner >= 0)
-    own, back = found, partner[partner[found]]
-    steps = np.sort(np.stack([own, back], axis=1), axis=1) @ (len(partner), 1)
-    edges = np.sort(mesh_data.edges(mesh).astype(np.int64), axis=1) @ (len(partner), 1)
-    share = ((own == back) | np.isin(steps, edges)).mean() if len(found) else 1.0
-    if share <= 0.5:
-        raise mesh_data.MeshProblem(
-            f"Only {share:.0%} of the vertices are the partner of their partner: these are not pairs of a symmetry"
-        )
-
-
 def _restored(core_mesh, mesh, columns, about):
     partner = columns["partner"]
     found = partner >= 0
-    kind = intrinsym.SymmetryKind[about.get("kind", "reflection").upper()]
+    kind = intrinsym.SymmetryKind[about.get("kind", pairs_file.KINDS[0]).upper()]
     points = _surface_points(core_mesh, columns)
     side = columns["side"] if "side" in columns else _sides(mesh, partner)
     symmetry = core_mesh.restore(kind, partner, columns.get("confidence", found.astype(float)), side, points)
     symmetry.fixed_curve = [
-        intrinsym.CurveLine(
-            np.array(line["edges"], np.uint32).reshape(-1, 2), np.array(line["parameters"], np.float32), line["closed"]
-        )
+        intrinsym.CurveLine(line.edges.astype(np.uint32), line.parameters.astype(np.float32), line.closed)
         for line in about.get("lines", ())
     ]
     return symmetry

@@ -59,6 +59,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
         chosen = names if self.all_keys else [active.name]
         if not self.exchange_names:
             return [(name,) for name in chosen]
+        chosen = self.without_too_long(chosen, names)
         sizes = mesh_data.key_sizes(object.data)[:, [keys.key_blocks.find(name) for name in names]]
         misread, filled = counterparts.one_sided(names, sizes, symmetry, self.merge)
         self.fill([name for name in chosen if name in filled and not keys.key_blocks[name].lock_shape])

@@ -5,6 +5,7 @@ import bpy
 
 from . import asymmetry, left_side, line_distance, mesh_data, side_names, stored_map, undo
 from .operator_base import MapOperator, MeshOperator
+from .weights import read_weights
 
 
 class INTRINSIC_SYMMETRY_OT_split_shape_key(MapOperator, bpy.types.Operator):
@@ -62,11 +63,21 @@ class INTRINSIC_SYMMETRY_OT_join_shape_keys(MeshOperator, bpy.types.Operator):
         if other is None or other == key:
             raise mesh_data.MeshProblem(f'"{key.name}" has no key of the other side')
         _must_be_free(keys, name)
-        moved = [mesh_data.key_positions(one) - mesh_data.key_positions(one.relative_key) for one in (key, other)]
+        same_mask = key.vertex_group == other.vertex_group
+        moved = [_moved(object, one, with_mask=not same_mask) for one in (key, other)]
         made = _new_key(object, name, key)
+        made.vertex_group = key.vertex_group if same_mask else ""
         mesh_data.set_key_positions(made, mesh_data.key_positions(key.relative_key) + sum(moved))
         object.active_shape_key_index = keys.key_blocks.find(made.name)
         return f"{made.name} is {key.name} and {other.name} together"
+
+
+def _moved(object, key, with_mask):
+    """(vertices, 3) how far a key moves the vertices: as it is, or as its vertex group lets it."""
+    moved = mesh_data.key_positions(key) - mesh_data.key_positions(key.relative_key)
+    if not with_mask or key.vertex_group not in object.vertex_groups:
+        return moved
+    return moved * read_weights(object)[:, [object.vertex_groups[key.vertex_group].index]]
 
 
 def _new_key(object, name, like):
@@ -88,6 +99,7 @@ def _without_active_key(object):
 
 
 def _must_be_free(keys, *names):
+    side_names.refuse_too_long(names)
     for name in names:
         if name in keys.key_blocks:
             raise mesh_data.MeshProblem(f'"{name}" is there already: rename or delete it first')

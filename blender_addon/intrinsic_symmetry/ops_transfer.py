@@ -42,6 +42,7 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
         if not others:
             raise mesh_data.MeshProblem("Select the objects to transfer to, the one to transfer from last")
         others = list({other.data: other for other in others}.values())  # one of those that share a mesh
+        mesh_data.refuse_fixed(others)
         source = _core_mesh(object)
         kind, points = self._map(object, source)
         scales = [_scale(object, other) for other in others]
@@ -77,10 +78,11 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
     def _give_keys(self, joined, object, other, scale):
         """How many keys were given, and names of those that were there or locked."""
         keys, kept = _chosen_keys(object, self.what == "KEYS"), []
+        every = object.data.shape_keys.key_blocks.keys()
+        side_names.refuse_too_long(self._name(key.name, every) for key in keys)
         if other.data.shape_keys is None:
             other.shape_key_add(name="Basis", from_mix=False)
         there = mesh_data.key_positions(other.data.shape_keys.reference_key).astype(float)
-        every = object.data.shape_keys.key_blocks.keys()
         for key in keys:
             name = self._name(key.name, every)
             target = other.data.shape_keys.key_blocks.get(name)
@@ -100,6 +102,7 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
         names = [self._name(name, own) for name in own]
         if not names:
             raise mesh_data.MeshProblem(f'"{object.name}" has no vertex groups')
+        side_names.refuse_too_long(names)
         may_write = [name not in groups or self.replace and not groups[name].lock_weight for name in names]
         for name, free in zip(names, may_write):
             if free and name not in groups:

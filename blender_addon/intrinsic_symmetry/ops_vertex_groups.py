@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
-from . import counterparts, left_side, side_names
+from . import counterparts, left_side, mesh_data, side_names
 from .mirroring import NamedMirrorProperties, blend
 from .operator_base import MapOperator
 from .weights import SMALLEST, normalized, read_weights, write_weights
@@ -38,6 +38,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
     def run_with(self, symmetry, _context, object, mode):
         symmetry = left_side.agreed(self, object, symmetry)
         if not self.all_groups:
+            if object.vertex_groups.active is None:
+                raise mesh_data.MeshProblem("No vertex group is active: choose one")
             self.let_win(object.vertex_groups.active.name)
         self.shares(symmetry)  # refuses a half turn
         before = read_weights(object)
@@ -72,6 +74,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
         if not self.exchange_names:
             return names
         every = [group.name for group in object.vertex_groups]
+        names = self.without_too_long(names, every)
         misread, filled = counterparts.one_sided(every, weights, symmetry, self.merge)
         central = counterparts.central(every, weights, symmetry.side)
         self.fill([name for name in names if name in filled and not object.vertex_groups[name].lock_weight])

@@ -8,6 +8,7 @@ Of the columns only `partner` is needed.
 
 import csv
 import json
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +19,20 @@ from .mesh_data import MeshProblem
 COLUMNS = {"partner": int, "confidence": float, "side": int, "face": int}
 COLUMNS.update({f"corner_{place}": int for place in range(3)})
 COLUMNS.update({f"weight_{place}": float for place in range(3)})
+_TYPES = {int: np.int64, float: np.float64}
 FORMAT, VERSION = "intrinsym-pairs", 1
+KINDS = "reflection", "half_turn"
+#: Programs may begin a file with a mark of its encoding.
+_ENCODING = "utf-8-sig"
+
+
+@dataclass(frozen=True)
+class Line:
+    """One piece of the line between left and right, as a file holds it."""
+
+    edges: np.ndarray  # (points, 2) int64
+    parameters: np.ndarray  # (points,) float64
+    closed: bool
 
 
 def write(path, columns, about):
@@ -47,20 +61,31 @@ def read(path):
         raise MeshProblem(f"Pairs are read from .csv, .json and .map, not from {path.name}")
     try:
         return readers[path.suffix.lower()](path)
-    except (ValueError, KeyError, TypeError, AttributeError) as problem:
+    except ValueError as problem:
         raise MeshProblem(f"The file {path.name} holds no pairs of vertices: {problem}") from None
+    except (KeyError, TypeError, AttributeError, OverflowError, csv.Error):
+        said = "it is damaged, or written in another form"
+        raise MeshProblem(f"The file {path.name} holds no pairs of vertices: {said}") from None
 
 
 def _read_json(path):
-    stored = json.loads(path.read_text())
+    stored = json.loads(path.read_text(_ENCODING))
     if (stored.get("format"), stored.get("version")) != (FORMAT, VERSION):
         raise ValueError(f'its format is not "{FORMAT}", version {VERSION}')
     about = {name: value for name, value in stored.items() if name not in COLUMNS}
+    if about.setdefault("kind", KINDS[0]) not in KINDS:
+        raise ValueError(f'the kind "{about["kind"]}" is none of {", ".join(KINDS)}')
+    about["lines"] = list(map(_line, about.get("lines", ())))
     return _arrays({name: stored[name] for name in COLUMNS if name in stored}), about
 
 
+def _line(stored):
+    edges = np.array(stored["edges"], np.int64).reshape(-1, 2)
+    return Line(edges, np.array(stored["parameters"], np.float64), bool(stored["closed"]))
+
+
 def _read_csv(path):
-    with path.open(newline="") as file:
+    with path.open(newline="", encoding=_ENCODING) as file:
         rows = list(csv.DictReader(file))
     given = [name for name in COLUMNS if rows and name in rows[0]]
     if rows and "vertex" in rows[0]:
@@ -71,13 +96,13 @@ def _read_csv(path):
 
 
 def _read_map(path):
-    return _arrays({"partner": path.read_text().split()}), {}
+    return _arrays({"partner": path.read_text(_ENCODING).split()}), {}
 
 
 def _arrays(columns):
     if "partner" not in columns:
         raise ValueError("there is no column partner")
-    arrays = {name: np.array(list(map(COLUMNS[name], values))) for name, values in columns.items()}
+    arrays = {name: np.array(list(map(COLUMNS[name], values)), _TYPES[COLUMNS[name]]) for name, values in columns.items()}
     if len({len(values) for values in arrays.values()}) > 1:
         raise ValueError("its columns are not equally long")
     return arrays

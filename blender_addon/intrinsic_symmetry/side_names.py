@@ -8,7 +8,10 @@ between them, such as in `Eyes_L_R`, the name is of both and has none.
 import re
 
 from . import preferences
+from .mesh_data import MeshProblem
 
+#: Bytes of the longest name that Blender keeps; what is longer is cut off.
+_MOST_BYTES = 63
 #: The words of the left, and those of the right in the same place.
 _LEFT, _RIGHT = ("left", "l", "左"), ("right", "r", "右")
 
@@ -57,6 +60,17 @@ def counterpart(name, names):
         return other
     there, own = ([each for each in names if _plain(each) == _plain(given)] for given in (other, name))
     return there[0] if len(there) == len(own) == 1 else other
+
+
+def is_too_long(name):
+    """Whether Blender would cut a name."""
+    return len(name.encode()) > _MOST_BYTES
+
+
+def refuse_too_long(names):
+    """Raises MeshProblem where Blender would cut one of the names."""
+    for name in filter(is_too_long, names):
+        raise MeshProblem(f'"{name}" is too long for Blender: shorten the name')
 
 
 def _plain(name):

@@ -216,3 +216,13 @@ def test_a_mesh_that_changed_meanwhile_does_not_get_the_map(quadruped, changed):
     else:
         with pytest.raises(module("mesh_data").MeshProblem, match="Detect again"):
             keep(quadruped, core_mesh, found)
+
+
+@pytest.mark.parametrize("place", [1e10, 1e20, 3e38])
+def test_a_vertex_far_from_all_others_is_named(human, place):
+    human.data.vertices[5].co.x = place
+    ops = bpy.ops.intrinsic_symmetry
+    for tool in (ops.detect, ops.symmetrize_exactly, ops.select_asymmetric):
+        with pytest.raises(RuntimeError, match="Vertex 5 is too far from all others: move or delete it") as refusal:
+            tool()
+        assert "Traceback" not in str(refusal.value)

@@ -218,3 +218,33 @@ def test_a_key_made_among_absolute_ones_is_named(human, swelling, relative, capf
     human.data.shape_keys.use_relative = relative
     text = said(capfd, ops.mirror_shape_keys)
     assert ("absolute" in text) is not relative and ('"Swell.R"' in text) is not relative
+
+
+def test_a_mask_on_one_side_is_mirrored_though_its_name_says_no_side(human, swelling, truth):
+    weight = np.linalg.norm(swelling, axis=1) / np.linalg.norm(swelling, axis=1).max()
+    group = human.vertex_groups.new(name="mask")
+    for vertex in np.flatnonzero(weight).tolist():
+        group.add((vertex,), float(weight[vertex]), "REPLACE")
+    _key(human, "Smile.L", swelling).vertex_group = "mask"
+    ops.mirror_shape_keys()
+    keys = human.data.shape_keys.key_blocks
+    assert (keys["Smile.L"].vertex_group, keys["Smile.R"].vertex_group) == ("mask", "mask.R")
+    read = module("weights").read_weights(human)
+    column = human.vertex_groups["mask.R"].index
+    assert np.allclose(read[truth, column], weight, atol=1e-5)
+
+
+def test_a_mask_on_both_sides_stays(human, swelling):
+    human.vertex_groups.new(name="mask").add(range(len(swelling)), 0.5, "REPLACE")
+    _key(human, "Smile.L", swelling).vertex_group = "mask"
+    ops.mirror_shape_keys()
+    assert human.data.shape_keys.key_blocks["Smile.R"].vertex_group == "mask"
+    assert human.vertex_groups.keys() == ["mask"]
+
+
+def test_a_mask_whose_twin_has_too_long_a_name(human, swelling):
+    human.vertex_groups.new(name=62 * "m").add(np.flatnonzero(swelling.any(axis=1)).tolist(), 1, "REPLACE")
+    _key(human, "Smile.L", swelling).vertex_group = 62 * "m"
+    with pytest.raises(RuntimeError, match='"m{62}.R" is too long for Blender: shorten the name'):
+        ops.mirror_shape_keys()
+    assert "Smile.R" not in human.data.shape_keys.key_blocks

@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, positions, select
+from conftest import attribute, enter, module, positions, said, select
 from intrinsym import Merge
 
 ops = bpy.ops.intrinsic_symmetry
@@ -307,3 +307,28 @@ def test_attributes_that_cannot_be_mirrored(human):
     for name in ("position", "sym_vertex", "nowhere"):
         with pytest.raises(RuntimeError, match=name):
             ops.mirror_attribute(name=name)
+
+
+LONG = 59 * "x" + "Left"
+
+
+def test_a_group_whose_twin_has_too_long_a_name_is_left_alone(human, bump, capfd):
+    _add_group(human, LONG, bump)
+    _add_group(human, "Arm.L", bump)
+    message = said(capfd, ops.mirror_vertex_groups)
+    assert f'Left alone: "{LONG}" (the name of the other side is too long for Blender: shorten it)' in message
+    assert sorted(human.vertex_groups.keys()) == ["Arm.L", "Arm.R", LONG]
+
+
+def test_a_key_whose_twin_has_too_long_a_name_is_left_alone(human, bump, capfd):
+    _key(human, LONG, 0.01 * bump[:, None] * _normals(human))
+    message = said(capfd, ops.mirror_shape_keys)
+    assert f'Left alone: "{LONG}" (the name of the other side is too long for Blender: shorten it)' in message
+    assert human.data.shape_keys.key_blocks.keys() == ["Basis", LONG]
+
+
+def test_no_group_is_active(human, bump):
+    _add_group(human, "Arm.L", bump)
+    human.vertex_groups.active_index = -1
+    with pytest.raises(RuntimeError, match="No vertex group is active: choose one"):
+        ops.mirror_vertex_groups(all_groups=False)

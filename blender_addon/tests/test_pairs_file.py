@@ -7,7 +7,7 @@ import json
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module
+from conftest import attribute, enter, module, positions
 
 ops = bpy.ops.intrinsic_symmetry
 
@@ -98,3 +98,108 @@ def test_partners_that_do_not_lead_back_are_refused(human, tmp_path):
     with pytest.raises(RuntimeError, match="Only .*% of the vertices are the partner of their partner"):
         ops.import_pairs(filepath=str(tmp_path / "mine.map"))
     assert all(np.array_equal(values, attribute(human.data, name)) for name, values in before.items())
+
+
+def _refused(object, path, text, problem):
+    """The file is refused in words, and the map that was there stays."""
+    path.write_text(text)
+    before = _attributes(object.data)
+    with pytest.raises(RuntimeError, match=problem) as refusal:
+        ops.import_pairs(filepath=str(path))
+    assert "Traceback" not in str(refusal.value)
+    assert all(np.array_equal(values, attribute(object.data, name)) for name, values in before.items())
+
+
+@pytest.mark.parametrize("column, value, problem", [
+    ("partner", 13380, "The column partner holds 13380: it goes from -1, for none, to 13379"),
+    ("partner", -7, "The column partner holds -7: "),
+    ("partner", 10**30, "holds no pairs"),
+    ("confidence", "nan", "The column confidence holds nan: it goes from 0 to 1"),
+    ("confidence", 7, "The column confidence holds 7.0: "),
+    ("side", 300, "The column side holds 300: it goes from -1 to 1"),
+    ("face", 99999999, "The column face holds 99999999: it goes from -1, for none, to 13377"),
+    ("corner_0", 99999999, "The column corner_0 holds 99999999: "),
+    ("weight_0", "nan", "The column weight_0 holds nan: it goes from 0 to 1"),
+])
+def test_numbers_out_of_range_are_refused(human, tmp_path, column, value, problem):
+    path = tmp_path / "pairs.csv"
+    ops.export_pairs(filepath=str(path))
+    head, *rows = list(csv.reader(path.open()))
+    rows[5][head.index(column)] = str(value)
+    _refused(human, path, "\n".join(map(",".join, [head, *rows])), problem)
+
+
+def test_partners_on_one_side_are_refused(human, tmp_path):
+    path = tmp_path / "pairs.csv"
+    ops.export_pairs(filepath=str(path))
+    head, *rows = list(csv.reader(path.open()))
+    for row in rows:
+        row[head.index("side")] = "1"
+    _refused(human, path, "\n".join(map(",".join, [head, *rows])), "Most partners are on the same side")
+
+
+def test_a_map_that_counts_from_1_is_refused(human, truth, tmp_path):
+    _refused(human, tmp_path / "mine.map", "\n".join(map(str, truth + 1)), "holds 13380: .* count from 0")
+
+
+_LINE = {"edges": [[0, 1]], "parameters": [0.5], "closed": False}
+
+
+@pytest.mark.parametrize("changed, problem", [
+    ({"kind": "banana"}, 'the kind "banana" is none of reflection, half_turn'),
+    ({"kind": 3}, 'the kind "3" is none of'),
+    ({"lines": 5}, "holds no pairs of vertices: it is damaged, or written in another form"),
+    ({"lines": [5]}, "holds no pairs"),
+    ({"lines": [_LINE | {"edges": [[0, 99999999]]}]}, "The line between left and right holds the vertex 99999999"),
+    ({"lines": [_LINE | {"edges": [[0, -1]]}]}, "The line between left and right holds the vertex -1"),
+    ({"lines": [_LINE | {"parameters": [float("nan")]}]}, "The line between left and right"),
+    ({"lines": [_LINE | {"parameters": [0.5, 0.5]}]}, "The line between left and right"),
+    ({"lines": [{"edges": [[0, 1]]}]}, "holds no pairs"),
+])
+def test_a_json_with_a_wrong_kind_or_line_is_refused(human, tmp_path, changed, problem):
+    path = tmp_path / "pairs.json"
+    ops.export_pairs(filepath=str(path), file_type=".json")
+    _refused(human, path, json.dumps(json.loads(path.read_text()) | changed), problem)
+
+
+def test_pairs_at_random_are_refused(quadruped, tmp_path):
+    """Each is the partner of its partner, but neighbours have partners that are far apart."""
+    count = len(quadruped.data.vertices) // 2 * 2
+    one, two = np.random.default_rng(0).permutation(count).reshape(2, -1)
+    partner = np.arange(len(quadruped.data.vertices))
+    partner[one], partner[two] = two, one
+    text = "\n".join(map(str, partner))
+    _refused(quadruped, tmp_path / "mine.map", text, "Neighbours have partners that are far from each other")
+
+
+def test_a_small_mesh_takes_its_pairs(tmp_path):
+    """A cube's neighbours are as far apart as any two of its vertices."""
+    bpy.ops.mesh.primitive_cube_add()
+    places = positions(bpy.context.object.data)
+    mirrored = places * (-1, 1, 1)
+    partner = np.linalg.norm(places - mirrored[:, None], axis=2).argmin(axis=1)
+    (tmp_path / "mine.map").write_text("\n".join(map(str, partner)))
+    assert ops.import_pairs(filepath=str(tmp_path / "mine.map")) == {"FINISHED"}
+
+
+@pytest.mark.parametrize("kind", ["csv", "json", "map"])
+def test_files_of_programs_that_mark_their_encoding(human, truth, tmp_path, kind):
+    path = tmp_path / f"pairs.{kind}"
+    if kind == "map":
+        path.write_text("\n".join(map(str, truth)))
+    else:
+        ops.export_pairs(filepath=str(path), file_type=f".{kind}")
+    text = path.read_text()
+    if kind == "csv":  # in another order, too
+        head, *rows = text.splitlines()
+        text = "\n".join([head, *rows[::-1]])
+    path.write_text("\ufeff" + text)
+    ops.clear()
+    assert ops.import_pairs(filepath=str(path)) == {"FINISHED"}
+    assert np.array_equal(attribute(human.data, "sym_vertex"), truth)
+
+
+def test_a_file_of_bytes_is_refused(human, tmp_path):
+    (tmp_path / "pairs.csv").write_bytes(b"vertex,partner\n0,\x000\n\r\r")
+    with pytest.raises(RuntimeError, match="The file pairs.csv holds no pairs"):
+        ops.import_pairs(filepath=str(tmp_path / "pairs.csv"))

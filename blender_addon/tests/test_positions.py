@@ -5,7 +5,19 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, new_object, positions, read_example, said, select, truth_of
+from conftest import (
+    attribute,
+    edit_faces,
+    enter,
+    faces_around,
+    module,
+    new_object,
+    positions,
+    read_example,
+    said,
+    select,
+    truth_of,
+)
 from mathutils import Matrix
 
 ops = bpy.ops.intrinsic_symmetry
@@ -237,3 +249,15 @@ def test_detail_of_multires_is_said_to_stay(human, tool, capfd):
     assert "Multires" not in said(capfd, getattr(ops, tool))
     bpy.ops.object.multires_subdivide(modifier="Detail")
     assert modifier.total_levels == 1 and 'Multires detail of "human"' in said(capfd, getattr(ops, tool))
+
+
+@pytest.mark.parametrize("edit", [bpy.ops.mesh.extrude_region_move, bpy.ops.mesh.subdivide])
+def test_an_edit_that_adds_vertices_is_said_to_be_another_tool_s(human, edit):
+    near, _ = faces_around(human.data, int(positions(human.data)[:, 0].argmax()), slice(0, 8))
+    edit_faces(human, near)
+    bpy.ops.transform.translate(value=(0, 0, 0.03))
+    edit()
+    with pytest.raises(RuntimeError, match="Vertices were added or removed in edit mode: use Symmetrize Topology"):
+        ops.mirror_edit()
+    bpy.ops.transform.translate(value=(0, 0, 0.01))
+    assert ops.mirror_edit() == {"FINISHED"}, "what is moved after that is mirrored"

@@ -147,3 +147,31 @@ def test_undo_in_edit_mode_leaves_keys_that_others_made(human, smile):
     bpy.ops.ed.undo_push(message="made")
     bpy.ops.ed.undo()
     assert bpy.context.object.data.shape_keys.key_blocks.keys() == ["Basis", "Smile", "Other"]
+
+
+def _shape(object, **values):
+    """(vertices, 3) as the mesh is shown with the keys of these values."""
+    for key in object.data.shape_keys.key_blocks:
+        key.value = values.get(key.name.replace(".", "_"), 0)
+    bpy.context.view_layer.update()
+    return positions(object.evaluated_get(bpy.context.evaluated_depsgraph_get()).data)
+
+
+@pytest.mark.parametrize("masks", [("Left", "Right"), ("Left", "Left"), ("Left", "")])
+def test_joined_keys_move_what_both_moved_with_their_masks(human, smile, masks):
+    side = attribute(human.data, "sym_side")
+    for name, on in (("Left", 1), ("Right", -1)):
+        human.vertex_groups.new(name=name).add(np.flatnonzero(side == on).tolist(), 0.75, "REPLACE")
+    human.shape_key_remove(human.active_shape_key)
+    for name, mask in zip(("Smile.R", "Smile.L"), masks[::-1]):
+        _key(human, name, smile).vertex_group = mask
+    both = _shape(human, Smile_L=1, Smile_R=1)
+    ops.join_shape_keys()
+    assert np.abs(_shape(human, Smile=1) - both).max() < 1e-6
+
+
+def test_a_name_without_room_for_a_side_is_not_split(human, smile):
+    human.active_shape_key.name = "S" * 62
+    with pytest.raises(RuntimeError, match='"S{62}.L" is too long for Blender: shorten the name'):
+        ops.split_shape_key()
+    assert len(human.data.shape_keys.key_blocks) == 2

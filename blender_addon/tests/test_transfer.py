@@ -128,3 +128,11 @@ def test_objects_that_share_a_mesh_are_one(pair, capfd):
     bpy.context.scene.collection.objects.link(twin)
     twin.select_set(True)
     assert "1 shape keys transferred to 1 objects" in said(capfd, ops.transfer, what="KEY")
+
+
+def test_names_that_are_too_long_on_the_other_side_are_refused(pair):
+    human, other, _ = pair
+    human.vertex_groups[0].name = 59 * "x" + "Left"
+    with pytest.raises(RuntimeError, match='"x{59}Right" is too long for Blender: shorten the name'):
+        ops.transfer(what="WEIGHTS", across=True)
+    assert not other.vertex_groups
