@@ -2,8 +2,9 @@
 """The map of an edited mesh, from what is left of the old one.
 
 Old vertices keep their images, as long as the vertices around these are there. Else the image is where the surface is
-nearest to its old place; if that is farther away than half an edge, what held it is gone, and so is the image. Duplicates,
-as an extrusion makes them, have the images of their originals. Where both sides got the same edit, new vertices are paired (`carried_walk`). All
+nearest to its old place; if that is farther away than half an edge, what held it is gone, and so is the image.
+Duplicates, as an extrusion makes them, have the images of their originals. Where both sides got the same edit, new
+vertices are paired (`carried_walk`). All
 others lie between the images of their neighbours.
 """
 
@@ -145,8 +146,8 @@ class CarriedMap:
 
     @property
     def edits(self):
-        """How many vertices on the left and on the right were edited, or lost by the other side's images, apart from what
-        was done on both sides alike. After `found`."""
+        """How many vertices on the left and on the right were edited, or were images and are gone, apart from what was
+        done on both sides alike. After `found`."""
         edited, lost = self._edited & ~self._alike(), ~self.new & ~self._kept & self._had
         return [np.count_nonzero(edited & (self._side == at) | lost & (self._side == -at)) for at in (1, -1)]
 

@@ -40,10 +40,9 @@ def _bring(mesh):
     symmetry.fixed_curve = _lines(mesh, new_of)
     left = (1, record["left_from"])
     stored_map.store(mesh, core_mesh, symmetry, record.get("doubtful", False), left, record["exact_share"])
-    left, right = carried.edits
-    former = record.get("edited", (0, 0)), record.get("edited_side", 0)
-    edited = {"edited": [former[0][0] + left, former[0][1] + right], "edited_side": int(np.sign(left - right)) or former[1]}
-    mesh[stored_map.RECORD].update(edited)
+    edits = np.array(carried.edits)
+    side = int(np.sign(edits[0] - edits[1])) or record.get("edited_side", 0)
+    mesh[stored_map.RECORD].update({"edited": (edits + record.get("edited", (0, 0))).tolist(), "edited_side": side})
     extruded = carried.extruded()
     if extruded.any():
         mesh_data.write_attribute(mesh, stored_map.EXTRUDED, "BOOLEAN", extruded)

@@ -35,8 +35,8 @@ def _edit(object, faces, name):
 
 
 def _assert_valid(object, lost=()):
-    """The map fits, and exchanges the sides; returns it, and the vertices that have faces. Of some edits, `lost`, the right
-    side loses images."""
+    """The map fits, and exchanges the sides; returns it, and the vertices that have faces and images. By some edits,
+    `lost`, the right side loses images."""
     enter("OBJECT")
     symmetry = module("stored_map").load(object.data)
     used = np.unique([vertex for face in object.data.polygons for vertex in face.vertices])
@@ -220,7 +220,8 @@ def test_another_edit_gives_no_image_back(human):
     ops.carry()
     enter("OBJECT")
     partner, side = attribute(human.data, "sym_vertex"), attribute(human.data, "sym_side")
-    assert len(partner) > len(lost) and np.count_nonzero(partner < 0) == np.count_nonzero(lost) + len(partner) - len(lost)
+    new = len(partner) - len(lost)
+    assert new > 0 and np.count_nonzero(partner < 0) == np.count_nonzero(lost) + new
     assert (side[partner < 0] == -1).all()
 
 

@@ -377,6 +377,7 @@ def test_an_edit_of_faces_alone_arrives_on_the_other_side(human, edit, side, cap
     FACE_EDITS[edit]()
     enter("OBJECT")
     bpy.context.view_layer.objects.active = human
+    both.select_set(False)
     _select_feet(human, (side,))
     FACE_EDITS[edit]()
     enter("OBJECT")
