@@ -4,8 +4,7 @@
 Old vertices keep their images, as long as the vertices around these are there. Else the image is where the surface is
 nearest to its old place; if that is farther away than half an edge, what held it is gone, and so is the image.
 Duplicates, as an extrusion makes them, have the images of their originals. Where both sides got the same edit, new
-vertices are paired (`carried_walk`). All
-others lie between the images of their neighbours.
+vertices are paired (`carried_walk`). All others lie between the images of their neighbours.
 """
 
 import intrinsym
