@@ -103,6 +103,10 @@ class Attached:
             if child.parent in users and child.parent_type in ("VERTEX", "VERTEX_3") and child.library is None
         ]
 
+    @property
+    def names(self):
+        return [each.name for each, _ in self._hooks + self._children]
+
     def renumber(self, source, old, places):
         """Gives them the new numbers of the vertices with the sources that `half_copy` writes; of those that are not
         there any more, the ones nearest to their `old` places."""

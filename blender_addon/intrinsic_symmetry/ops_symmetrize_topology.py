@@ -8,6 +8,7 @@ import numpy as np
 from intrinsym import Merge, SymmetryKind
 
 from . import half_copy, half_data, half_form, half_line, half_map, left_side, mesh_data, stored_map
+from .counterparts import listed
 from .mirroring import DIRECTIONS, MERGE
 from .operator_base import MapOperator
 from .ops_positions import forget
@@ -32,7 +33,7 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         + [entry[:3] for entry in DIRECTIONS[:2]],
     )
 
-    def run_with(self, symmetry, _context, object, _mode):
+    def run_with(self, symmetry, _context, object, mode):
         self._refuse(symmetry, object)
         symmetry = left_side.agreed(self, object, symmetry)
         mesh = object.data
@@ -43,6 +44,8 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         half = _Half(object, symmetry, winner)
         forget(mesh)
         half.fill(object, symmetry)
+        if mode == "EDIT" and half.attached.names:
+            self.warn(f"Undo in edit mode does not take back the vertices of {listed(half.attached.names)}")
         stored_map.store(mesh, half.core_mesh, half.known, left=(1, left_from), exact_share=1.0)
         mesh.update()
         if mesh.has_custom_normals:
@@ -86,7 +89,7 @@ class _Half:
             self._halves = halves = half_line.halves(bm, mesh, symmetry, winner)
             if not (halves.labels == half_line.WINS).any():
                 raise mesh_data.MeshProblem("No part of the mesh has a mirror image on the other side")
-            self._old, self._attached = half_data.Old(object, halves), half_data.Attached(mesh)
+            self._old, self.attached = half_data.Old(object, halves), half_data.Attached(mesh)
             half_copy.rebuild(bm, halves)
             bm.to_mesh(mesh)
         finally:
@@ -110,7 +113,7 @@ class _Half:
         old.give_positions(object, mix, places - mix.of(old.positions))
         old.give_points(object, mix, copies)
         old.give_corners(mesh, self._copied, places)
-        self._attached.renumber(self._source, old.positions, places)
+        self.attached.renumber(self._source, old.positions, places)
 
 
 def _taken(mesh, name):

@@ -435,7 +435,7 @@ def test_a_deleted_hand_comes_back(human):
     assert np.allclose(weights[away], (1, 0))
 
 
-def test_hooks_and_children_of_vertices_stay_where_they_are(human):
+def test_hooks_and_children_of_vertices_stay_where_they_are(human, mode, capfd):
     side, places = attribute(human.data, "sym_side"), positions(human.data)
     tips = [int(np.where(side == at, np.abs(places[:, 0]), 0).argmax()) for at in (1, -1)]
     for tip in tips:
@@ -446,8 +446,10 @@ def test_hooks_and_children_of_vertices_stay_where_they_are(human):
     wanted = [places[list(child.parent_vertices)] for child in human.children]
     _select_feet(human, (1,))
     bpy.ops.mesh.subdivide()
+    enter(mode)
+    words = said(capfd, ops.symmetrize_topology)
+    assert ("Undo in edit mode does not take back the vertices of hook" in words) == (mode == "EDIT")
     enter("OBJECT")
-    ops.symmetrize_topology()
     now = positions(human.data)
     for hook, tip, child, where in zip(human.modifiers, tips, human.children, wanted):
         assert np.allclose(now[list(hook.vertex_indices)], places[tip], atol=1e-5)
