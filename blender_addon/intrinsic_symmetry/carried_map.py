@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The map of an edited mesh, from what is left of the old one.
 
-Old vertices keep their images, as long as the vertices around these are there. Duplicates, as an extrusion makes them,
-have the images of their originals. Where both sides got the same edit, new vertices are paired (`carried_walk`). All
-others lie between the images of their neighbours.
+Old vertices keep their images, as long as the vertices around these are there. Else the image is where the surface is
+nearest to its old place; if that is farther away than half an edge, what held it is gone, and so is the image.
+Duplicates, as an extrusion makes them, have the images of their originals. Where both sides got the same edit, new
+vertices are paired (`carried_walk`). All others lie between the images of their neighbours.
 """
 
 import intrinsym
@@ -13,8 +14,8 @@ from mathutils.kdtree import KDTree
 from . import mesh_data, stored_map, vertex_map
 from .carried_walk import pairs
 from .neighbour_means import filled
-from .regions import components
-from .surface import Surface
+from .regions import around, components
+from .surface import Mix, Surface
 
 #: By how much the confidence of what is carried is lowered.
 _LOWERED = 0.5
@@ -24,19 +25,24 @@ _WHOLE = 0.999
 _SAME = 1e-5
 #: A mean of sides below this is on the line.
 _BETWEEN = 0.1
+#: An image is gone if the surface is farther from its old place than this share of the vertex' longest edge.
+_NEAR = 0.5
 
 
 class CarriedMap:
-    """Arrays have one row a vertex of the edited mesh; `new_of` and `original` as `carry` finds them."""
+    """Arrays have one row a vertex of the edited mesh; `new_of`, `original` and `ours` as `carry` finds them."""
 
-    def __init__(self, mesh, core_mesh, new_of, original):
+    def __init__(self, mesh, core_mesh, new_of, original, ours):
         self._mesh, self._core_mesh, self._new_of = mesh, core_mesh, new_of
         self._offsets, self._used = (np.asarray(part).astype(np.int64) for part in core_mesh.polygons)
         self._places, self._ends = mesh_data.positions(mesh).astype(float), mesh_data.edges(mesh).astype(np.int64)
         known = original >= 0
         self.new = ~known
         self.new[known] = new_of[original[known]] != np.flatnonzero(known)
+        self._known = known
         self._read(known)
+        self._relocate(known, ours)
+        self._edited = self._with_other_faces(original)
 
     def _read(self, known):
         """What the old vertices and their duplicates have."""
@@ -56,6 +62,41 @@ class CarriedMap:
         self._confidence = np.where(known, values[stored_map.CONFIDENCE], np.nan)
         self._side = np.where(known, values[stored_map.SIDE], np.nan)
         self._duplicates = known & self.new
+        self._had = values[stored_map.PARTNER] >= 0
+
+    def _relocate(self, known, ours):
+        """Puts images whose faces are gone onto the surface, all as it was when the map was stored."""
+        places, images = (
+            mesh_data.read_attribute(self._mesh.attributes[name]).astype(float)
+            for name in (stored_map.PLACE, stored_map.IMAGE)
+        )
+        self._gone = known & ~self._had
+        rows = np.flatnonzero(known & self._had & ~self._exact & (self._faces < 0))
+        self._gone[rows] = True
+        surface = Surface(self._mesh, places, ours) if len(rows) else None
+        if surface is None or not len(surface.faces):
+            return
+        triangle, weights = surface.feet(images[rows])
+        mix = Mix(surface.vertices[triangle], weights)
+        self._gone[rows] = np.linalg.norm(mix.of(places) - images[rows], axis=1) > _NEAR * self._reach(places)[rows]
+        there = ~(self._gone | self.new)[rows]
+        rows, triangle, mix = rows[there], triangle[there], mix.at(there)
+        self._faces[rows], self._corners[rows], self._weights[rows] = surface.faces[triangle], mix.rows, mix.weights
+        self._target[rows] = mix.of(self._places)
+
+    def _reach(self, places):
+        """(vertices,) the longest edge of each."""
+        lengths = np.linalg.norm(places[self._ends[:, 0]] - places[self._ends[:, 1]], axis=1)
+        reach = np.zeros(len(places))
+        for end in (0, 1):
+            np.maximum.at(reach, self._ends[:, end], lengths)
+        return reach
+
+    def _with_other_faces(self, original):
+        """(vertices,) bool: new ones, and those with other faces than when the map was stored."""
+        number = np.where(self.new, -1, original)
+        were = mesh_data.read_attribute(self._mesh.attributes[stored_map.AROUND])
+        return self.new | (around(self._offsets, self._used, number) != were)
 
     def _renumbered(self, old):
         """New numbers of old ones; -1 for none."""
@@ -93,13 +134,30 @@ class CarriedMap:
             np.where(self._exact[:, None], exact.corners, vertex_map.unsigned(self._corners)),
             np.where(self._exact[:, None], exact.barycentrics, self._weights),
         )
-        confidence, side = (np.where(has, np.nan_to_num(values), 0) for values in (self._confidence, self._side))
+        confidence = np.where(has, np.nan_to_num(self._confidence), 0)
+        side = np.nan_to_num(self._side)
         return self._core_mesh.restore(kind, self.partner, np.clip(confidence, 0, 1), side.astype(np.int8), points)
 
-    def edited_side(self):
-        """1 or -1: the side that has new vertices, or less of the old ones; 0 for neither. After `found`."""
-        lost = ~self.new & ~self._kept
-        return int(np.sign(np.nansum(self._side[self.new]) - np.nansum(self._side[lost])))
+    @property
+    def lost(self):
+        """How many old vertices have no image any more."""
+        return np.count_nonzero(self._gone & self._had & ~self.new)
+
+    @property
+    def edits(self):
+        """How many vertices on the left and on the right were edited, or were images and are gone, apart from what was
+        done on both sides alike. After `found`."""
+        edited, lost = self._edited & ~self._alike(), ~self.new & ~self._kept & self._had
+        return [np.count_nonzero(edited & (self._side == at) | lost & (self._side == -at)) for at in (1, -1)]
+
+    def _alike(self):
+        """(vertices,) bool: those whose faces are the mirror images of their partners' faces."""
+        own = around(self._offsets, self._used, np.arange(len(self.new)))
+        sizes = np.diff(self._offsets)
+        face = np.repeat(np.arange(len(sizes)), sizes)
+        backward = self._used[self._offsets[face] + self._offsets[face + 1] - 1 - np.arange(len(self._used))]
+        mirrored = around(self._offsets, backward, np.where(self._exact, self.partner, -1))
+        return self._exact & (mirrored == own[np.where(self._exact, self.partner, 0)])
 
     def extruded(self):
         """(vertices,) bool: duplicates without a partner of their own, what they enclose, and what is new between."""
@@ -111,17 +169,17 @@ class CarriedMap:
 
     def _fill(self):
         """Gives the vertices without values the means of their neighbours'."""
-        values = np.column_stack([self._target, self._confidence, self._side])
+        gone = np.where(self._known, self._gone, np.nan)
+        values = np.column_stack([self._target, self._confidence, self._side, gone])
         values = filled(values, self._ends, self._places, along_lines=True)
         self._target, self._confidence, side = values[:, :3], values[:, 3], values[:, 4]
         self._side = np.where(np.abs(side) < _BETWEEN, 0, np.sign(side))
+        self._gone = values[:, 5] > 0.5
+        self._target[self._gone] = np.nan
 
     def _walk(self):
         """Pairs new vertices where both sides got the same edit: where an image is expected, or on extrusions."""
-        lengths = np.linalg.norm(self._places[self._ends[:, 0]] - self._places[self._ends[:, 1]], axis=1)
-        reach = np.zeros(len(self.new))
-        for end in (0, 1):
-            np.maximum.at(reach, self._ends[:, end], lengths)
+        reach = self._reach(self._places)
 
         def may_pair(one, other):
             off = self._places[other] - self._target[one]
@@ -133,7 +191,7 @@ class CarriedMap:
     def _pair(self, twins):
         vertices, partners = (np.fromiter(part, np.int64, len(twins)) for part in (twins.keys(), twins.values()))
         self.partner[vertices], self._exact[vertices] = partners, True
-        self._target[vertices] = self._places[partners]
+        self._target[vertices], self._gone[vertices] = self._places[partners], False
 
     def _enclosed(self, duplicates):
         """(vertices,) bool: what duplicates cut off from the most of its shell, as the inside of what was extruded."""

@@ -34,22 +34,25 @@ def _bring(mesh):
     """Stores the map that fits the edited mesh; in words, what was done. Raises StaleMap where too much has changed."""
     record = mesh[stored_map.RECORD].to_dict()
     core_mesh = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
-    new_of, original = _identities(mesh, record)
-    carried = CarriedMap(mesh, core_mesh, new_of, original)
+    new_of, original, ours = _identities(mesh, record)
+    carried = CarriedMap(mesh, core_mesh, new_of, original, ours)
     symmetry = carried.found(intrinsym.SymmetryKind(record["kind"]))
     symmetry.fixed_curve = _lines(mesh, new_of)
     left = (1, record["left_from"])
     stored_map.store(mesh, core_mesh, symmetry, record.get("doubtful", False), left, record["exact_share"])
-    mesh[stored_map.RECORD]["edited_side"] = carried.edited_side()
+    edits = np.array(carried.edits)
+    side = int(np.sign(edits[0] - edits[1])) or record.get("edited_side", 0)
+    mesh[stored_map.RECORD].update({"edited": (edits + record.get("edited", (0, 0))).tolist(), "edited_side": side})
     extruded = carried.extruded()
     if extruded.any():
         mesh_data.write_attribute(mesh, stored_map.EXTRUDED, "BOOLEAN", extruded)
-    return f"The symmetry was carried through an edit: {np.count_nonzero(carried.new):,} vertices are new"
+    lost = f", {carried.lost:,} have lost their mirror image" if carried.lost else ""
+    return f"The symmetry was carried through an edit: {np.count_nonzero(carried.new):,} vertices are new{lost}"
 
 
 def _identities(mesh, record):
     """(old vertices,) their new numbers, -1 if gone; (vertices,) the old number of each one or of what it duplicates,
-    -1 if neither. Raises StaleMap."""
+    -1 if neither; (vertices,) bool, whether it was made of old ones. Raises StaleMap."""
     own, mixed = (mesh_data.read_attribute(mesh.attributes[name]) for name in stored_map.NUMBERS)
     number = mesh_data.read_attribute(mesh.attributes[undo.NUMBER]).astype(np.int64)
     belongs = np.abs(number - undo.number_of(record)) <= _ROUNDED
@@ -62,7 +65,7 @@ def _identities(mesh, record):
     original[_astray(mesh, new_of, original)] = -1
     if (new_of >= 0).mean() < _LEAST_LEFT:
         raise stored_map.ChangedMesh
-    return new_of, original
+    return new_of, original, belongs
 
 
 def _astray(mesh, new_of, original):

@@ -5,7 +5,9 @@ Vertices of the copy lie at the mirror images of their models. Positions, shape 
 interpolated there.
 """
 
+import bpy
 import numpy as np
+from mathutils.kdtree import KDTree
 
 from . import mesh_data, stored_map
 from .half_line import LOSES
@@ -86,6 +88,45 @@ class Old:
             now = mesh_data.read_attribute(mesh.attributes[name])
             now[chosen] = mix.of(values)
             mesh_data.update_attribute(mesh.attributes[name], now)
+
+
+class Attached:
+    """What names vertices of a mesh by their numbers: hooks, and children of vertices."""
+
+    def __init__(self, mesh):
+        users = [object for object in bpy.data.objects if object.data == mesh]
+        hooks = [each for user in users for each in user.modifiers if each.type == "HOOK" and user.library is None]
+        self._hooks = [(hook, list(hook.vertex_indices)) for hook in hooks]
+        self._children = [
+            (child, list(child.parent_vertices))
+            for child in bpy.data.objects
+            if child.parent in users and child.parent_type in ("VERTEX", "VERTEX_3") and child.library is None
+        ]
+
+    @property
+    def names(self):
+        return [each.name for each, _ in self._hooks + self._children]
+
+    def renumber(self, source, old, places):
+        """Gives them the new numbers of the vertices with the sources that `half_copy` writes; of those that are not
+        there any more, the ones nearest to their `old` places."""
+        if not self._hooks and not self._children:
+            return
+        number, there = np.full(len(old), -1), np.flatnonzero((source >= 0) & (source < len(old)))
+        number[source[there]] = there
+        tree = KDTree(len(places))
+        for vertex, place in enumerate(places.tolist()):
+            tree.insert(place, vertex)
+        tree.balance()
+
+        def renumbered(vertices):
+            return [tree.find(old[each])[1] if number[each] < 0 else int(number[each]) for each in vertices]
+
+        for hook, vertices in self._hooks:
+            if vertices:
+                hook.vertex_indices_set(sorted(set(renumbered(vertices))))
+        for child, vertices in self._children:
+            child.parent_vertices = renumbered(vertices)
 
 
 def _is_own(attribute, domain):

@@ -60,7 +60,7 @@ def _labels(mesh, symmetry, winner, edges):
     number, shell = np.unique(shell, return_inverse=True)
     found, count = partner >= 0, len(number)
     image = _most(shell[found], shell[partner[found]], count)
-    _refuse_holes(found, image[shell], mesh)
+    _refuse_holes(found | (side != 0), image[shell], mesh)
     balance = np.bincount(shell, side, count) / np.bincount(shell, minlength=count)
     whole = image == np.arange(count)
     paired = (image >= 0) & ~whole & (image[image] == np.arange(count))
@@ -81,9 +81,9 @@ def _most(rows, columns, count):
     return found
 
 
-def _refuse_holes(found, image, mesh):
-    """Raises MeshProblem where a shell has a mirror image, but some of its vertices have none."""
-    without = int((~found & (image >= 0)).sum())
+def _refuse_holes(known, image, mesh):
+    """Raises MeshProblem where a shell has a mirror image, but some of its vertices have neither image nor side."""
+    without = int((~known & (image >= 0)).sum())
     if without:
         raise mesh_data.MeshProblem(
             f"{without:,} of {len(mesh.vertices):,} vertices have no mirror image: "

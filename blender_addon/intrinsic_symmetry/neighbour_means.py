@@ -44,6 +44,8 @@ def _fill(column, ends, places, still, along_lines):
             column[rows] = mean = np.bincount(row, pull * values, len(rows)) / total  # 0 / 0 is not known yet
         if np.array_equal(np.isnan(before), np.isnan(mean)) and np.nanmax(np.abs(mean - before), initial=0) <= least:
             break
+    swings = ~np.isnan(before)  # on a mesh of quads means may swing between two values: take the middle
+    column[rows[swings]] = (before + mean)[swings] / 2
 
 
 def _along_lines(to, ways, known):

@@ -20,6 +20,8 @@ class MeshOperator:
     bl_options = {"REGISTER", "UNDO"}
     #: Whether it works on the active object alone, whatever is in edit mode with it or shares its map.
     one_object = False
+    #: Whether it works on each object by itself, whatever shares its map.
+    each_alone = False
     #: Whether it works on the shape that is shown: that of the active shape key.
     on_shown_shape = False
 
@@ -73,7 +75,7 @@ class MeshOperator:
         missing = self.lacks(context, object) if object != self.objects[0] else None  # `poll` saw the active one
         if missing:
             raise mesh_data.MeshProblem(missing)
-        if self.one_object:
+        if self.one_object or self.each_alone:
             return self.run(context, object, mode)
         self.members = members = assembly.members_of(object)
         if any(earlier in members for earlier in self.objects[: self.objects.index(object)]):

@@ -20,14 +20,17 @@ class INTRINSIC_SYMMETRY_OT_carry(MapOperator, bpy.types.Operator):
 
 
 def _has_changed(mesh):
-    """Whether a mesh has another number of vertices than its map."""
-    count = len(bmesh.from_edit_mesh(mesh).verts) if mesh.is_editmode else len(mesh.vertices)
-    return stored_map.RECORD in mesh and count != mesh[stored_map.RECORD]["vertices"]
+    """Whether a mesh has another number of vertices or faces than its map."""
+    if stored_map.RECORD not in mesh:
+        return False
+    edited, record = bmesh.from_edit_mesh(mesh) if mesh.is_editmode else None, mesh[stored_map.RECORD]
+    vertices, faces = (edited.verts, edited.faces) if edited else (mesh.vertices, mesh.polygons)
+    return (len(vertices), len(faces)) != (record["vertices"], record["faces"])
 
 
 def draw(layout, object):
     """In the panel, where the mesh was edited since."""
-    if any(_has_changed(each.data) for each in assembly.there(object)) and stored_map.may_be_carried(object.data):
+    if stored_map.may_be_carried(object.data) and any(_has_changed(each.data) for each in assembly.there(object)):
         layout.label(text="Edited since; the next tool updates it", icon="INFO")
         column = layout.column(align=True)
         column.operator("intrinsic_symmetry.carry", icon="FILE_REFRESH")

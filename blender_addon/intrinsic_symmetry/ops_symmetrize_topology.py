@@ -8,6 +8,7 @@ import numpy as np
 from intrinsym import Merge, SymmetryKind
 
 from . import half_copy, half_data, half_form, half_line, half_map, left_side, mesh_data, stored_map
+from .counterparts import listed
 from .mirroring import DIRECTIONS, MERGE
 from .operator_base import MapOperator
 from .ops_positions import forget
@@ -23,7 +24,7 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
 
     bl_idname = "intrinsic_symmetry.symmetrize_topology"
     bl_label = "Symmetrize Topology"
-    one_object = True
+    each_alone = True
 
     direction: bpy.props.EnumProperty(
         name="Direction",
@@ -32,20 +33,24 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         + [entry[:3] for entry in DIRECTIONS[:2]],
     )
 
-    def run_with(self, symmetry, _context, object, _mode):
+    def run_with(self, symmetry, _context, object, mode):
         self._refuse(symmetry, object)
         symmetry = left_side.agreed(self, object, symmetry)
         mesh = object.data
         direction = self._direction(mesh)
         winner = 1 if MERGE[direction] == Merge.POSITIVE_WINS else -1
         before, left_from = len(mesh.polygons), mesh[stored_map.RECORD]["left_from"]
+        self._say_what_is_replaced(mesh, winner)
         half = _Half(object, symmetry, winner)
         forget(mesh)
         half.fill(object, symmetry)
+        if mode == "EDIT" and half.attached.names:
+            self.warn(f"Undo in edit mode does not take back the vertices of {listed(half.attached.names)}")
         stored_map.store(mesh, half.core_mesh, half.known, left=(1, left_from), exact_share=1.0)
         mesh.update()
         if mesh.has_custom_normals:
-            bpy.ops.intrinsic_symmetry.mirror_attribute(name="custom_normal", direction=direction)
+            with bpy.context.temp_override(active_object=object, object=object):
+                bpy.ops.intrinsic_symmetry.mirror_attribute(name="custom_normal", direction=direction)
         copied = np.count_nonzero(half.copies)
         way = "Left to right" if winner > 0 else "Right to left"
         return f"{way}: {copied:,} vertices are copies; {len(mesh.polygons):,} faces now, {before:,} before"
@@ -55,6 +60,12 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         if self.direction != "EDITED":
             return self.direction
         return "RIGHT_TO_LEFT" if stored_map.edited_side(mesh) < 0 else "LEFT_TO_RIGHT"
+
+    def _say_what_is_replaced(self, mesh, winner):
+        """Where the losing side was edited."""
+        lost, name = (stored_map.edits(mesh)[winner > 0], "right" if winner > 0 else "left")
+        if lost:
+            self.warn(f"What was edited on the {name} side is replaced ({lost:,} vertices)")
 
     def _refuse(self, symmetry, object):
         """Raises MeshProblem where it cannot work."""
@@ -78,7 +89,7 @@ class _Half:
             self._halves = halves = half_line.halves(bm, mesh, symmetry, winner)
             if not (halves.labels == half_line.WINS).any():
                 raise mesh_data.MeshProblem("No part of the mesh has a mirror image on the other side")
-            self._old = half_data.Old(object, halves)
+            self._old, self.attached = half_data.Old(object, halves), half_data.Attached(mesh)
             half_copy.rebuild(bm, halves)
             bm.to_mesh(mesh)
         finally:
@@ -96,10 +107,13 @@ class _Half:
         fitted = copies | (self.known.partner == np.arange(len(copies)))
         whole = mix.weights.max(axis=1) > _WHOLE
         form = half_form.Form(mesh, old.surface, mix, model.of(old.positions), copies, fitted, whole)
-        places = form.placed(model.of(old.extruded))
+        without = symmetry.partner < 0
+        places = form.placed(model.of(old.extruded | without))
+        mix.take(copies & model.of(without), old.surface, places)
         old.give_positions(object, mix, places - mix.of(old.positions))
         old.give_points(object, mix, copies)
         old.give_corners(mesh, self._copied, places)
+        self.attached.renumber(self._source, old.positions, places)
 
 
 def _taken(mesh, name):

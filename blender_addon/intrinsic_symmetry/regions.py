@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is connected: vertices by edges, faces by their UVs. No bpy here."""
+"""What is connected: vertices by edges, vertices by faces, faces by their UVs. No bpy here."""
 
 import numpy as np
 
 #: UVs that are nearer than this are at one place.
 SAME_UV = 1e-5
+#: Blender keeps whole numbers up to this exact, even where it mixes a vertex with itself.
+_EXACT = 2**24 - 1
 
 
 def components(count, pairs):
@@ -19,6 +21,25 @@ def components(count, pairs):
         if np.array_equal(joined, least):
             return least
         least = joined
+
+
+def around(offsets, corners, numbers):
+    """(vertices,) a number that says which vertices, by their (vertices,) numbers, come before and after each vertex in
+    its faces. Another face, or one that is turned over, makes it another number."""
+    face = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    step, size = np.arange(len(corners)) - offsets[face], np.diff(offsets)[face]
+    sums = np.zeros(len(numbers))
+    for way, salt in ((1, 1), (-1, 2)):
+        other = numbers[corners[offsets[face] + (step + way) % size]]
+        sums += np.bincount(corners, _mixed(2 * other.astype(np.int64) + salt), len(numbers))
+    return sums.astype(np.int64) & _EXACT
+
+
+def _mixed(numbers):
+    """Each number's bits, thrown together."""
+    numbers = (numbers * 0x9E3779B1) & 0xFFFFFFFF
+    numbers = ((numbers ^ numbers >> 15) * 0x85EBCA6B) & 0xFFFFFFFF
+    return numbers ^ numbers >> 13
 
 
 def uv_islands(offsets, vertex, uvs):

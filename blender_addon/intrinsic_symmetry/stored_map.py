@@ -11,6 +11,8 @@
 | sym_bary | FLOAT_VECTOR | their weights |
 | sym_record | INT | the same for all vertices: which record belongs to the map (see `undo`) |
 | sym_index, sym_mixed | INT, FLOAT | the vertex' own number, from 1, plain and scattered (see `carry`) |
+| sym_place, sym_image | FLOAT_VECTOR | where the vertex and its mirror image were when the map was stored |
+| sym_around | INT | the faces around the vertex then (see `regions.around`) |
 
 Editing rots such numbers silently, so the record holds a hash of the connectivity and a checksum of the attributes,
 and a map that does not fit its mesh any more is refused.
@@ -24,6 +26,7 @@ import intrinsym
 import numpy as np
 
 from . import mesh_data, undo, vertex_map
+from .regions import around
 from .undo import RECORD
 
 PARTNER, CONFIDENCE, SIDE = "sym_vertex", "sym_confidence", "sym_side"
@@ -33,6 +36,10 @@ KINDS = {PARTNER: "INT", CONFIDENCE: "FLOAT", SIDE: "INT", FACE: "INT", BARY: "F
 KINDS.update(dict.fromkeys((*CORNERS, undo.NUMBER), "INT"))
 #: The vertex' own number plus 1, and the same `scattered`.
 NUMBERS = ("sym_index", "sym_mixed")
+#: Where it and its image were, and its faces, when the map was stored.
+PLACE, IMAGE, AROUND = "sym_place", "sym_image", "sym_around"
+#: What `carry` needs besides the map.
+_TRACES = {**dict(zip(NUMBERS, ("INT", "FLOAT"))), PLACE: "FLOAT_VECTOR", IMAGE: "FLOAT_VECTOR", AROUND: "INT"}
 _GOLDEN = (5**0.5 - 1) / 2
 #: BOOLEAN: vertices that stand off the surface that the map speaks of, after `carry`.
 EXTRUDED = "sym_extruded"
@@ -86,7 +93,7 @@ def why_none(object):
 
 def may_be_carried(mesh):
     """Whether a map that does not fit the mesh may be carried through the edit; see `carry`."""
-    record, kinds = mesh.get(RECORD, {}), {**KINDS, **dict(zip(NUMBERS, ("INT", "FLOAT")))}
+    record, kinds = mesh.get(RECORD, {}), {**KINDS, **_TRACES}
     return bool(record) and all(_attribute(mesh, name, kind) is not None for name, kind in kinds.items())
 
 
@@ -112,6 +119,7 @@ def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X), exact_sh
     mesh[RECORD] = _record(mesh, core_mesh, symmetry) | {"doubtful": is_doubtful, "left_from": left[1]}
     if exact_share is not None:
         mesh[RECORD]["exact_share"] = exact_share
+    _trace(mesh, core_mesh, points)
     _number(mesh)
 
 
@@ -120,23 +128,23 @@ def store_share(mesh, whole, members):
     of them, `whole`, and their names."""
     undo.remember(mesh)
     _remove_further(mesh)
-    own = {"checksum": _checksum(mesh), "vertices": len(mesh.vertices), "triangles": _triangles(mesh)}
+    own = {"checksum": _checksum(mesh), **_counts(mesh)}
     shared = {key: value for key, value in whole.items() if not key.startswith("line_")}
     numbered = {str(number): name for number, name in enumerate(members)}
     mesh[RECORD] = shared | own | {"members": numbered, "whole": whole}
     _number(mesh)
 
 
-def _triangles(mesh):
-    return len(mesh.loops) - 2 * len(mesh.polygons)
+def _counts(mesh):
+    vertices, faces = len(mesh.vertices), len(mesh.polygons)
+    return {"vertices": vertices, "faces": faces, "triangles": len(mesh.loops) - 2 * faces}
 
 
 def _record(mesh, core_mesh, symmetry):
     record = {
         "connectivity": f"{core_mesh.connectivity_hash:016x}",
         "checksum": _checksum(mesh),
-        "vertices": core_mesh.vertex_count,
-        "triangles": _triangles(mesh),
+        **_counts(mesh),
         "kind": int(symmetry.kind),
         "mean_confidence": float(symmetry.mean_confidence),
         "exact_share": float(symmetry.exact_share),
@@ -150,11 +158,20 @@ def _record(mesh, core_mesh, symmetry):
     return record
 
 
+def _trace(mesh, core_mesh, points):
+    """Keeps where the vertices and their images are, and which faces they have."""
+    offsets, corners = (np.asarray(part).astype(np.int64) for part in core_mesh.polygons)
+    places = core_mesh.vertices
+    faces = around(offsets, corners, np.arange(len(places)))
+    for name, values in ((PLACE, places), (IMAGE, np.nan_to_num(points.positions(places))), (AROUND, faces)):
+        mesh_data.write_attribute(mesh, name, _TRACES[name], values)
+
+
 def _number(mesh):
     """Marks the attributes as those of the record that the mesh has, and each vertex by its own number."""
     own = 1 + np.arange(len(mesh.vertices))
-    for name, kind, values in zip(NUMBERS, ("INT", "FLOAT"), (own, scattered(own))):
-        mesh_data.write_attribute(mesh, name, kind, values)
+    for name, values in zip(NUMBERS, (own, scattered(own))):
+        mesh_data.write_attribute(mesh, name, _TRACES[name], values)
     numbers = np.full(len(mesh.vertices), undo.number_of(mesh[RECORD]))
     mesh_data.write_attribute(mesh, undo.NUMBER, "INT", numbers)
     undo.remember(mesh)
@@ -231,14 +248,19 @@ def name_sides(mesh, sign, left_from):
     """Keeps the sides, 1, or exchanges them, -1, and what says so."""
     undo.remember(mesh)
     mesh_data.update_attribute(mesh.attributes[SIDE], sign * mesh_data.read_attribute(mesh.attributes[SIDE]))
-    edited = sign * edited_side(mesh)
-    mesh[RECORD].update({"checksum": _checksum(mesh), "left_from": left_from, "edited_side": edited})
+    edited = {"edited_side": sign * edited_side(mesh), "edited": edits(mesh)[::sign]}
+    mesh[RECORD].update({"checksum": _checksum(mesh), "left_from": left_from, **edited})
     _number(mesh)
 
 
 def edited_side(mesh):
     """The side that the last edit of vertices and faces was on, 1 or -1; 0 if there was none, or none that says it."""
     return mesh[RECORD].get("edited_side", 0)
+
+
+def edits(mesh):
+    """Numbers of vertices on the left and on the right that edits have touched since the map was found."""
+    return [int(count) for count in mesh[RECORD].get("edited", (0, 0))]
 
 
 def move_partners(mesh, core_mesh, partner):
@@ -259,7 +281,7 @@ def clear(mesh):
     """Removes the map and its record."""
     undo.remember(mesh)
     _remove_further(mesh)
-    for name in (*KINDS, *NUMBERS, EXTRUDED):
+    for name in (*KINDS, *_TRACES, EXTRUDED):
         if name in mesh.attributes:
             mesh_data.remove_attribute(mesh, name)
     if RECORD in mesh:

@@ -30,6 +30,12 @@ class Mix:
     def at(self, chosen):
         return Mix(self.rows[chosen], self.weights[chosen])
 
+    def take(self, chosen, surface, points):
+        """Gives the chosen rows, (n,) bool, the vertices of a surface where it is nearest to the points."""
+        if chosen.any():
+            there = surface.vertex_mix(points[chosen])
+            self.rows[chosen], self.weights[chosen] = there.rows, there.weights
+
 
 class Surface:
     """Triangles of the faces with one of the chosen vertices, (vertices,) bool; triangle 0 is the first of them."""

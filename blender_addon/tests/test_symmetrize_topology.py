@@ -359,3 +359,116 @@ def test_a_hole_in_the_map_is_refused(quadruped):
     module("stored_map").store(mesh, core_mesh, holed)
     with pytest.raises(RuntimeError, match="30 of 3,398 vertices have no mirror image"):
         ops.symmetrize_topology()
+
+
+FACE_EDITS = {
+    "triangulate": lambda: bpy.ops.mesh.quads_convert_to_tris(),
+    "delete only faces": lambda: bpy.ops.mesh.delete(type="ONLY_FACE"),
+    "dissolve": lambda: bpy.ops.mesh.dissolve_faces(),
+    "flip": lambda: bpy.ops.mesh.flip_normals(),
+}
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("edit", FACE_EDITS)
+def test_an_edit_of_faces_alone_arrives_on_the_other_side(human, edit, side, capfd):
+    both = new_object(human.data.copy())
+    _select_feet(both, (1, -1))
+    FACE_EDITS[edit]()
+    enter("OBJECT")
+    bpy.context.view_layer.objects.active = human
+    both.select_set(False)
+    _select_feet(human, (side,))
+    FACE_EDITS[edit]()
+    enter("OBJECT")
+    assert module("ops_carry")._has_changed(human.data) == (edit != "flip"), "the panel offers Mirror This Edit"
+    words = said(capfd, ops.symmetrize_topology)
+    assert ("Left to right" if side > 0 else "Right to left") in words and "is replaced" not in words
+    sizes = (sorted(len(face.vertices) for face in object.data.polygons) for object in (human, both))
+    assert next(sizes) == next(sizes)
+    turned = [sum(face.normal.z < 0 for face in object.data.polygons) for object in (human, both)]
+    assert abs(turned[0] - turned[1]) < 2
+
+
+def test_where_both_sides_were_edited_it_says_what_is_replaced(human, capfd):
+    _extrude(human, (1,), 0.02)
+    ops.carry()
+    enter("OBJECT")
+    hand = np.where(attribute(human.data, "sym_side") == -1, positions(human.data)[:, 0], np.inf).argmin()
+    edit_faces(human, [face.index for face in human.data.polygons if hand in face.vertices])
+    bpy.ops.mesh.subdivide()
+    enter("OBJECT")
+    words = said(capfd, ops.symmetrize_topology)
+    assert "Right to left" in words and "What was edited on the left side is replaced" in words, "also across two edits"
+    assert "is replaced" not in said(capfd, ops.symmetrize_topology, direction="RIGHT_TO_LEFT")
+
+
+def test_the_same_edit_of_both_sides_replaces_nothing(human, capfd):
+    _select_feet(human, (1, -1))
+    FACE_EDITS["triangulate"]()
+    assert "is replaced" not in said(capfd, ops.symmetrize_topology)
+
+
+def test_a_deleted_hand_comes_back(human):
+    """In the form of the other one, with the weights that are around it."""
+    places, side = positions(human.data), attribute(human.data, "sym_side")
+    tip = np.where(side == 1, np.abs(places[:, 0]), 0).argmax()
+    lost = np.linalg.norm(places - places[tip], axis=1) < 0.2
+    for name, at in (("A.L", 1), ("A.R", -1)):
+        human.vertex_groups.new(name=name).add(np.flatnonzero(side == at).tolist(), 1, "ADD")
+    enter("EDIT")
+    data = bmesh.from_edit_mesh(human.data)
+    data.verts.ensure_lookup_table()
+    bmesh.ops.delete(data, geom=[data.verts[index] for index in np.flatnonzero(lost)], context="VERTS")
+    bmesh.update_edit_mesh(human.data)
+    assert ops.symmetrize_topology(direction="RIGHT_TO_LEFT") == {"FINISHED"}
+    enter("OBJECT")
+    _assert_mirrored(human.data)
+    assert len(human.data.vertices) == 13380
+    now, partner = positions(human.data), attribute(human.data, "sym_vertex")
+    away = _nearest(places[~lost], now)[:, 1] > 1e-5
+    ends = module("mesh_data").edges(human.data)
+    ends = ends[away[ends].all(axis=1)]
+    lengths = [np.linalg.norm(now[each[:, 0]] - now[each[:, 1]], axis=1) for each in (ends, partner[ends])]
+    assert np.count_nonzero(away) > 1000 and np.abs(lengths[0] / lengths[1] - 1).mean() < 0.05
+    weights = module("weights").read_weights(human)
+    assert np.allclose(weights[away], (1, 0))
+
+
+def test_hooks_and_children_of_vertices_stay_where_they_are(human, mode, capfd):
+    side, places = attribute(human.data, "sym_side"), positions(human.data)
+    tips = [int(np.where(side == at, np.abs(places[:, 0]), 0).argmax()) for at in (1, -1)]
+    for tip in tips:
+        hook, child = human.modifiers.new("hook", "HOOK"), bpy.data.objects.new("child", None)
+        hook.object = child
+        hook.vertex_indices_set([tip])
+        child.parent, child.parent_type, child.parent_vertices = human, "VERTEX_3", [tip, *human.data.edges[0].vertices]
+    wanted = [places[list(child.parent_vertices)] for child in human.children]
+    _select_feet(human, (1,))
+    bpy.ops.mesh.subdivide()
+    enter(mode)
+    words = said(capfd, ops.symmetrize_topology)
+    assert ('does not take back the vertices of "hook"' in words) == (mode == "EDIT")
+    enter("OBJECT")
+    now = positions(human.data)
+    for hook, tip, child, where in zip(human.modifiers, tips, human.children, wanted):
+        assert np.allclose(now[list(hook.vertex_indices)], places[tip], atol=1e-5)
+        assert np.allclose(now[list(child.parent_vertices)], where, atol=1e-5)
+
+
+def test_all_objects_in_edit_mode(human):
+    other = new_object(human.data.copy(), "other")
+    for object in (other, human):
+        other.select_set(object is other)
+        bpy.context.view_layer.objects.active = object
+        normals = np.array([normal.vector for normal in object.data.corner_normals])
+        object.data.normals_split_custom_set((normals + (0, 0, 0.1)).tolist())
+        _extrude(object, (1,), 0.02)
+        enter("OBJECT")
+    other.select_set(True)
+    enter("EDIT")
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    enter("OBJECT")
+    assert len(human.data.vertices) == len(other.data.vertices)
+    for object in (human, other):
+        _assert_mirrored(object.data)
