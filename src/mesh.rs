@@ -3,7 +3,7 @@
 mod attachment;
 mod canonical;
 mod connectivity_hash;
-pub(crate) mod edges;
+mod edges;
 mod fans;
 mod frame;
 pub mod half_edges;
@@ -28,6 +28,7 @@ use vector::Vector;
 pub use attachment::anchors;
 pub use canonical::Canonical;
 pub use connectivity_hash::connectivity_hash;
+pub(crate) use edges::UnionFind;
 pub use polygons::bucket;
 pub use shells::Shell;
 pub use split_hubs::{MOST_AROUND, SplitHubs};

@@ -51,7 +51,7 @@ def test_acceptance_learns_what_tells_right_maps_from_others(tmp_path, monkeypat
     write_shapes(tmp_path / "symmetric", "even", 40, True)
     write_shapes(tmp_path / "asymmetric", "odd", 40, False)
     rng, mirror = np.random.default_rng(0), grid()[2]
-    for prefix, mismatch in (("even", 0.05), ("odd", 0.4)):
+    for prefix, mismatch in (("even", 0.05), ("odd", 0.2)):
         for index in range(40):
             wrong = prefix == "even" and index < 5  # the identity: neither right nor asymmetric
             judged = {"signature_mismatch": mismatch * rng.lognormal(0, 0.8), "isometry_score": float(rng.normal())}
@@ -68,7 +68,7 @@ def test_acceptance_learns_what_tells_right_maps_from_others(tmp_path, monkeypat
     weights = [(name.strip().removeprefix("ln("), float(weight)) for _, name, weight, *_ in lines]
     alone, with_parts = ({name.split(" ")[0]: weight for name, weight in part} for part in (weights[:3], weights[3:]))
     assert alone.pop("signature_mismatch") < -1.5 and max(map(abs, alone.values())) < 1.2
-    assert with_parts["scatter"] < -20 and with_parts["disagreement"] < -0.5 and with_parts["signature_mismatch"] < -5
+    assert with_parts["scatter"] < -20 and with_parts["disagreement"] < -1 and with_parts["signature_mismatch"] < -5
     assert abs(with_parts["displacement"]) < 0.2 * abs(with_parts["signature_mismatch"])
     assert "of kinds not seen:" in printed
     assert "from 50 % on: 35 of 35 right maps accepted, 40 of 40 asymmetric shapes" in printed  # as stated now

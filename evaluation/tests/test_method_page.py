@@ -63,7 +63,7 @@ def test_a_count_of_the_plans_is_in_its_file(name, value):
 
 
 def test_the_tables_are_read():
-    assert len(stated()) > 100 and len(stated_of_plans()) > 15
+    assert len(stated()) > 100 and len(stated_of_plans()) >= 20
     assert ("verify/acceptance.rs", "SURE", "0.8") in stated() and ("passes", "[200, 400]") in stated_of_plans()
 
 

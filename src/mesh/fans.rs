@@ -6,6 +6,8 @@
 //! Deviation: a face that would still repeat a directed edge (a Moebius band) or that repeats a point
 //! is detached from all its neighbours. Cost O(corners), plus a sort within each vertex's edges.
 
+use super::edges::UnionFind;
+
 /// Manifold polygons over new vertices, and the way back.
 pub(super) struct Fans {
     /// New vertex of each corner.
@@ -61,7 +63,7 @@ fn faces_repeating_a_point(offsets: &[u32], points: &[u32]) -> Vec<bool> {
 }
 
 fn glue(point_count: usize, points: &[u32], next: &[u32], detached: &[bool]) -> Fans {
-    let mut fans = DisjointCorners::new(points.len());
+    let mut fans = UnionFind::new(points.len());
     for_each_edge(point_count, points, next, |corners| {
         let &[first, second] = corners else { return };
         let (first, second) = (first as usize, second as usize);
@@ -74,16 +76,16 @@ fn glue(point_count: usize, points: &[u32], next: &[u32], detached: &[bool]) -> 
     number_by_point(points, &mut fans)
 }
 
-fn number_by_point(points: &[u32], fans: &mut DisjointCorners) -> Fans {
+fn number_by_point(points: &[u32], fans: &mut UnionFind) -> Fans {
     let corners = 0..points.len() as u32;
-    let mut roots: Vec<u32> = corners.clone().filter(|&corner| fans.root(corner) == corner).collect();
+    let mut roots: Vec<u32> = corners.clone().filter(|&corner| fans.find(corner) == corner).collect();
     roots.sort_by_key(|&root| points[root as usize]);
     let mut vertex_of_root = vec![0; points.len()];
     for (vertex, &root) in roots.iter().enumerate() {
         vertex_of_root[root as usize] = vertex as u32;
     }
     Fans {
-        corner_vertex: corners.map(|corner| vertex_of_root[fans.root(corner) as usize]).collect(),
+        corner_vertex: corners.map(|corner| vertex_of_root[fans.find(corner) as usize]).collect(),
         point_of_vertex: roots.iter().map(|&root| points[root as usize]).collect(),
     }
 }
@@ -127,28 +129,5 @@ fn for_each_edge(vertex_count: usize, vertices: &[u32], next: &[u32], mut visit:
         let bucket = &mut order[bucket[0] as usize..bucket[1] as usize];
         bucket.sort_unstable_by_key(|&corner| (ends(corner).1, corner));
         bucket.chunk_by(|&first, &second| ends(first) == ends(second)).for_each(&mut visit);
-    }
-}
-
-/// Union-find over corners; the root of a set is its lowest corner.
-struct DisjointCorners(Vec<u32>);
-
-impl DisjointCorners {
-    fn new(count: usize) -> Self {
-        DisjointCorners((0..count as u32).collect())
-    }
-
-    fn root(&mut self, mut corner: u32) -> u32 {
-        while self.0[corner as usize] != corner {
-            let grandparent = self.0[self.0[corner as usize] as usize];
-            self.0[corner as usize] = grandparent;
-            corner = grandparent;
-        }
-        corner
-    }
-
-    fn join(&mut self, first: u32, second: u32) {
-        let (first, second) = (self.root(first), self.root(second));
-        self.0[first.max(second) as usize] = first.min(second);
     }
 }
