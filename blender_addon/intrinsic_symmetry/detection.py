@@ -31,7 +31,6 @@ def positions_of(object, source, depsgraph):
 def core_mesh_of(object, source, depsgraph):
     """The mesh as the library takes it. Raises MeshProblem, intrinsym.IntrinsymError."""
     points = positions_of(object, source, depsgraph)
-    mesh_data.refuse_far(points)
     return intrinsym.Mesh(points, mesh_data.polygons(object.data))
 
 

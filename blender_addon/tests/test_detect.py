@@ -223,6 +223,6 @@ def test_a_vertex_far_from_all_others_is_named(human, place):
     human.data.vertices[5].co.x = place
     ops = bpy.ops.intrinsic_symmetry
     for tool in (ops.detect, ops.symmetrize_exactly, ops.select_asymmetric):
-        with pytest.raises(RuntimeError, match="Vertex 5 is too far from all others: move or delete it") as refusal:
+        with pytest.raises(RuntimeError, match="ertex 5 is (too far|over a hundred million).* move or delete it") as refusal:
             tool()
         assert "Traceback" not in str(refusal.value)

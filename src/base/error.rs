@@ -79,6 +79,14 @@ pub enum MeshFault {
         "its total area is zero: the corners of every face lie on one line or in one point; check the scale and the precision it was exported with"
     )]
     NoArea,
+    /// A vertex is so far away that most others are almost one point beside it.
+    #[error(
+        "vertex {vertex} is over a hundred million times as far away as most others; move or delete it, or check how it was exported"
+    )]
+    TooFar {
+        /// The vertex.
+        vertex: usize,
+    },
     /// A coordinate is infinite or not a number.
     #[error("vertex {vertex} has {} = {value}; every coordinate must be a finite number", ["x", "y", "z"][*axis])]
     NotFinite {
