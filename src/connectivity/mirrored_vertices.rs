@@ -6,6 +6,8 @@
 //! would: the corners of a quad are all close, however it is cut, so the mirror images of joined vertices are close. A pairing
 //! with this property is sought near an estimate, as graphs that share most of their edges are matched: by
 //! percolation (L. Yartseva, M. Grossglauser, "On the performance of percolation graph matching", 2013; `percolation`).
+//! Where many edges are flipped, flips meet, and images of joined vertices are apart: if the pairing stays small it is tried again
+//! with pairs that leave some edges apart.
 //!
 //! It starts where the estimate, moved by about an edge, sends the vertices around one onto vertices, and takes first
 //! what fits best: parts that a pose leaves rigid. Between independent triangulations it finds pairs, too, but few that fit so
@@ -29,7 +31,7 @@ use crate::connectivity::automorphism::Automorphism;
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
 use crate::mesh::vector::Vector;
 use crate::mesh::{Mesh, NONE};
-use agreement::{GOOD, agrees_in_turn, has_enough};
+use agreement::{GOOD, agrees_in_turn, has_enough, is_good};
 use meeting::meets_vertices;
 use percolation::{MISFITS, Pairing};
 use places::Places;
@@ -44,6 +46,12 @@ const LARGEST_SHELL: usize = 250_000;
 const LARGEST_AMBIGUOUS_SHARE: f64 = 0.42;
 /// Misfits below this are as good as each other.
 const TIE: f64 = 1e-6;
+/// A shell of which less is paired is tried again with pairs that keep fewer edges close: where many edges are flipped, flips meet.
+const WELL: f64 = 0.55;
+/// The largest share of the edges to paired neighbours that a pair then does not keep close, and how many times as many good pairs
+/// that has to give.
+const APART: f64 = 0.6;
+const BETTER: f64 = 1.3;
 /// A shell of which connectivity pairs such a share is left to it.
 const MOSTLY_PAIRED: f64 = 0.98;
 /// Shells with at least this part of a mesh's points are tried on several threads: each takes a copy of the pairing, so that there must
@@ -150,7 +158,49 @@ fn pair_shell(
     progress: &Progress,
 ) -> Result<()> {
     let starts = starts(pairing.around, places, regions, threads);
-    let mut tried = trials(pairing, &starts, threads, progress.token())?;
+    grow(pairing, &starts, points, threads, progress)?;
+    let strict = Grown::of(pairing, points);
+    if strict.pairs.len() as f64 >= WELL * points.len() as f64 {
+        return Ok(());
+    }
+    pairing.start_again(points, APART);
+    grow(pairing, &starts, points, threads, progress)?;
+    let loose = Grown::of(pairing, points);
+    let is_better = loose.good > 0
+        && loose.good as f64 >= BETTER * strict.good as f64
+        && agrees_in_turn(pairing, places, regions);
+    pairing.start_again(points, 0.0);
+    pairing.enter_all(if is_better { &loose.pairs } else { &strict.pairs });
+    Ok(())
+}
+
+/// What grew on a shell.
+struct Grown {
+    /// The shell's paired points and their images.
+    pairs: Vec<(u32, u32)>,
+    /// How many of them fit well.
+    good: usize,
+}
+
+impl Grown {
+    fn of(pairing: &Pairing, points: &[u32]) -> Grown {
+        let paired = points.iter().filter(|&&point| pairing.image[point as usize] != NONE);
+        Grown {
+            pairs: paired.map(|&point| (point, pairing.image[point as usize])).collect(),
+            good: points.iter().filter(|point| is_good(pairing, **point)).count(),
+        }
+    }
+}
+
+/// Pairs what fits to `starts`, the best first.
+fn grow(
+    pairing: &mut Pairing,
+    starts: &[Vec<Start>],
+    points: &[u32],
+    threads: usize,
+    progress: &Progress,
+) -> Result<()> {
+    let mut tried = trials(pairing, starts, threads, progress.token())?;
     if tried.iter().all(|trial| trial.misfit > GOOD) || is_ambiguous(&tried) {
         return Ok(());
     }

@@ -237,6 +237,45 @@ pub fn with_random_diagonals(mesh: &PolygonMesh) -> PolygonMesh {
     polygon_mesh(&mesh.positions, &triangles)
 }
 
+/// A triangle mesh, of whose edges one of `every` is flipped where the triangles do not turn over and the new edge is not there.
+pub fn with_flipped_edges(mesh: &PolygonMesh, every: usize) -> PolygonMesh {
+    let mut triangles: Vec<[u32; 3]> = mesh.face_vertices.chunks(3).map(|t| [t[0], t[1], t[2]]).collect();
+    let sides = |[a, b, c]: [u32; 3]| [(a, b, c), (b, c, a), (c, a, b)];
+    let at = |vertex: u32| mesh.positions[vertex as usize];
+    let normal = |a: u32, b: u32, c: u32| {
+        let [u, v] = [b, c].map(|end| [0, 1, 2].map(|axis| at(end)[axis] - at(a)[axis]));
+        [0, 1, 2]
+            .map(|axis: usize| u[(axis + 1) % 3] * v[(axis + 2) % 3] - u[(axis + 2) % 3] * v[(axis + 1) % 3])
+    };
+    let mut beside: BTreeMap<(u32, u32), (usize, u32)> = BTreeMap::new();
+    for (index, &triangle) in triangles.iter().enumerate() {
+        beside.extend(sides(triangle).map(|(a, b, c)| ((a, b), (index, c))));
+    }
+    let mut inner: Vec<(u32, u32)> = beside.keys().copied().filter(|&(a, b)| a < b).collect();
+    inner.sort_unstable_by_key(|&(a, b)| (a.wrapping_mul(747_796_405) ^ b.wrapping_mul(2_891_336_453), a, b));
+    let mut left = inner.len() / every;
+    for (a, b) in inner {
+        let (Some(&(first, c)), Some(&(second, d))) = (beside.get(&(a, b)), beside.get(&(b, a))) else {
+            continue;
+        };
+        let old = [normal(a, b, c), normal(b, a, d)];
+        let new = [normal(a, d, c), normal(b, c, d)];
+        let turns_over = old.iter().any(|&old| new.iter().any(|&new| dot(old, new) <= 0.0));
+        if left == 0 || turns_over || beside.contains_key(&(c, d)) || beside.contains_key(&(d, c)) {
+            continue;
+        }
+        (triangles[first], triangles[second]) = ([a, d, c], [b, c, d]);
+        beside.remove(&(a, b));
+        beside.remove(&(b, a));
+        for index in [first, second] {
+            beside.extend(sides(triangles[index]).map(|(a, b, c)| ((a, b), (index, c))));
+        }
+        left -= 1;
+    }
+    assert_eq!(left, 0, "so many edges cannot be flipped");
+    polygon_mesh(&mesh.positions, &triangles)
+}
+
 /// Mean and share beyond 0.05 of the distances to the true partners, in sqrt(area).
 pub fn errors(mesh: &PolygonMesh, partner: &[i32], truth: &[u32]) -> (f64, f64) {
     let roads = Roads::new(mesh);

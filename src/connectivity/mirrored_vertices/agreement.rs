@@ -17,7 +17,8 @@ pub(super) fn has_enough(pairing: &Pairing, points: &[u32]) -> bool {
     points.iter().filter(|point| is_good(pairing, **point)).count() as f64 >= GOOD_SHARE * points.len() as f64
 }
 
-fn is_good(pairing: &Pairing, point: u32) -> bool {
+/// Whether a point has a good pair.
+pub(super) fn is_good(pairing: &Pairing, point: u32) -> bool {
     let image = pairing.image[point as usize];
     image != NONE && pairing.misfit(point, image) <= GOOD
 }

@@ -1,7 +1,7 @@
 //! Percolation: pairs vote for the pairs around them, and the one with the most votes is next.
 //!
-//! A vote counts less the more the two lengths differ. A pair is entered only if it keeps all edges to paired neighbours close, and if
-//! nothing else that is free fits better to where these neighbours lie. Contradictions never arise then but from the pairs of a start:
+//! A vote counts less the more the two lengths differ. A pair is entered only if it keeps all edges to paired neighbours close, or a share of
+//! them, and if nothing else that is free fits better to where these neighbours lie. Contradictions of the first kind arise from the pairs of a start alone:
 //! where two growths do not fit together vertices between them stay free.
 
 use super::surroundings::Surroundings;
@@ -32,6 +32,8 @@ pub(super) struct Pairing<'a> {
     /// What is around the points that are paired.
     pub around: &'a Surroundings<'a>,
     kind: SymmetryKind,
+    /// Largest share of the edges to paired neighbours that a pair may not keep close.
+    apart: f64,
     /// Whether a point may be paired and is not.
     open: Vec<bool>,
     /// Image of each point, or [`NONE`]; its own inverse.
@@ -76,6 +78,7 @@ impl<'a> Pairing<'a> {
         Pairing {
             around,
             kind,
+            apart: 0.0,
             open,
             image: vec![NONE; count],
             votes: Votes::new(count),
@@ -136,6 +139,13 @@ impl<'a> Pairing<'a> {
         }
     }
 
+    /// Takes back the pairs of `points` and all votes; pairs keep all edges but a share `apart` from now on.
+    pub fn start_again(&mut self, points: &[u32], apart: f64) {
+        self.forget(points);
+        self.end_growth();
+        self.apart = apart;
+    }
+
     /// Takes back all votes: nothing grows on from what is paired.
     pub fn end_growth(&mut self) {
         self.votes.clear();
@@ -143,7 +153,7 @@ impl<'a> Pairing<'a> {
         self.deferred.clear();
     }
 
-    /// Takes back pairs that do not keep all edges to paired neighbours close.
+    /// Takes back pairs that do not keep edges.
     pub fn drop_contradicted(&mut self, points: &[u32]) {
         let contradicted = |&&point: &&u32| {
             let image = self.image[point as usize];
@@ -158,7 +168,7 @@ impl<'a> Pairing<'a> {
     }
 
     /// Enters the pairs whose points are open; the first points of these.
-    fn enter_all(&mut self, pairs: &[(u32, u32)]) -> Vec<u32> {
+    pub fn enter_all(&mut self, pairs: &[(u32, u32)]) -> Vec<u32> {
         let entered = pairs.iter().filter(|&&(point, image)| self.enter(point, image));
         entered.map(|&(point, _)| point).collect()
     }
@@ -217,7 +227,7 @@ impl<'a> Pairing<'a> {
         entered
     }
 
-    /// Whether a pair has a misfit up to `limit`, keeps all edges to paired neighbours close, and nothing open fits better.
+    /// Whether a pair has a misfit up to `limit`, keeps edges, and nothing open fits better.
     fn fits(&mut self, a: u32, b: u32, limit: f64) -> bool {
         let mut near = std::mem::take(&mut self.paired_near);
         near.clear();
@@ -234,10 +244,15 @@ impl<'a> Pairing<'a> {
         fits
     }
 
-    /// Whether the images of all paired neighbours of `point` are close to `image`.
+    /// Whether the images of all paired neighbours of `point`, but for a share `apart`, are close to `image`.
     fn keeps_edges(&self, point: u32, image: u32) -> bool {
         let close = self.around.close.of(image as usize);
-        self.images_around(point).all(|other| close.binary_search(&other).is_ok())
+        let (mut all, mut lost) = (0.0, 0.0);
+        for other in self.images_around(point) {
+            all += 1.0;
+            lost += f64::from(u8::from(close.binary_search(&other).is_err()));
+        }
+        lost <= self.apart * all
     }
 
     /// Whether another open point fits better as the image of `point`, which has these around it.
