@@ -435,6 +435,40 @@ def test_a_deleted_hand_comes_back(human):
     assert np.allclose(weights[away], (1, 0))
 
 
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("direction", DIRECTIONS)
+def test_a_part_that_was_split_off(human, direction, side):
+    """If its side wins, the other one is split off, too; else it is joined again, as its side is replaced."""
+    before = positions(human.data)
+    _select_feet(human, (side,))
+    bpy.ops.mesh.split()
+    enter("OBJECT")
+    count = len(human.data.vertices)
+    added = 2 * (count - len(before)) if DIRECTIONS[direction] == side else 0
+    assert ops.symmetrize_topology(direction=direction) == {"FINISHED"}
+    _assert_mirrored(human.data)
+    assert len(human.data.polygons) == 13378 and len(human.data.vertices) == len(before) + added != count
+    assert _nearest(positions(human.data), before)[:, 1].max() < 1e-5
+
+
+def test_a_part_that_was_split_off_a_paired_shell():
+    """Of two spheres, the one that is split wins."""
+    for at in (1, -1):
+        bpy.ops.mesh.primitive_uv_sphere_add(location=(2 * at, 0, 0))
+    bpy.data.objects[0].select_set(True)
+    bpy.ops.object.join()
+    bpy.ops.object.transform_apply()
+    object = bpy.context.object
+    _noisy_map(object, 0, 0)
+    edit_faces(object, [face.index for face in object.data.polygons if face.center.x > 2.5])
+    bpy.ops.mesh.split()
+    enter("OBJECT")
+    counts = [np.count_nonzero(positions(object.data)[:, 0] * at > 0) for at in (1, -1)]
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    _assert_mirrored(object.data)
+    assert counts[0] > counts[1] and len(object.data.vertices) == 2 * counts[0]
+
+
 def test_hooks_and_children_of_vertices_stay_where_they_are(human, mode, capfd):
     side, places = attribute(human.data, "sym_side"), positions(human.data)
     tips = [int(np.where(side == at, np.abs(places[:, 0]), 0).argmax()) for at in (1, -1)]
