@@ -168,6 +168,22 @@ def test_where_connectivity_is_mirrored_nothing_changes(human, mode, direction):
     assert _nearest(before, positions(human.data))[:, 1].max() < 1e-6
 
 
+@pytest.mark.parametrize("levels", [0, 1, 2])
+def test_blenders_monkey_stays_as_it_is(levels):
+    """Its line passes through vertices that no edge joins to either side."""
+    bpy.ops.mesh.primitive_monkey_add()
+    object = bpy.context.object
+    if levels:
+        object.modifiers.new("smooth", "SUBSURF").levels = levels
+        bpy.ops.object.modifier_apply(modifier="smooth")
+    assert ops.detect() == {"FINISHED"}
+    before, faces = positions(object.data), len(object.data.polygons)
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    _assert_mirrored(object.data)
+    assert len(object.data.polygons) == faces and len(object.data.vertices) == len(before)
+    assert _nearest(before, positions(object.data))[:, 1].max() < 1e-6
+
+
 def test_shells_and_open_borders():
     object = new_object(read_example("human_shells"))
     assert ops.detect() == {"FINISHED"}
