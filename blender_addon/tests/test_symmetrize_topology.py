@@ -297,6 +297,12 @@ def _extrude(object, sides, depth):
     bpy.ops.mesh.extrude_region_shrink_fatten(TRANSFORM_OT_shrink_fatten={"value": -depth})
 
 
+def _extrude_inset(object, sides):
+    _select_feet(object, sides)
+    bpy.ops.mesh.inset(thickness=0.003)
+    bpy.ops.mesh.extrude_region_shrink_fatten(TRANSFORM_OT_shrink_fatten={"value": -0.05})
+
+
 def _delete(object, sides):
     _select_feet(object, sides)
     bpy.ops.mesh.delete(type="FACE")
@@ -319,6 +325,7 @@ def _cut(object, sides):
 EDITS = {
     "shallow extrusion": lambda object, sides: _extrude(object, sides, 0.02),
     "deep extrusion": lambda object, sides: _extrude(object, sides, 0.1),
+    "inset and extrusion": _extrude_inset,
     "loop cut": _cut,
     "deletion": _delete,
 }
@@ -339,6 +346,41 @@ def test_an_edit_of_one_side_arrives_on_the_other(human, mode, edit, side):
     _assert_mirrored(human.data)
     assert len(human.data.vertices) == len(wanted) != 13380
     assert _nearest(wanted, positions(human.data))[:, 1].max() < 1e-3
+
+
+FORMS = {
+    "inset": [lambda: bpy.ops.mesh.inset(thickness=0.02)],
+    "inset with a depth": [lambda: bpy.ops.mesh.inset(thickness=0.02, depth=0.1)],
+    "inset, extrude": [lambda: bpy.ops.mesh.inset(thickness=0.02), lambda: _pull(0.1)],
+    "inset, extrude inwards": [lambda: bpy.ops.mesh.inset(thickness=0.02), lambda: _pull(-0.1)],
+    "extrude, update, inset": [lambda: _pull(0.1), ops.carry, lambda: bpy.ops.mesh.inset(thickness=0.02)],
+    "bevel": [lambda: bpy.ops.mesh.bevel(offset=0.02, segments=1)],
+    "bevel, rounded": [lambda: bpy.ops.mesh.bevel(offset=0.02, segments=3)],
+}
+
+
+def _pull(depth):
+    bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (depth, 0, 0)})
+
+
+@pytest.mark.parametrize("count", [1, 9, 30])
+@pytest.mark.parametrize("steps", FORMS)
+def test_a_form_arrives_at_its_mirrored_place(steps, count):
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    object = bpy.context.object
+    _noisy_map(object, 0, 0)
+    away = [np.linalg.norm(np.array(face.center) - (0.8, 0.4, 0.4)) for face in object.data.polygons]
+    edit_faces(object, np.argsort(away)[:count])
+    for step in FORMS[steps]:
+        step()
+    enter("OBJECT")
+    wanted = positions(object.data)
+    wanted = wanted[wanted[:, 0] > 1e-3] * (-1, 1, 1)
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    _assert_mirrored(object.data)
+    now = positions(object.data)
+    assert np.count_nonzero(now[:, 0] < -1e-3) == len(wanted)
+    assert _nearest(now, wanted)[:, 1].max() < 1e-3
 
 
 def test_undo_in_edit_mode(human):
