@@ -23,7 +23,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     assembly        several objects with one map
     seams           where such objects touch
     mirroring       which way values go, and how far
-    carry           the map of an edited mesh, by carried_map and carried_walk
+    carry           the map of an edited mesh, by carried_map, carried_walk and image_surface
     half_*          one half of a mesh rebuilt: half_line says where it ends, half_copy copies faces, half_map pairs
                     vertices, half_form places them, half_data gives them what was there
     surface         nearest points of a surface, and values there

@@ -3,8 +3,9 @@
 
 Old vertices keep their images, as long as the vertices around these are there. Else the image is where the surface is
 nearest to its old place; if that is farther away than half an edge, what held it is gone, and so is the image.
-Duplicates, as an extrusion makes them, have the images of their originals. Where both sides got the same edit, new
-vertices are paired (`carried_walk`). All others lie between the images of their neighbours.
+Duplicates, as an extrusion makes them, have the images of their originals. Other new vertices have theirs where the
+surface was that they were made on (`image_surface`), or else between the images of their neighbours. Where both sides
+got the same edit, new vertices are paired (`carried_walk`).
 """
 
 import intrinsym
@@ -13,7 +14,8 @@ from mathutils.kdtree import KDTree
 
 from . import mesh_data, stored_map, vertex_map
 from .carried_walk import pairs
-from .neighbour_means import filled
+from .image_surface import CLOSE, ON, ImageSurface
+from .neighbour_means import filled, longest_edges
 from .regions import around, components
 from .surface import Mix, Surface
 
@@ -41,6 +43,9 @@ class CarriedMap:
         self.new[known] = new_of[original[known]] != np.flatnonzero(known)
         self._known = known
         self._read(known)
+        self._lift, self._cuts = np.zeros_like(self._places), self.new
+        if self.new.any():
+            self._lay()
         self._relocate(known, ours)
         self._edited = self._with_other_faces(original)
 
@@ -63,13 +68,51 @@ class CarriedMap:
         self._side = np.where(known, values[stored_map.SIDE], np.nan)
         self._duplicates = known & self.new
         self._had = values[stored_map.PARTNER] >= 0
-
-    def _relocate(self, known, ours):
-        """Puts images whose faces are gone onto the surface, all as it was when the map was stored."""
-        places, images = (
+        self._found = known.copy()
+        self._were, self._images = (
             mesh_data.read_attribute(self._mesh.attributes[name]).astype(float)
             for name in (stored_map.PLACE, stored_map.IMAGE)
         )
+
+    def _lay(self):
+        """Gives new vertices their images on the surface that they were made on, and notes how far they, and what they
+        enclose, stand off it."""
+        shell = components(len(self.new), self._ends)
+        rows = np.flatnonzero(self.new & ~self._known & np.isin(shell, shell[self._known]))
+        reach = longest_edges(self._ends, self._places)
+        surface, feet = self._surface_that_was(rows, reach)
+        numbered = ((self._corners >= 0) | (self._weights == 0)).all(axis=1) & self._known & self._had
+        own = np.einsum("vk,vkx->vx", self._weights, surface.images[self._corners])
+        self._lift[numbered] = (self._places - own)[numbered]
+        if feet is None:
+            return
+        self._lift[rows[feet.below]] = (self._places[rows] - feet.mix.of(surface.images))[feet.below]
+        self._were[rows[feet.below]] = feet.mix.of(surface.before)[feet.below]
+        there = feet.sure & (feet.away <= reach[feet.mix.rows].max(axis=1))
+        rows, mix = rows[there], feet.mix.at(there)
+        self._faces[rows], self._corners[rows], self._weights[rows] = feet.faces[there], mix.rows, mix.weights
+        self._target[rows], self._found[rows] = mix.of(self._places), True
+        on_line = np.linalg.norm(self._target - self._places, axis=1)[rows] <= ON * reach[rows]
+        self._side[rows] = np.where(on_line, 0, -np.sign(mix.of(self._side)))
+
+    def _surface_that_was(self, rows, reach):
+        """The ImageSurface and the feet of new vertices, `rows`, on it. What the edit encloses was moved with it, as the
+        inside of an extrusion; or it was there before, as a hand beyond a loop cut, if far more new vertices lie on it so."""
+        there, best, most = ~self.new & self._had, None, -1
+        for cuts in (self.new, self._duplicates):
+            enclosed = self._enclosed(cuts)
+            held = np.where(self._exact, enclosed[self.partner], enclosed[self._corners].any(axis=1))
+            moved = np.where((self._kept & ~held)[:, None], self._target - self._images, np.nan)
+            surface = ImageSurface(self._mesh, self._images, moved, there)
+            feet = surface.feet(self._places[rows], reach[rows]) if len(rows) else None
+            count = 0 if feet is None else np.count_nonzero(feet.away <= CLOSE * reach[rows])
+            if count > 2 * most:
+                best, most, self._cuts = (surface, feet), count, cuts
+        return best
+
+    def _relocate(self, known, ours):
+        """Puts images whose faces are gone onto the surface, all as it was when the map was stored."""
+        places, images = self._were, self._images
         self._gone = known & ~self._had
         rows = np.flatnonzero(known & self._had & ~self._exact & (self._faces < 0))
         self._gone[rows] = True
@@ -78,19 +121,11 @@ class CarriedMap:
             return
         triangle, weights = surface.feet(images[rows])
         mix = Mix(surface.vertices[triangle], weights)
-        self._gone[rows] = np.linalg.norm(mix.of(places) - images[rows], axis=1) > _NEAR * self._reach(places)[rows]
+        self._gone[rows] = np.linalg.norm(mix.of(places) - images[rows], axis=1) > _NEAR * longest_edges(self._ends, places)[rows]
         there = ~(self._gone | self.new)[rows]
         rows, triangle, mix = rows[there], triangle[there], mix.at(there)
         self._faces[rows], self._corners[rows], self._weights[rows] = surface.faces[triangle], mix.rows, mix.weights
         self._target[rows] = mix.of(self._places)
-
-    def _reach(self, places):
-        """(vertices,) the longest edge of each."""
-        lengths = np.linalg.norm(places[self._ends[:, 0]] - places[self._ends[:, 1]], axis=1)
-        reach = np.zeros(len(places))
-        for end in (0, 1):
-            np.maximum.at(reach, self._ends[:, end], lengths)
-        return reach
 
     def _with_other_faces(self, original):
         """(vertices,) bool: new ones, and those with other faces than when the map was stored."""
@@ -159,17 +194,21 @@ class CarriedMap:
         mirrored = around(self._offsets, backward, np.where(self._exact, self.partner, -1))
         return self._exact & (mirrored == own[np.where(self._exact, self.partner, 0)])
 
-    def extruded(self):
-        """(vertices,) bool: duplicates without a partner of their own, what they enclose, and what is new between."""
-        off = np.where(self.new, np.nan, 0.0)
-        off[self._duplicates] = 1
-        off[self._exact] = 0
-        off[self._enclosed(off == 1)] = 1
-        return np.nan_to_num(filled(off[:, None], self._ends, self._places)[:, 0]) > 0
+    def lifted(self):
+        """(vertices, 3) how far new vertices without a partner of their own, and what they enclose, stand off the surface
+        that was there; and what stood off it before. After `found`."""
+        off = np.linalg.norm(self._lift, axis=1) > ON * longest_edges(self._ends, self._places)
+        alone = self.new & ~self._exact
+        off &= alone | self._enclosed(alone & self._cuts)
+        lift, before = np.where(off[:, None], self._lift, 0), self._mesh.attributes.get(stored_map.LIFT)
+        if before is not None:
+            values = np.where(self.new[:, None], np.nan, mesh_data.read_attribute(before))
+            lift += np.nan_to_num(filled(values, self._ends, self._places))
+        return lift
 
     def _fill(self):
         """Gives the vertices without values the means of their neighbours'."""
-        gone = np.where(self._known, self._gone, np.nan)
+        gone = np.where(self._found, self._gone, np.nan)
         values = np.column_stack([self._target, self._confidence, self._side, gone])
         values = filled(values, self._ends, self._places, along_lines=True)
         self._target, self._confidence, side = values[:, :3], values[:, 3], values[:, 4]
@@ -179,7 +218,7 @@ class CarriedMap:
 
     def _walk(self):
         """Pairs new vertices where both sides got the same edit: where an image is expected, or on extrusions."""
-        reach = self._reach(self._places)
+        reach = longest_edges(self._ends, self._places)
 
         def may_pair(one, other):
             off = self._places[other] - self._target[one]
@@ -193,14 +232,14 @@ class CarriedMap:
         self.partner[vertices], self._exact[vertices] = partners, True
         self._target[vertices], self._gone[vertices] = self._places[partners], False
 
-    def _enclosed(self, duplicates):
-        """(vertices,) bool: what duplicates cut off from the most of its shell, as the inside of what was extruded."""
-        region = components(len(duplicates), self._ends[~duplicates[self._ends].any(axis=1)])
-        shell, size = components(len(duplicates), self._ends), np.bincount(region, minlength=len(duplicates))
-        size[duplicates] = 0
-        largest = np.zeros(len(duplicates), int)
+    def _enclosed(self, new):
+        """(vertices,) bool: what new vertices cut off from the most of its shell, as the inside of what was extruded."""
+        region = components(len(new), self._ends[~new[self._ends].any(axis=1)])
+        shell, size = components(len(new), self._ends), np.bincount(region, minlength=len(new))
+        size[new] = 0
+        largest = np.zeros(len(new), int)
         np.maximum.at(largest, shell, size[region])
-        return ~duplicates & (size[region] < largest[shell])
+        return ~new & (size[region] < largest[shell])
 
     def _land(self):
         """Puts images that are in no face onto the nearest one. Vertices that no face uses have none."""

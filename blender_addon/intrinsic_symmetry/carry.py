@@ -37,15 +37,14 @@ def _bring(mesh):
     new_of, original, ours = _identities(mesh, record)
     carried = CarriedMap(mesh, core_mesh, new_of, original, ours)
     symmetry = carried.found(intrinsym.SymmetryKind(record["kind"]))
-    symmetry.fixed_curve = _lines(mesh, new_of)
+    symmetry.fixed_curve, lift = _lines(mesh, new_of), carried.lifted()
     left = (1, record["left_from"])
     stored_map.store(mesh, core_mesh, symmetry, record.get("doubtful", False), left, record["exact_share"])
     edits = np.array(carried.edits)
     side = int(np.sign(edits[0] - edits[1])) or record.get("edited_side", 0)
     mesh[stored_map.RECORD].update({"edited": (edits + record.get("edited", (0, 0))).tolist(), "edited_side": side})
-    extruded = carried.extruded()
-    if extruded.any():
-        mesh_data.write_attribute(mesh, stored_map.EXTRUDED, "BOOLEAN", extruded)
+    if lift.any():
+        mesh_data.write_attribute(mesh, stored_map.LIFT, "FLOAT_VECTOR", lift)
     lost = f", {carried.lost:,} have lost their mirror image" if carried.lost else ""
     return f"The symmetry was carried through an edit: {np.count_nonzero(carried.new):,} vertices are new{lost}"
 

@@ -45,8 +45,8 @@ class Old:
             domain: {each.name: mesh_data.read_attribute(each) for each in mesh.attributes if _is_own(each, domain)}
             for domain in ("POINT", "CORNER")
         }
-        marks = mesh.attributes.get(stored_map.EXTRUDED)
-        self.extruded = np.zeros(len(mesh.vertices), bool) if marks is None else mesh_data.read_attribute(marks)
+        lift = mesh.attributes.get(stored_map.LIFT)
+        self.lift = 0 * self.positions if lift is None else mesh_data.read_attribute(lift).astype(float)
         self.uvs = {layer.name for layer in mesh.uv_layers}
         self.surface = Surface(mesh, self.positions, halves.labels == LOSES)
 

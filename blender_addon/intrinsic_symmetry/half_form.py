@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Places a copied half where the surface that was there cannot say it alone.
 
-What was extruded is moved as a rigid mirrored piece to where the copied vertices around it are (B. K. P. Horn,
+What stands a little off the surface, as a bevel, stands as far off its image. What stands off farther, as an extrusion,
+is moved as a rigid mirrored piece to where the copied vertices around it are (B. K. P. Horn,
 "Closed-form solution of absolute orientation using orthonormal matrices", 1988), and bent to meet them. Regions that
 are folded, since the map's images of neighbouring vertices change places or fall together, are drawn smooth on the
 surface; or moved as a piece, too, where that leaves more folds, or little of the region, as of a fingertip.
@@ -10,9 +11,13 @@ surface; or moved as a piece, too, where that leaves more folds, or little of th
 import numpy as np
 
 from . import mesh_data
-from .neighbour_means import filled
+from .neighbour_means import filled, longest_edges
 from .regions import components
 
+#: What is farther off the surface than this share of its longest edge is moved as a piece.
+_FAR = 0.5
+#: And so is what is beside its place by more than this share.
+_BESIDE = 0.1
 #: An edge is creased if the cosine between the normals of its faces is below the first, and that of its model is above
 #: the second.
 _CREASED, _SMOOTH = -0.3, 0.3
@@ -37,10 +42,14 @@ class Form:
         self._ends = mesh_data.edges(mesh).astype(np.int64)
         self._faces = _Faces(mesh, whole, models)
 
-    def placed(self, extruded):
-        """(vertices, 3) the places of all vertices; those are changed whose models are `extruded`, (vertices,) bool, or
-        which are folded. Of those that are drawn smooth the mix is changed."""
-        places, inside = self._mix.of(self._surface.positions), extruded & self._copies
+    def placed(self, lift, beside, without):
+        """(vertices, 3) the places of all vertices: off the surface by `lift`, (vertices, 3). Otherwise where that is far, or
+        its foot is not at the place that the mix says, but `beside` it, (vertices,), where the models have no images,
+        `without`, (vertices,) bool, or where they are folded. Of those that are drawn smooth the mix is changed."""
+        reach = longest_edges(self._ends, self._models)
+        far = (np.linalg.norm(lift, axis=1) > _FAR * reach) | lift.any(axis=1) & (beside > _BESIDE * reach)
+        places = self._mix.of(self._surface.positions) + np.where((self._copies & ~far)[:, None], lift, 0)
+        inside = (far | without) & self._copies
         if inside.any():
             places = self._as_pieces(places, inside)
         for rings in range(1, _ROUNDS + 1):

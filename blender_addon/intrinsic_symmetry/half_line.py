@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which half of a mesh stays, and along which vertices and edges it ends.
 
-The sides of the stored map are cleaned until each shell has one winning and one losing region. Then the line between
-them is moved onto vertices that are near it. A vertex may lie on the line only if one run of the vertices around it is
+The sides of the stored map are cleaned until each shell has one winning and one losing region. The line between them
+goes through the vertices that the map has on it, as far as these may all lie there, and is then moved onto others that
+are near it. A vertex may lie on the line only if one run of the vertices around it is
 of the winning side and one of the losing side (a simple point: A. Rosenfeld, "Connectivity in digital pictures", 1970),
 so that both regions stay connected, and the winning one has a border without crossings.
 """
@@ -38,14 +39,16 @@ class Halves:
 def halves(bm, mesh, symmetry, winner):
     """The Halves of a mesh, of which `bm` is a BMesh; `winner`, 1 or -1, is the side that stays. Raises MeshProblem."""
     edges, positions = mesh_data.edges(mesh).astype(np.int64), mesh_data.positions(mesh).astype(float)
-    labels = _cleaned(_labels(mesh, symmetry, winner, edges), edges)
+    labels = _labels(mesh, symmetry, winner, edges)
+    labels = np.where(_stray(labels, edges), -labels, labels)
+    bm.verts.ensure_lookup_table()
+    labels[_drawn(bm, labels, edges, symmetry.side == 0)] = LINE
     images = symmetry.surface_points.positions(positions)
     distance = np.where(symmetry.side == 0, 0.0, np.linalg.norm(images - positions, axis=1))
     winning, losing, shares, _ = _crossings(labels, edges, distance)
     near = np.full(len(labels), 1.0)
     np.minimum.at(near, winning, shares)
     np.minimum.at(near, losing, 1 - shares)
-    bm.verts.ensure_lookup_table()
     for vertex in np.argsort(near, kind="stable")[: np.count_nonzero(near < _NEAR)].tolist():
         if _may_lie_on_line(bm.verts[vertex], labels):
             labels[vertex] = LINE
@@ -69,6 +72,9 @@ def _labels(mesh, symmetry, winner, edges):
     apart = np.where(balance >= balance[image], WINS, LOSES)
     apart = np.where((balance == balance[image]) & (np.arange(count) > image), LOSES, apart)
     of_shell = np.where(paired, apart, STAYS)
+    split = (image >= 0) & ~whole & ~paired  # off a shell that has a mirror image, or is its own
+    of_shell[split & crossed[image]] = np.where(balance > 0, WINS, LOSES)[split & crossed[image]]
+    of_shell[split & paired[image]] = -of_shell[image[split & paired[image]]]
     return np.where(crossed[shell], np.where(side < 0, LOSES, WINS), of_shell[shell])
 
 
@@ -91,9 +97,8 @@ def _refuse_holes(known, image, mesh):
         )
 
 
-def _cleaned(labels, edges):
-    """Labels of which each shell has one winning and one losing region: smaller ones go to the other side."""
-    labels = labels.copy()
+def _stray(labels, edges):
+    """(vertices,) bool: all but the largest winning and the largest losing region of each shell."""
     shell = components(len(labels), edges)
     inner = edges[labels[edges[:, 0]] == labels[edges[:, 1]]]
     region = components(len(labels), inner)
@@ -103,9 +108,20 @@ def _cleaned(labels, edges):
         key = (shell[number], labels[number])
         if size[number] > size[largest.get(key, number)] or key not in largest:
             largest[key] = number
-    stray = ~np.isin(region, list(largest.values())) & (np.abs(labels) == 1)
-    labels[stray] *= -1
-    return labels
+    return ~np.isin(region, list(largest.values())) & (np.abs(labels) == 1)
+
+
+def _drawn(bm, labels, edges, on_line):
+    """(vertices,) bool: the winning ones, of those that the map has on the line, that may lie there all at once."""
+    chosen, bad = on_line & (labels == WINS), True
+    while np.any(bad):
+        now = np.where(chosen, LINE, labels)
+        bad = np.zeros(len(labels), bool)
+        bad[edges[_stray(now, edges)[edges].any(axis=1)]] = True
+        bad[[at for at in np.flatnonzero(chosen).tolist() if not _may_lie_on_line(bm.verts[at], now)]] = True
+        bad &= chosen
+        chosen &= ~bad
+    return chosen
 
 
 def _crossings(labels, edges, distance):

@@ -11,6 +11,9 @@ from intrinsym import Merge
 from . import counterparts, mesh_data, side_names, undo
 from .weights import read_weights, write_weights
 
+#: Channels of bones that Blender negates in a mirrored pose; as types of driver variables, and as the ends of paths.
+_NEGATED = {"LOC_X", "ROT_Y", "ROT_Z"}
+_NEGATED_PATH = re.compile(r"\.(location\[0\]|rotation_euler\[[12]\]|rotation_quaternion\[[23]\])$")
 _NAMED = re.compile(r'(?<=\[")[^"]+(?="\])')
 
 
@@ -82,8 +85,34 @@ def _copy_drivers(keys, like, key):
     for curve in [curve for curve in data.drivers if curve.data_path.startswith(old)] if data else []:
         made = (owner.animation_data or owner.animation_data_create()).drivers.from_existing(src_driver=curve)
         made.data_path = curve.data_path.replace(old, new, 1)
-        for target in (target for variable in made.driver.variables for target in variable.targets):
-            _flip(target)
+        negated = [variable.name for variable in made.driver.variables if _flip_all(variable)]
+        if negated:
+            _negate(made.driver, negated)
+
+
+def _flip_all(variable):
+    """Turns the targets of a driver's variable to the other side. Whether it has the other sign there, in the mirrored
+    pose."""
+    before = [(target.bone_target, target.data_path) for target in variable.targets]
+    for target in variable.targets:
+        _flip(target)
+    target = variable.targets[0]
+    changed = before[0] != (target.bone_target, target.data_path)
+    if variable.type == "SINGLE_PROP":
+        return changed and "pose.bones[" in target.data_path and bool(_NEGATED_PATH.search(target.data_path))
+    local = variable.type == "TRANSFORMS" and target.transform_space == "LOCAL_SPACE"
+    return changed and local and target.transform_type in _NEGATED
+
+
+def _negate(driver, names):
+    """Gives the variables of a driver the other sign."""
+    every = [variable.name for variable in driver.variables]
+    if driver.type != "SCRIPTED":
+        means = {"AVERAGE": f"({' + '.join(every)}) / {len(every)}", "SUM": " + ".join(every)}
+        driver.expression = means.get(driver.type, f"{driver.type.lower()}({', '.join(every)})" if len(every) > 1 else every[0])
+        driver.type = "SCRIPTED"
+    for name in names:
+        driver.expression = re.sub(rf"(?<![\w.]){re.escape(name)}(?!\w)", f"(-{name})", driver.expression)
 
 
 def _flip(target):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values between known ones: the mean of each vertex' neighbours, of which nearer ones weigh more. No bpy here."""
+"""Values between known ones: the mean of each vertex' neighbours, of which nearer ones weigh more; and how far neighbours
+are. No bpy here."""
 
 import numpy as np
 
@@ -19,6 +20,14 @@ def filled(values, ends, places, still=1e-6, along_lines=False):
         if np.isnan(column).any():
             _fill(column, ends, places, still, along_lines)
     return values
+
+
+def longest_edges(ends, places):
+    """(vertices,) the length of the longest edge of each, of (edges, 2) ends at (vertices, 3) places."""
+    lengths, longest = np.linalg.norm(places[ends[:, 0]] - places[ends[:, 1]], axis=1), np.zeros(len(places))
+    for end in (0, 1):
+        np.maximum.at(longest, ends[:, end], lengths)
+    return longest
 
 
 def _fill(column, ends, places, still, along_lines):

@@ -96,7 +96,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
     def lacks(cls, context, object):
         problem = super().lacks(context, object)
         problem = problem or _another_is(object)
-        if problem is None and object.mode != "EDIT" and remembered_name(object) not in object.data.attributes:
+        began = object.mode == "EDIT" or entered.shape_of(object) is not None or entered.is_lost(object)
+        if problem is None and not began and remembered_name(object) not in object.data.attributes:
             problem = "Remember Shape first, then edit"
         return problem
 

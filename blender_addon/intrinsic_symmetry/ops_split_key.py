@@ -39,10 +39,10 @@ class INTRINSIC_SYMMETRY_OT_split_shape_key(MapOperator, bpy.types.Operator):
         width = self.width * asymmetry.size(base)
         distance = line_distance.line_distances(mesh, lines, base, 0.5 * width)
         left = line_distance.left_shares(symmetry, distance, width)
-        for suffix, share in ((".R", 1 - left), (".L", left)):
+        for suffix, share in ((".L", left), (".R", 1 - left)):
             made = _new_key(object, key.name + suffix, key)
             mesh_data.set_key_positions(made, base + share[:, None] * moved)
-        object.active_shape_key_index = mesh.shape_keys.key_blocks.find(made.name)
+        object.active_shape_key_index = mesh.shape_keys.key_blocks.find(f"{key.name}.L")
         soft = int(((left > 0) & (left < 1) & moved.any(axis=1)).sum())
         return f"{key.name}.L and {key.name}.R: {soft} moved vertices lie in the soft line"
 

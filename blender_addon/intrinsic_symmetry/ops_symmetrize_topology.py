@@ -7,7 +7,7 @@ import intrinsym
 import numpy as np
 from intrinsym import Merge, SymmetryKind
 
-from . import half_copy, half_data, half_form, half_line, half_map, left_side, mesh_data, stored_map
+from . import half_copy, half_data, half_form, half_line, half_map, left_side, local_frames, mesh_data, stored_map
 from .counterparts import listed
 from .mirroring import DIRECTIONS, MERGE
 from .operator_base import MapOperator
@@ -108,12 +108,21 @@ class _Half:
         whole = mix.weights.max(axis=1) > _WHOLE
         form = half_form.Form(mesh, old.surface, mix, model.of(old.positions), copies, fitted, whole)
         without = symmetry.partner < 0
-        places = form.placed(model.of(old.extruded | without))
+        places = form.placed(*self._lifts(mix, model, symmetry), model.of(without))
         mix.take(copies & model.of(without), old.surface, places)
         old.give_positions(object, mix, places - mix.of(old.positions))
         old.give_points(object, mix, copies)
         old.give_corners(mesh, self._copied, places)
         self.attached.renumber(self._source, old.positions, places)
+
+    def _lifts(self, mix, model, symmetry):
+        """(vertices, 3) the lift of the models, turned as the surface is from there to where the mix is; and (vertices,) how
+        far their feet are from the images of where the mix is."""
+        lift, feet = self._old.lift, self._old.positions - self._old.lift
+        if not lift.any():
+            return model.of(lift), np.zeros(len(self.copies))
+        turned = np.einsum("vxy,vy->vx", mix.of(local_frames.turns(symmetry, feet)), model.of(lift))
+        return turned, np.linalg.norm(mix.of(symmetry.surface_points.positions(feet)) - model.of(feet), axis=1)
 
 
 def _taken(mesh, name):

@@ -86,13 +86,25 @@ def _line(stored):
 
 def _read_csv(path):
     with path.open(newline="", encoding=_ENCODING) as file:
-        rows = list(csv.DictReader(file))
+        delimiter = ";" if ";" in file.readline() else ","
+        file.seek(0)
+        table = [[cell.strip() for cell in row] for row in csv.reader(file, delimiter=delimiter) if row]
+    head = [name.lower() for name in table[0]] if table else []
+    rows = [dict(zip(head, row, strict=True)) for row in table[1:]]
     given = [name for name in COLUMNS if rows and name in rows[0]]
     if rows and "vertex" in rows[0]:
-        rows.sort(key=lambda row: int(row["vertex"]))
-        if [int(row["vertex"]) for row in rows] != list(range(len(rows))):
+        rows.sort(key=lambda row: _whole(row["vertex"]))
+        if [_whole(row["vertex"]) for row in rows] != list(range(len(rows))):
             raise ValueError("the column vertex does not count from 0")
     return _arrays({name: [row[name] for row in rows] for name in given}), {}
+
+
+def _whole(text):
+    """The whole number that a text or a number says, `4.0` as well."""
+    number = float(text)
+    if number != int(number):
+        raise ValueError(f"{text} is no whole number")
+    return int(number)
 
 
 def _read_map(path):
@@ -102,7 +114,10 @@ def _read_map(path):
 def _arrays(columns):
     if "partner" not in columns:
         raise ValueError("there is no column partner")
-    arrays = {name: np.array(list(map(COLUMNS[name], values)), _TYPES[COLUMNS[name]]) for name, values in columns.items()}
+    readers = {int: _whole, float: float}
+    arrays = {
+        name: np.array(list(map(readers[COLUMNS[name]], values)), _TYPES[COLUMNS[name]]) for name, values in columns.items()
+    }
     if len({len(values) for values in arrays.values()}) > 1:
         raise ValueError("its columns are not equally long")
     return arrays

@@ -23,9 +23,9 @@ _CONVENTIONS = (
     r"(?<![^\W_])(?i:left|right|[lr])(?![^\W_])",
     # A word with a capital. Mixamo: mixamorig:LeftArm. MotionBuilder: Character1_LeftArm. ARKit: eyeBlinkLeft.
     r"(?<![A-Z])(?:Left|Right)(?![a-z])",
-    # The beginning or the end of the whole name. Blender: leftarm, armright, ARMLEFT; not cleft, bright, upright.
-    r"^(?i:left|right)",
-    r"(?i:(?<!c)left|(?<![bf])(?<!up)right)$",
+    # The beginning or the end of the whole name. Blender: leftarm, armright, ARMLEFT; not cleft, leftover, upright, Copyright.
+    r"^(?i:left(?!over)|right)",
+    r"(?i:(?<!c)left|(?<![bf])(?<!up)(?<!copy)right)$",
     # A small letter before a word. Daz and Poser: lShldr, rThighBend.
     r"(?<![^\W_])[lr](?=[A-Z])",
     # A capital before or after a word. CAT: CATRigLArm. Others: LArm, EyeBlinkL, HandR_01.

@@ -41,8 +41,8 @@ PLACE, IMAGE, AROUND = "sym_place", "sym_image", "sym_around"
 #: What `carry` needs besides the map.
 _TRACES = {**dict(zip(NUMBERS, ("INT", "FLOAT"))), PLACE: "FLOAT_VECTOR", IMAGE: "FLOAT_VECTOR", AROUND: "INT"}
 _GOLDEN = (5**0.5 - 1) / 2
-#: BOOLEAN: vertices that stand off the surface that the map speaks of, after `carry`.
-EXTRUDED = "sym_extruded"
+#: FLOAT_VECTOR: how far vertices stand off the surface that the map speaks of, after `carry`.
+LIFT = "sym_lift"
 #: What an imported PLY or glTF file says of its further symmetries. It does not belong to the map that is kept.
 _FURTHER = re.compile(r"(sym_(vertex|confidence|side)|_SYM_(VERTEX|CONFIDENCE|SIDE))_\d+")
 _NONE = 2**32 - 1
@@ -111,8 +111,8 @@ def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X), exact_sh
     values.update(zip(CORNERS, points.corners.T.astype(np.int64)))
     undo.remember(mesh)
     _remove_further(mesh)
-    if EXTRUDED in mesh.attributes:
-        mesh_data.remove_attribute(mesh, EXTRUDED)
+    if LIFT in mesh.attributes:
+        mesh_data.remove_attribute(mesh, LIFT)
     for name, array in values.items():
         given = np.where(array == _NONE, -1, array) if KINDS[name] == "INT" else array
         mesh_data.write_attribute(mesh, name, KINDS[name], given)
@@ -281,7 +281,7 @@ def clear(mesh):
     """Removes the map and its record."""
     undo.remember(mesh)
     _remove_further(mesh)
-    for name in (*KINDS, *_TRACES, EXTRUDED):
+    for name in (*KINDS, *_TRACES, LIFT):
         if name in mesh.attributes:
             mesh_data.remove_attribute(mesh, name)
     if RECORD in mesh:

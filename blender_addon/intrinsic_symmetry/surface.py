@@ -38,9 +38,10 @@ class Mix:
 
 
 class Surface:
-    """Triangles of the faces with one of the chosen vertices, (vertices,) bool; triangle 0 is the first of them."""
+    """Triangles with one of the chosen vertices, (vertices,) bool, or with three, where `which` is `np.all`; triangle 0 is
+    the first of them."""
 
-    def __init__(self, mesh, positions, chosen):
+    def __init__(self, mesh, positions, chosen, which=np.any):
         mesh.calc_loop_triangles()
         loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
         faces = np.empty(len(mesh.loop_triangles), np.int32)
@@ -48,7 +49,7 @@ class Surface:
         mesh.loop_triangles.foreach_get("polygon_index", faces)
         corners = np.asarray(mesh_data.polygons(mesh)[1]).astype(np.int64)
         loops = loops.reshape(-1, 3)
-        inside = chosen[corners[loops]].any(axis=1)
+        inside = which(chosen[corners[loops]], axis=1)
         self._loops, self.faces = loops[inside], faces[inside]
         self.vertices, self.positions = corners[self._loops], positions
         self._places = positions[self.vertices]

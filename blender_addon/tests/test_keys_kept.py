@@ -139,6 +139,28 @@ def _drive(key, rig):
     own.name, own.targets[0].id, own.targets[0].data_path = "own", rig, '["smile_L"]'
 
 
+@pytest.mark.parametrize("kind", ["SCRIPTED", "SUM", "AVERAGE"])
+@pytest.mark.parametrize("channel", ["LOC_X", "LOC_Y", "LOC_Z", "ROT_X", "ROT_Y", "ROT_Z", "SCALE_X"])
+def test_a_driver_has_the_sign_of_the_mirrored_pose(human, swelling, channel, kind):
+    """As Blender's own flipped poses: the right bone's X and its turns about Y and Z are negated."""
+    rig, key = _rig(), _key(human, "Smile.L", swelling)
+    driver = key.driver_add("value").driver
+    variable = driver.variables.new()
+    variable.name, variable.type, driver.type = "x", "TRANSFORMS", kind
+    target = variable.targets[0]
+    target.id, target.bone_target, target.transform_type, target.transform_space = rig, "jaw.L", channel, "LOCAL_SPACE"
+    if kind == "SCRIPTED":
+        driver.expression = "max(x, 0)"
+    ops.mirror_shape_keys()
+    for bone, sign in (("jaw.L", 1), ("jaw.R", -1)):
+        rig.pose.bones[bone].rotation_mode = "XYZ"
+        rig.pose.bones[bone].location = sign * 0.1, 0.2, 0.3
+        rig.pose.bones[bone].rotation_euler = 0.1, sign * 0.2, sign * 0.3
+    bpy.context.view_layer.update()
+    keys = human.data.shape_keys.evaluated_get(bpy.context.evaluated_depsgraph_get()).key_blocks
+    assert keys["Smile.L"].value > 0.05 and abs(keys["Smile.L"].value - keys["Smile.R"].value) < 1e-5
+
+
 def test_a_made_key_has_the_settings_of_its_model(human, swelling, truth):
     _key(human, "Base.L", swelling)
     _key(human, "Base.R", 0 * swelling)

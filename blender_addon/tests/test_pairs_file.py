@@ -44,6 +44,17 @@ def test_a_table_for_people(human, truth, tmp_path):
     assert {row["side"] for row in rows} == {"-1", "0", "1"}
 
 
+@pytest.mark.parametrize("head, row", [
+    ("vertex;partner", "{};{}"), ("vertex, partner", "{}, {}"), ("Vertex,Partner", "{},{}"), ("vertex,partner", "{}.0,{}.0"),
+])
+def test_tables_of_other_programs(human, truth, tmp_path, head, row):
+    path = tmp_path / "mine.csv"
+    path.write_text("\n".join([head, *(row.format(*pair) for pair in enumerate(truth))]))
+    ops.clear()
+    assert ops.import_pairs(filepath=str(path)) == {"FINISHED"}
+    assert np.array_equal(attribute(human.data, "sym_vertex"), truth)
+
+
 @pytest.mark.parametrize("text, kind", [("vertex,partner\n{rows}", "csv"), ("{map}", "map")])
 def test_partners_alone_are_enough(human, truth, tmp_path, text, kind):
     """Sides come from the mirror plane: two partners are on two of them, and left is mostly +X."""
@@ -67,6 +78,7 @@ def test_partners_alone_are_enough(human, truth, tmp_path, text, kind):
     ("pairs.csv", "vertex,other\n0,0\n", "no column partner"),
     ("pairs.csv", "vertex,partner\n1,0\n", "does not count from 0"),
     ("pairs.csv", "vertex,partner\n0,x\n", "The file pairs.csv holds no pairs"),
+    ("pairs.csv", "vertex,partner\n0,0.5\n", "0.5 is no whole number"),
     ("pairs.json", "{}", "its format is not"),
     ("pairs.json", "[]", "holds no pairs"),
     ("pairs.txt", "", "Pairs are read from .csv, .json and .map, not from pairs.txt"),

@@ -315,6 +315,24 @@ def test_weights_are_mirrored_if_any_object_has_them(parts):
     assert not ops.mirror_vertex_groups.poll()
 
 
+def test_mirror_edit_of_all_objects_in_edit_mode(human):
+    """Without Remember Shape: each with the shape that edit mode began with."""
+    other = new_object(human.data.copy(), "other")
+    human.select_set(True)
+    before, hand = positions(human.data), int(np.argmax(attribute(human.data, "sym_side")))
+    enter("EDIT")
+    bpy.context.view_layer.update()
+    for object in (human, other):
+        data = bmesh.from_edit_mesh(object.data)
+        data.verts.ensure_lookup_table()
+        data.verts[hand].co.z += 0.01
+        bmesh.update_edit_mesh(object.data)
+    assert ops.mirror_edit() == {"FINISHED"}
+    enter("OBJECT")
+    for object in (human, other):
+        assert np.count_nonzero(np.abs(positions(object.data) - before).max(axis=1) > 1e-4) == 2
+
+
 def test_of_objects_in_edit_mode_those_without_groups_are_named(human, capfd):
     other = _copy_of(human, "other")
     other.vertex_groups.new(name="Arm.L").add([0], 1, "ADD")

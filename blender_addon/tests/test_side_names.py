@@ -44,6 +44,10 @@ def test_names_without_a_side():
     assert [name for name in WITHOUT if side_names.side(name) or side_names.flip(name) != name] == []
 
 
+def test_words_that_only_hold_a_side():
+    assert [module("side_names").side(name) for name in ("Copyright", "leftover", "Leftover_1")] == [0, 0, 0]
+
+
 def test_words_of_one_s_own():
     side_names = module("side_names")
     preferences = bpy.context.preferences.addons[module("preferences").__package__].preferences

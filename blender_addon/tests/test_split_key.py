@@ -44,6 +44,7 @@ def test_left_and_right_are_the_old_key_together(human, smile, truth, mode):
     assert ops.split_shape_key(width=0.1) == {"FINISHED"}
     enter("OBJECT")
     left, right = _moved(human, "Smile.L"), _moved(human, "Smile.R")
+    assert human.data.shape_keys.key_blocks.keys()[-2:] == ["Smile.L", "Smile.R"]
     assert np.abs(left + right - smile).max() < 1e-6
     assert np.abs(_moved(human, "Smile") - smile).max() < 1e-6, "the old key stays"
     assert human.data.shape_keys.key_blocks["Smile.R"].slider_min == -1

@@ -168,6 +168,22 @@ def test_where_connectivity_is_mirrored_nothing_changes(human, mode, direction):
     assert _nearest(before, positions(human.data))[:, 1].max() < 1e-6
 
 
+@pytest.mark.parametrize("levels", [0, 1, 2])
+def test_blenders_monkey_stays_as_it_is(levels):
+    """Its line passes through vertices that no edge joins to either side."""
+    bpy.ops.mesh.primitive_monkey_add()
+    object = bpy.context.object
+    if levels:
+        object.modifiers.new("smooth", "SUBSURF").levels = levels
+        bpy.ops.object.modifier_apply(modifier="smooth")
+    assert ops.detect() == {"FINISHED"}
+    before, faces = positions(object.data), len(object.data.polygons)
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    _assert_mirrored(object.data)
+    assert len(object.data.polygons) == faces and len(object.data.vertices) == len(before)
+    assert _nearest(before, positions(object.data))[:, 1].max() < 1e-6
+
+
 def test_shells_and_open_borders():
     object = new_object(read_example("human_shells"))
     assert ops.detect() == {"FINISHED"}
@@ -281,6 +297,12 @@ def _extrude(object, sides, depth):
     bpy.ops.mesh.extrude_region_shrink_fatten(TRANSFORM_OT_shrink_fatten={"value": -depth})
 
 
+def _extrude_inset(object, sides):
+    _select_feet(object, sides)
+    bpy.ops.mesh.inset(thickness=0.003)
+    bpy.ops.mesh.extrude_region_shrink_fatten(TRANSFORM_OT_shrink_fatten={"value": -0.05})
+
+
 def _delete(object, sides):
     _select_feet(object, sides)
     bpy.ops.mesh.delete(type="FACE")
@@ -303,6 +325,7 @@ def _cut(object, sides):
 EDITS = {
     "shallow extrusion": lambda object, sides: _extrude(object, sides, 0.02),
     "deep extrusion": lambda object, sides: _extrude(object, sides, 0.1),
+    "inset and extrusion": _extrude_inset,
     "loop cut": _cut,
     "deletion": _delete,
 }
@@ -323,6 +346,41 @@ def test_an_edit_of_one_side_arrives_on_the_other(human, mode, edit, side):
     _assert_mirrored(human.data)
     assert len(human.data.vertices) == len(wanted) != 13380
     assert _nearest(wanted, positions(human.data))[:, 1].max() < 1e-3
+
+
+FORMS = {
+    "inset": [lambda: bpy.ops.mesh.inset(thickness=0.02)],
+    "inset with a depth": [lambda: bpy.ops.mesh.inset(thickness=0.02, depth=0.1)],
+    "inset, extrude": [lambda: bpy.ops.mesh.inset(thickness=0.02), lambda: _pull(0.1)],
+    "inset, extrude inwards": [lambda: bpy.ops.mesh.inset(thickness=0.02), lambda: _pull(-0.1)],
+    "extrude, update, inset": [lambda: _pull(0.1), ops.carry, lambda: bpy.ops.mesh.inset(thickness=0.02)],
+    "bevel": [lambda: bpy.ops.mesh.bevel(offset=0.02, segments=1)],
+    "bevel, rounded": [lambda: bpy.ops.mesh.bevel(offset=0.02, segments=3)],
+}
+
+
+def _pull(depth):
+    bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (depth, 0, 0)})
+
+
+@pytest.mark.parametrize("count", [1, 9, 30])
+@pytest.mark.parametrize("steps", FORMS)
+def test_a_form_arrives_at_its_mirrored_place(steps, count):
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    object = bpy.context.object
+    _noisy_map(object, 0, 0)
+    away = [np.linalg.norm(np.array(face.center) - (0.8, 0.4, 0.4)) for face in object.data.polygons]
+    edit_faces(object, np.argsort(away)[:count])
+    for step in FORMS[steps]:
+        step()
+    enter("OBJECT")
+    wanted = positions(object.data)
+    wanted = wanted[wanted[:, 0] > 1e-3] * (-1, 1, 1)
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    _assert_mirrored(object.data)
+    now = positions(object.data)
+    assert np.count_nonzero(now[:, 0] < -1e-3) == len(wanted)
+    assert _nearest(now, wanted)[:, 1].max() < 1e-3
 
 
 def test_undo_in_edit_mode(human):
@@ -433,6 +491,40 @@ def test_a_deleted_hand_comes_back(human):
     assert np.count_nonzero(away) > 1000 and np.abs(lengths[0] / lengths[1] - 1).mean() < 0.05
     weights = module("weights").read_weights(human)
     assert np.allclose(weights[away], (1, 0))
+
+
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("direction", DIRECTIONS)
+def test_a_part_that_was_split_off(human, direction, side):
+    """If its side wins, the other one is split off, too; else it is joined again, as its side is replaced."""
+    before = positions(human.data)
+    _select_feet(human, (side,))
+    bpy.ops.mesh.split()
+    enter("OBJECT")
+    count = len(human.data.vertices)
+    added = 2 * (count - len(before)) if DIRECTIONS[direction] == side else 0
+    assert ops.symmetrize_topology(direction=direction) == {"FINISHED"}
+    _assert_mirrored(human.data)
+    assert len(human.data.polygons) == 13378 and len(human.data.vertices) == len(before) + added != count
+    assert _nearest(positions(human.data), before)[:, 1].max() < 1e-5
+
+
+def test_a_part_that_was_split_off_a_paired_shell():
+    """Of two spheres, the one that is split wins."""
+    for at in (1, -1):
+        bpy.ops.mesh.primitive_uv_sphere_add(location=(2 * at, 0, 0))
+    bpy.data.objects[0].select_set(True)
+    bpy.ops.object.join()
+    bpy.ops.object.transform_apply()
+    object = bpy.context.object
+    _noisy_map(object, 0, 0)
+    edit_faces(object, [face.index for face in object.data.polygons if face.center.x > 2.5])
+    bpy.ops.mesh.split()
+    enter("OBJECT")
+    counts = [np.count_nonzero(positions(object.data)[:, 0] * at > 0) for at in (1, -1)]
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    _assert_mirrored(object.data)
+    assert counts[0] > counts[1] and len(object.data.vertices) == 2 * counts[0]
 
 
 def test_hooks_and_children_of_vertices_stay_where_they_are(human, mode, capfd):
