@@ -90,7 +90,9 @@ def _read_csv(path):
         file.seek(0)
         table = [[cell.strip() for cell in row] for row in csv.reader(file, delimiter=delimiter) if row]
     head = [name.lower() for name in table[0]] if table else []
-    rows = [dict(zip(head, row, strict=True)) for row in table[1:]]
+    if any(len(row) != len(head) for row in table):
+        raise ValueError("its lines have unlike numbers of cells")
+    rows = [dict(zip(head, row)) for row in table[1:]]
     given = [name for name in COLUMNS if rows and name in rows[0]]
     if rows and "vertex" in rows[0]:
         rows.sort(key=lambda row: _whole(row["vertex"]))
@@ -102,7 +104,7 @@ def _read_csv(path):
 def _whole(text):
     """The whole number that a text or a number says, `4.0` as well."""
     number = float(text)
-    if number != int(number):
+    if not number.is_integer():
         raise ValueError(f"{text} is no whole number")
     return int(number)
 

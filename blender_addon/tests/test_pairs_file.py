@@ -79,6 +79,8 @@ def test_partners_alone_are_enough(human, truth, tmp_path, text, kind):
     ("pairs.csv", "vertex,partner\n1,0\n", "does not count from 0"),
     ("pairs.csv", "vertex,partner\n0,x\n", "The file pairs.csv holds no pairs"),
     ("pairs.csv", "vertex,partner\n0,0.5\n", "0.5 is no whole number"),
+    ("pairs.csv", "vertex,partner\n0\n", "unlike numbers of cells"),
+    ("pairs.csv", "vertex,partner\n0,inf\n", "inf is no whole number"),
     ("pairs.json", "{}", "its format is not"),
     ("pairs.json", "[]", "holds no pairs"),
     ("pairs.txt", "", "Pairs are read from .csv, .json and .map, not from pairs.txt"),
