@@ -22,7 +22,7 @@ const TOLERANCES: [f64; 3] = [0.04, 0.06, 0.12];
 const LOOSE: f64 = 1.0;
 /// A change of a distance, in sqrt(area), from which on two pairs exclude each other, and what speaks against a pair that excludes all others.
 const APART: f64 = 0.1;
-const EXCLUDED: f64 = 2.4;
+const EXCLUDED: f64 = 2.8;
 /// Distance, in sqrt(area), at which another shell says 1 / e of what one nearby does.
 const NEARBY: f64 = 0.45;
 
