@@ -137,10 +137,10 @@ impl Mesh {
         let (polygons, representative) = clean_and_weld(mesh, &mut repairs);
         validate::check_any_face_left(polygons.len(), mesh.face_offsets.len() - 1)?;
 
+        validate::check_spread(&polygons.corners, &mesh.positions)?;
         let frame = Frame::of(polygons.corners.iter().copied(), &mesh.positions);
         let mut local: Vec<Vector> =
             mesh.positions.iter().map(|&position| frame.localise(position)).collect();
-        validate::check_spread(&polygons.corners, &mesh.positions, &frame)?;
         let mut surface = triangulate_kept(polygons, &local, &mut repairs);
         validate::check_any_face_left(surface.polygons.len(), mesh.face_offsets.len() - 1)?;
         let areas = polygon_areas(&surface, &local, &mut repairs);

@@ -38,6 +38,7 @@ class CarriedMap:
         self._mesh, self._core_mesh, self._new_of = mesh, core_mesh, new_of
         self._offsets, self._used = (np.asarray(part).astype(np.int64) for part in core_mesh.polygons)
         self._places, self._ends = mesh_data.positions(mesh).astype(float), mesh_data.edges(mesh).astype(np.int64)
+        self._reach = longest_edges(self._ends, self._places)
         known = original >= 0
         self.new = ~known
         self.new[known] = new_of[original[known]] != np.flatnonzero(known)
@@ -79,8 +80,7 @@ class CarriedMap:
         enclose, stand off it."""
         shell = components(len(self.new), self._ends)
         rows = np.flatnonzero(self.new & ~self._known & np.isin(shell, shell[self._known]))
-        reach = longest_edges(self._ends, self._places)
-        surface, feet = self._surface_that_was(rows, reach)
+        surface, feet = self._surface_that_was(rows)
         numbered = ((self._corners >= 0) | (self._weights == 0)).all(axis=1) & self._known & self._had
         own = np.einsum("vk,vkx->vx", self._weights, surface.images[self._corners])
         self._lift[numbered] = (self._places - own)[numbered]
@@ -88,24 +88,24 @@ class CarriedMap:
             return
         self._lift[rows[feet.below]] = (self._places[rows] - feet.mix.of(surface.images))[feet.below]
         self._were[rows[feet.below]] = feet.mix.of(surface.before)[feet.below]
-        there = feet.sure & (feet.away <= reach[feet.mix.rows].max(axis=1))
+        there = feet.sure & (feet.away <= self._reach[feet.mix.rows].max(axis=1))
         rows, mix = rows[there], feet.mix.at(there)
         self._faces[rows], self._corners[rows], self._weights[rows] = feet.faces[there], mix.rows, mix.weights
         self._target[rows], self._found[rows] = mix.of(self._places), True
-        on_line = np.linalg.norm(self._target - self._places, axis=1)[rows] <= ON * reach[rows]
+        on_line = np.linalg.norm(self._target - self._places, axis=1)[rows] <= ON * self._reach[rows]
         self._side[rows] = np.where(on_line, 0, -np.sign(mix.of(self._side)))
 
-    def _surface_that_was(self, rows, reach):
+    def _surface_that_was(self, rows):
         """The ImageSurface and the feet of new vertices, `rows`, on it. What the edit encloses was moved with it, as the
         inside of an extrusion; or it was there before, as a hand beyond a loop cut, if far more new vertices lie on it so."""
         there, best, most = ~self.new & self._had, None, -1
-        for cuts in (self.new, self._duplicates):
+        for cuts in (self.new, self._duplicates) if len(rows) else (self.new,):
             enclosed = self._enclosed(cuts)
             held = np.where(self._exact, enclosed[self.partner], enclosed[self._corners].any(axis=1))
             moved = np.where((self._kept & ~held)[:, None], self._target - self._images, np.nan)
             surface = ImageSurface(self._mesh, self._images, moved, there)
-            feet = surface.feet(self._places[rows], reach[rows]) if len(rows) else None
-            count = 0 if feet is None else np.count_nonzero(feet.away <= CLOSE * reach[rows])
+            feet = surface.feet(self._places[rows], self._reach[rows]) if len(rows) else None
+            count = 0 if feet is None else np.count_nonzero(feet.away <= CLOSE * self._reach[rows])
             if count > 2 * most:
                 best, most, self._cuts = (surface, feet), count, cuts
         return best
@@ -197,7 +197,7 @@ class CarriedMap:
     def lifted(self):
         """(vertices, 3) how far new vertices without a partner of their own, and what they enclose, stand off the surface
         that was there; and what stood off it before. After `found`."""
-        off = np.linalg.norm(self._lift, axis=1) > ON * longest_edges(self._ends, self._places)
+        off = np.linalg.norm(self._lift, axis=1) > ON * self._reach
         alone = self.new & ~self._exact
         off &= alone | self._enclosed(alone & self._cuts)
         lift, before = np.where(off[:, None], self._lift, 0), self._mesh.attributes.get(stored_map.LIFT)
@@ -218,11 +218,9 @@ class CarriedMap:
 
     def _walk(self):
         """Pairs new vertices where both sides got the same edit: where an image is expected, or on extrusions."""
-        reach = longest_edges(self._ends, self._places)
-
         def may_pair(one, other):
             off = self._places[other] - self._target[one]
-            return self._duplicates[[one, other]].all() or off @ off <= reach[one] ** 2
+            return self._duplicates[[one, other]].all() or off @ off <= self._reach[one] ** 2
 
         partner = np.where(self._exact, self.partner, -1)
         self._pair(pairs(self._offsets, self._used, partner, self.new & ~self._exact, may_pair))

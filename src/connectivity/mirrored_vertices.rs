@@ -31,7 +31,7 @@ use crate::connectivity::automorphism::Automorphism;
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
 use crate::mesh::vector::Vector;
 use crate::mesh::{Mesh, NONE};
-use agreement::{GOOD, agrees_in_turn, has_enough, is_good};
+use agreement::{GOOD, agrees_in_turn, count_good, has_enough};
 use meeting::meets_vertices;
 use percolation::{MISFITS, Pairing};
 use places::Places;
@@ -158,38 +158,21 @@ fn pair_shell(
     progress: &Progress,
 ) -> Result<()> {
     let starts = starts(pairing.around, places, regions, threads);
+    pairing.start_again(points, 0.0);
     grow(pairing, &starts, points, threads, progress)?;
-    let strict = Grown::of(pairing, points);
-    if strict.pairs.len() as f64 >= WELL * points.len() as f64 {
+    let (strict, good) = (pairing.pairs(points), count_good(pairing, points));
+    if strict.len() as f64 >= WELL * points.len() as f64 {
         return Ok(());
     }
     pairing.start_again(points, APART);
     grow(pairing, &starts, points, threads, progress)?;
-    let loose = Grown::of(pairing, points);
-    let is_better = loose.good > 0
-        && loose.good as f64 >= BETTER * strict.good as f64
-        && agrees_in_turn(pairing, places, regions);
-    pairing.start_again(points, 0.0);
-    pairing.enter_all(if is_better { &loose.pairs } else { &strict.pairs });
-    Ok(())
-}
-
-/// What grew on a shell.
-struct Grown {
-    /// The shell's paired points and their images.
-    pairs: Vec<(u32, u32)>,
-    /// How many of them fit well.
-    good: usize,
-}
-
-impl Grown {
-    fn of(pairing: &Pairing, points: &[u32]) -> Grown {
-        let paired = points.iter().filter(|&&point| pairing.image[point as usize] != NONE);
-        Grown {
-            pairs: paired.map(|&point| (point, pairing.image[point as usize])).collect(),
-            good: points.iter().filter(|point| is_good(pairing, **point)).count(),
-        }
+    let loose = count_good(pairing, points);
+    let is_better = loose > 0 && loose as f64 >= BETTER * good as f64;
+    if !is_better || !agrees_in_turn(pairing, places, regions) {
+        pairing.start_again(points, 0.0);
+        pairing.enter_all(&strict);
     }
+    Ok(())
 }
 
 /// Pairs what fits to `starts`, the best first.

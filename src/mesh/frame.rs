@@ -6,11 +6,11 @@ use super::vector::Vector;
 #[derive(Debug, Clone, Copy)]
 pub struct Frame {
     /// A power of two that brings extreme coordinates into the safe range; 1 for ordinary ones.
-    pub factor: f64,
+    factor: f64,
     /// Middle of the bounding box, times `factor`.
     middle: Vector,
     /// Half of the longest side of the bounding box, times `factor`; 1 if the box is a point.
-    pub half_extent: f64,
+    half_extent: f64,
 }
 
 impl Frame {

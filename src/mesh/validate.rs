@@ -3,14 +3,12 @@
 use super::PolygonMesh;
 use crate::base::error::{MeshFault, Result};
 use crate::base::limits::Limits;
-use crate::mesh::frame::Frame;
-use crate::mesh::vector::{self, Vector};
+use crate::mesh::vector::{Vector, subtract};
 
-/// Half of the longest side of the bounding box, over the usual distance from the middle: from ten times as much on the masses of
-/// vertices differ too much for the eigenproblem.
+/// The largest distance from the middle, over the usual one: from ten times as much on the masses of vertices differ too much for the
+/// eigenproblem.
 const FARTHEST: f64 = 1e8;
-
-/// Corners whose distance from the middle is looked at.
+/// Corners whose distance counts as usual in the median.
 const LOOKED_AT: u64 = 1000;
 
 /// Refuses polygons that are not a mesh, before anything is built from them.
@@ -35,24 +33,19 @@ pub fn check_area(total: f64) -> Result<()> {
     refuse_if(total.is_nan() || total <= 0.0, MeshFault::NoArea)
 }
 
-/// Refuses a mesh most of which `frame` makes one point, beside a vertex far away.
-pub fn check_spread(corners: &[u32], positions: &[Vector], frame: &Frame) -> Result<()> {
-    let scaled = |vertex: u32| positions[vertex as usize].map(|coordinate| coordinate * frame.factor);
+/// Refuses a mesh most of which is almost one point beside a vertex far away.
+pub fn check_spread(corners: &[u32], positions: &[Vector]) -> Result<()> {
+    let at = |corner: u32| positions[corner as usize];
     // Spread over all corners by the golden ratio: every third corner may be the same hub.
     let place = |i: u64| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) as u128 * corners.len() as u128) >> 64;
     let looked_at = || (0..LOOKED_AT).map(|i| corners[place(i) as usize]);
-    let middle = [0, 1, 2].map(|axis| median(looked_at().map(|vertex| scaled(vertex)[axis]).collect()));
-    let away = |vertex: u32| {
-        let offset = vector::subtract(scaled(vertex), middle);
-        offset.into_iter().fold(0.0, |most: f64, coordinate| most.max(coordinate.abs()))
-    };
+    let middle = [0, 1, 2].map(|axis| median(looked_at().map(|corner| at(corner)[axis]).collect()));
+    let away = |corner: u32| subtract(at(corner), middle).map(f64::abs).into_iter().fold(0.0, f64::max);
     let usual = median(looked_at().map(away).collect());
-    // Where it is 0 the vertices lie in one place, which is a matter of its own.
-    if usual == 0.0 || usual * FARTHEST >= frame.half_extent {
-        return Ok(());
-    }
-    let farthest = corners.iter().copied().max_by(|&a, &b| away(a).total_cmp(&away(b)));
-    Err(MeshFault::TooFar { vertex: farthest.map_or(0, |vertex| vertex as usize) }.into())
+    let farthest = corners.iter().copied().max_by(|&a, &b| away(a).total_cmp(&away(b))).unwrap_or(0);
+    // Where the usual distance is 0 the vertices lie in one place, which is a matter of its own.
+    let is_far = usual > 0.0 && usual * FARTHEST < away(farthest);
+    refuse_if(is_far, MeshFault::TooFar { vertex: farthest as usize })
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

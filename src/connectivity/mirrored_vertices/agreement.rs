@@ -14,11 +14,15 @@ const LARGEST_TURNS: [(usize, f64); 2] = [(50, 2.8), (75, 5.0)];
 
 /// Whether enough vertices of a shell have a good pair.
 pub(super) fn has_enough(pairing: &Pairing, points: &[u32]) -> bool {
-    points.iter().filter(|point| is_good(pairing, **point)).count() as f64 >= GOOD_SHARE * points.len() as f64
+    count_good(pairing, points) as f64 >= GOOD_SHARE * points.len() as f64
 }
 
-/// Whether a point has a good pair.
-pub(super) fn is_good(pairing: &Pairing, point: u32) -> bool {
+/// How many of the points have a good pair.
+pub(super) fn count_good(pairing: &Pairing, points: &[u32]) -> usize {
+    points.iter().filter(|point| is_good(pairing, **point)).count()
+}
+
+fn is_good(pairing: &Pairing, point: u32) -> bool {
     let image = pairing.image[point as usize];
     image != NONE && pairing.misfit(point, image) <= GOOD
 }

@@ -1,8 +1,8 @@
 //! Percolation: pairs vote for the pairs around them, and the one with the most votes is next.
 //!
-//! A vote counts less the more the two lengths differ. A pair is entered only if it keeps all edges to paired neighbours close, or a share of
-//! them, and if nothing else that is free fits better to where these neighbours lie. Contradictions of the first kind arise from the pairs of a start alone:
-//! where two growths do not fit together vertices between them stay free.
+//! A vote counts less the more the two lengths differ. A pair is entered only if it keeps the edges to paired neighbours close, all or some of
+//! them, and if nothing else that is free fits better to where these neighbours lie. Where all must be close contradictions never arise but from
+//! the pairs of a start: where two growths do not fit together vertices between them stay free.
 
 use super::surroundings::Surroundings;
 use super::votes::Votes;
@@ -139,6 +139,12 @@ impl<'a> Pairing<'a> {
         }
     }
 
+    /// The pairs of `points`, from both ends.
+    pub fn pairs(&self, points: &[u32]) -> Vec<(u32, u32)> {
+        let pairs = points.iter().map(|&point| (point, self.image[point as usize]));
+        pairs.filter(|&(_, image)| image != NONE).collect()
+    }
+
     /// Takes back the pairs of `points` and all votes; pairs keep all edges but a share `apart` from now on.
     pub fn start_again(&mut self, points: &[u32], apart: f64) {
         self.forget(points);
@@ -247,12 +253,9 @@ impl<'a> Pairing<'a> {
     /// Whether the images of all paired neighbours of `point`, but for a share `apart`, are close to `image`.
     fn keeps_edges(&self, point: u32, image: u32) -> bool {
         let close = self.around.close.of(image as usize);
-        let (mut all, mut lost) = (0.0, 0.0);
-        for other in self.images_around(point) {
-            all += 1.0;
-            lost += f64::from(u8::from(close.binary_search(&other).is_err()));
-        }
-        lost <= self.apart * all
+        let most = self.apart * self.images_around(point).count() as f64;
+        let mut lost = self.images_around(point).filter(|other| close.binary_search(other).is_err());
+        lost.nth(most as usize).is_none()
     }
 
     /// Whether another open point fits better as the image of `point`, which has these around it.
