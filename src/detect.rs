@@ -13,6 +13,7 @@ pub mod detection;
 pub mod domain;
 pub mod driver;
 pub mod eigen;
+pub mod excess;
 pub mod filled_holes;
 pub mod finishing;
 pub mod fixed_curve;

@@ -30,7 +30,7 @@ pub use canonical::Canonical;
 pub use connectivity_hash::connectivity_hash;
 pub(crate) use edges::UnionFind;
 pub use polygons::bucket;
-pub use shells::Shell;
+pub use shells::{Shell, partition};
 pub use split_hubs::{MOST_AROUND, SplitHubs};
 
 /// Marks "no such element" in index arrays.

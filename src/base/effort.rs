@@ -50,6 +50,8 @@ pub struct Mechanisms {
     pub filled_holes: bool,
     /// A mirror plane in space.
     pub mirror_plane: bool,
+    /// Parts that have no counterpart left out.
+    pub excess: bool,
 }
 
 impl Default for Mechanisms {
@@ -60,6 +62,7 @@ impl Default for Mechanisms {
             curvature: true,
             filled_holes: true,
             mirror_plane: true,
+            excess: true,
         }
     }
 }

@@ -54,7 +54,8 @@ impl Coverage {
     }
 }
 
-fn partner_point(mesh: &Mesh, partner: i32) -> u32 {
+/// The point of a caller's vertex, [`NONE`] for none, -1.
+pub fn partner_point(mesh: &Mesh, partner: i32) -> u32 {
     usize::try_from(partner).map_or(NONE, |partner| mesh.point_of_vertex[partner])
 }
 

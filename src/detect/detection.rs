@@ -103,6 +103,8 @@ pub struct Detection {
 
 /// An answer of at least this [`Detection::worth`] leaves no doubts: seven of ten right maps of generated shapes.
 const SETTLED: f64 = 0.7;
+/// Part of the implausibility that is left where a part without a counterpart is found.
+const DOUBTS_LEFT: f64 = 0.7;
 /// Least mean confidence of a symmetry, and of one that leaves most vertices without a partner.
 const LEAST_CONFIDENCE: f64 = 0.01;
 const LEAST_CONFIDENCE_OF_FEW: f64 = 0.05;
@@ -144,6 +146,11 @@ impl Detection {
         self.outcome == Outcome::None
     }
 
+    /// That of the first symmetry; 0 without one.
+    pub(crate) fn plausibility(&self) -> f64 {
+        self.symmetries.first().map_or(0.0, |best| best.plausibility)
+    }
+
     /// How much of the surface is answered, and how surely.
     pub(crate) fn worth(&self) -> f64 {
         self.symmetries.first().map_or(0.0, |best| best.plausibility * best.mean_confidence)
@@ -154,11 +161,21 @@ impl Detection {
         (self.outcome, -self.worth()) < (earlier.outcome, -earlier.worth())
     }
 
+    /// Whether this answer, of a part of the surface, makes so much less doubtful what another one says of more.
+    pub(crate) fn is_much_more_plausible(&self, whole: &Detection) -> bool {
+        1.0 - self.plausibility() < DOUBTS_LEFT * (1.0 - whole.plausibility())
+    }
+
+    /// The same with the reason that it is of a rest of the searched shell, so large a share.
+    pub(crate) fn of_rest(mut self, share: f64) -> Detection {
+        self.report.reasons.push(Reason::OfRest { share });
+        self.judging = None;
+        self
+    }
+
     /// Whether this answer, by a larger plan, takes the place of an earlier one.
     pub(crate) fn is_better(&self, earlier: &Detection) -> bool {
-        let implausible =
-            |detection: &Detection| -detection.symmetries.first().map_or(0.0, |best| best.plausibility);
-        (self.outcome, implausible(self)) <= (earlier.outcome, implausible(earlier))
+        (self.outcome, -self.plausibility()) <= (earlier.outcome, -earlier.plausibility())
     }
 
     /// None if the first symmetry says nothing of nearly the whole surface, as that of one of ten thousand loose parts does, unless whoever

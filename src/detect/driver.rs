@@ -8,6 +8,7 @@ use crate::detect::attempt::attempt;
 use crate::detect::clock::Clock;
 use crate::detect::detection::Detection;
 use crate::detect::domain::Domain;
+use crate::detect::excess::Excess;
 use crate::detect::joined_shells::JoinedShells;
 use crate::detect::question::Question;
 use crate::detect::spectrum::Spectrum;
@@ -16,6 +17,8 @@ use crate::verify::outcome::Outcome;
 
 /// A mirror plane in space from whose [`Detection::worth`] on it is the answer, and nothing is searched.
 const AT_REST: f64 = 0.9;
+/// How often parts without a counterpart are taken away.
+const ROUNDS: usize = 3;
 
 /// Finds the intrinsic symmetries of `mesh`.
 ///
@@ -70,12 +73,58 @@ fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<De
         false => JoinedShells::alone(question.mesh.shells()),
     };
     let is_alone = joined.twins.is_empty();
-    let found = of_shells(question, &joined, plans, clock)?;
+    let found = of_parts(question, joined, plans, clock)?;
     if is_alone || found.outcome == Outcome::Found {
         return Ok(found);
     }
     let alone = JoinedShells::alone(question.mesh.shells());
-    better(Some(found), of_shells(question, &alone, plans, clock))
+    better(Some(found), of_parts(question, alone, plans, clock))
+}
+
+/// The answer of shells; or of what is left of the first without its parts that have no counterpart, if that is much more plausible.
+fn of_parts(
+    question: &Question,
+    mut joined: JoinedShells,
+    plans: &[Plan],
+    clock: &mut Clock,
+) -> Result<Detection> {
+    let mut best = of_shells(question, &joined, plans, clock)?;
+    if !question.may_be_partial() || !joined.twins.is_empty() {
+        return Ok(best);
+    }
+    let whole = joined.shells[0].area();
+    for _ in 0..ROUNDS {
+        match of_rest(question, &mut joined, &best, plans, clock) {
+            Ok(Some(found)) => best = found.of_rest(joined.shells[0].area() / whole),
+            Ok(None) => break,
+            Err(Error::TimeLimit { .. }) => return Ok(best.out_of_time()),
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(best)
+}
+
+/// The answer of a rest of the first of some shells, which takes its place there, if that is much more plausible than the `best` yet.
+fn of_rest(
+    question: &Question,
+    joined: &mut JoinedShells,
+    best: &Detection,
+    plans: &[Plan],
+    clock: &mut Clock,
+) -> Result<Option<Detection>> {
+    let Some(symmetry) = best.symmetries.first() else { return Ok(None) };
+    let whole = joined.shells[0].clone();
+    let rests = Excess::of(&whole).rests(question.mesh, symmetry, !best.is_settled());
+    clock.lap("excess");
+    for rest in rests {
+        joined.shells[0] = rest;
+        let found = of_shells(question, joined, &plans[..1], clock)?;
+        if found.is_much_more_plausible(best) {
+            return Ok(Some(found));
+        }
+    }
+    joined.shells[0] = whole;
+    Ok(None)
 }
 
 /// The one of two answers with the better outcome, or that is worth more; the earlier one, as doubtful, if time ended the other.

@@ -2,7 +2,7 @@
 
 use crate::base::effort::Mechanisms;
 use crate::base::error::Result;
-use crate::base::options::Options;
+use crate::base::options::{Effort, Options};
 use crate::base::progress::Progress;
 use crate::connectivity::automorphism::{Automorphism, Connectivity};
 use crate::detect::assembler::Gatherer;
@@ -54,6 +54,12 @@ impl<'a> Question<'a> {
         };
         clock.lap("connectivity");
         Ok(Question { given, mesh, given_points, options, mechanisms, progress, connectivity, unrivalled })
+    }
+
+    /// Whether parts may be left out that have no counterpart: not where connectivity, or signs of the whole surface, say more.
+    pub fn may_be_partial(&self) -> bool {
+        let Question { options, mechanisms, unrivalled, .. } = self;
+        mechanisms.excess && options.asks_for_one() && options.effort != Effort::Fast && unrivalled.is_none()
     }
 
     /// The answer where a plane in space mirrors the mesh, as it does what is not posed yet: nothing is solved then.

@@ -70,7 +70,7 @@ pub fn starts(
 }
 
 /// Vertices whose average distance is largest around, the largest first.
-fn extrema(edges: &EdgeLengths, average: &[f64]) -> Vec<u32> {
+pub fn extrema(edges: &EdgeLengths, average: &[f64]) -> Vec<u32> {
     let before = |a: u32, b: u32| average[a as usize].total_cmp(&average[b as usize]).then(b.cmp(&a));
     let mut search = PathSearch::new(average.len());
     let mut found: Vec<u32> = Vec::new();

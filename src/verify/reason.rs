@@ -41,6 +41,11 @@ pub enum Reason {
     },
     /// Vertices are each other's mirror images near the best map, which is less plausible than asked for.
     MirroredVertices,
+    /// The symmetry is that of a part of the surface that was searched, since the rest has no counterpart.
+    OfRest {
+        /// Share of that part, 0..=1.
+        share: f64,
+    },
     /// The shape has infinitely many symmetries.
     ContinuousFamily {
         /// Arbitrary ones of them that are given.
@@ -101,6 +106,11 @@ impl Display for Reason {
             Reason::MirroredVertices => {
                 to.write_str("but vertices are each other's mirror images near it, and that is the answer")
             }
+            Reason::OfRest { share } => write!(
+                to,
+                "{:.0} % of the surface that was searched has no counterpart, and the symmetry is that of the rest",
+                100.0 * (1.0 - share)
+            ),
             Reason::ContinuousFamily { listed } => {
                 to.write_str("the shape has a continuous family of symmetries, as a sphere or a vase has")?;
                 to.write_str(match listed {

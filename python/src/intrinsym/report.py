@@ -19,6 +19,7 @@ ReasonName = Literal[
     "not_onto_itself",
     "one_reflection",
     "mirrored_vertices",
+    "of_rest",
     "continuous_family",
     "low_plausibility",
     "low_confidence",

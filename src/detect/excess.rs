@@ -1,0 +1,263 @@
+//! Parts of a shell that have no counterpart: a sword in one hand, a bag on it, the forearm whose twin is cut off.
+//!
+//! Such a part bends the eigenfunctions of the whole surface, and the map with them. Shortest paths between other places hardly know of it. So parts
+//! are guessed from these, and the symmetry is sought again on the rest: a part and its map are found in turn, as partial functional maps do (E. Rodola,
+//! L. Cosmo, M. Bronstein, A. Torsello, D. Cremers, "Partial Functional Correspondence", 2017). The guesses are ours.
+
+use crate::detect::correspondence::Symmetry;
+use crate::detect::coverage::partner_point;
+use crate::detect::proxy::Proxy;
+use crate::geometry::adjacency::nearest_seeds;
+use crate::geometry::shortest_paths::EdgeLengths;
+use crate::geometry::surface_walk::SurfaceWalk;
+use crate::mesh::vector::{point_areas, triangle_area};
+use crate::mesh::{Mesh, NONE, Shell, partition};
+use crate::search::extrema_starts::extrema;
+use crate::spectral::sampling::area_weighted_vertices;
+
+/// Vertices of the surface along which distances are measured.
+const COARSE: usize = 2000;
+/// A shell that cannot be simplified to this many times as many is left whole.
+const TOO_FINE: usize = 4;
+/// Places that are looked at, and those from which their distances are measured.
+const PLACES: usize = 400;
+const ANCHORS: usize = 24;
+/// Two distances are compared by their difference over their sum and this length, in sqrt(area); at most by the second.
+const SHORT: f64 = 0.15;
+const MOST: f64 = 0.4;
+/// Anchors that differ by this from the others hardly count, once they have lost their weight in some rounds.
+const DIFFERENT: f64 = 0.12;
+const ROUNDS: usize = 10;
+/// A place that differs by less from its image is not looked at.
+const AGREES: f64 = 0.04;
+/// A place sticks out if it does by this length, in sqrt(area), and differs so much less from an image that is nearer.
+const LENGTH: f64 = 0.06;
+const GAIN: f64 = 0.01;
+/// Limbs may be twins if one is longer by a length that is the same from all other ends but for this, in sqrt(area).
+const ALIKE: f64 = 0.035;
+/// Most limbs that are shortened.
+const LIMBS: usize = 2;
+/// Least area of a part, and least of the rest, by their share of the shell.
+const LEAST: f64 = 0.01;
+const REST: f64 = 0.5;
+
+/// Guesses of what is left of a shell without its parts that have no counterpart.
+pub struct Excess<'a> {
+    shell: &'a Shell,
+    proxy: Option<Proxy<'a>>,
+}
+
+impl<'a> Excess<'a> {
+    /// Of a shell. O(vertices log vertices).
+    pub fn of(shell: &'a Shell) -> Excess<'a> {
+        Excess { shell, proxy: Proxy::new(shell, COARSE, 1) }
+    }
+
+    /// The shell without its places that stick out under a symmetry of the mesh; if there are none, each time without the end of one limb that may be longer than its twin.
+    ///
+    /// A place sticks out if its distances from many others agree with those of no image, but with those of one that is nearer to all by one
+    /// length. Some 60 searches over 2,000 vertices.
+    pub fn rests(&self, mesh: &Mesh, symmetry: &Symmetry, limbs: bool) -> Vec<Shell> {
+        let coarse = self.proxy.as_ref().map_or(self.shell, |proxy| &proxy.shell);
+        if coarse.points.len() > TOO_FINE * COARSE {
+            return Vec::new();
+        }
+        let image = |&point: &u32| {
+            let partner = symmetry.partner[mesh.vertex_of_point[point as usize] as usize];
+            let local = self.shell.points.binary_search(&partner_point(mesh, partner)).ok()?;
+            Some(self.coarse_vertex(local))
+        };
+        let images: Vec<Option<usize>> = coarse.points.iter().map(image).collect();
+        let walk = SurfaceWalk::new(&coarse.positions, &coarse.triangles);
+        let edges = EdgeLengths::of_walk(&walk, &coarse.positions);
+        let Some(distances) = Distances::new(coarse, &edges, &images) else { return Vec::new() };
+        let by_map = self.without(&distances.sticking_out(&walk, &images));
+        if by_map.is_some() || !limbs {
+            return by_map.into_iter().collect();
+        }
+        longer_limbs(&edges, &distances.averages()).iter().filter_map(|part| self.without(part)).collect()
+    }
+
+    /// That beside a vertex of the shell.
+    fn coarse_vertex(&self, own: usize) -> usize {
+        self.proxy.as_ref().map_or(own, |proxy| proxy.nearest_by_edges()[own] as usize)
+    }
+
+    /// The largest connected rest of the shell without what `is_part`, of which small pieces stay.
+    fn without(&self, is_part: &[bool]) -> Option<Shell> {
+        let Shell { triangles, positions, .. } = self.shell;
+        let touches =
+            |own: &u32| triangles[*own as usize].iter().any(|&at| is_part[self.coarse_vertex(at as usize)]);
+        let (parts, mut kept): (Vec<u32>, Vec<u32>) = (0..triangles.len() as u32).partition(touches);
+        let area = |pieces: &[u32]| -> f64 {
+            let corners = pieces.iter().map(|&own| triangles[own as usize].map(|at| positions[at as usize]));
+            corners.map(|[a, b, c]| triangle_area(a, b, c)).sum()
+        };
+        let (gone, stay): (Vec<_>, Vec<_>) =
+            self.connected(parts).into_iter().partition(|piece| area(piece) >= LEAST);
+        kept.extend(stay.into_iter().flatten());
+        kept.sort_unstable();
+        let rest = self.connected(kept).into_iter().next().filter(|rest| area(rest) >= REST)?;
+        if gone.is_empty() {
+            return None;
+        }
+        let corners: Vec<[u32; 3]> = rest.iter().map(|&own| triangles[own as usize]).collect();
+        let triangle_of_local = rest.iter().map(|&own| self.shell.triangle_of_local[own as usize]).collect();
+        Some(Shell { triangle_of_local, ..self.shell.with_triangles(&corners).0 })
+    }
+
+    /// The connected pieces of some triangles, by falling area.
+    fn connected(&self, triangles: Vec<u32>) -> Vec<Vec<u32>> {
+        let corners: Vec<[u32; 3]> =
+            triangles.iter().map(|&own| self.shell.triangles[own as usize]).collect();
+        let pieces = partition(&corners, &self.shell.positions);
+        let mut found = vec![Vec::new(); pieces.count];
+        for (own, [corner, ..]) in triangles.into_iter().zip(corners) {
+            found[pieces.shell_of_point[corner as usize] as usize].push(own);
+        }
+        found
+    }
+}
+
+/// Distances of a surface's vertices from anchors, and from the images of these.
+struct Distances {
+    places: Vec<usize>,
+    from_anchors: Vec<Vec<f64>>,
+    from_images: Vec<Vec<f64>>,
+    /// How well each anchor agrees with the others; they sum to 1.
+    weights: Vec<f64>,
+}
+
+impl Distances {
+    /// From places that have `images`, each the farthest from those before it. `None` if there are too few.
+    fn new(shell: &Shell, edges: &EdgeLengths, images: &[Option<usize>]) -> Option<Distances> {
+        let mut places = area_weighted_vertices(&point_areas(&shell.positions, &shell.triangles), PLACES);
+        places.dedup();
+        let from = |vertex: usize| edges.distances(&[vertex as u32]);
+        let (mut anchors, mut from_anchors, mut from_images) = (Vec::new(), Vec::new(), Vec::new());
+        let mut nearest = vec![f64::MAX; images.len()];
+        while anchors.len() < ANCHORS {
+            let wanted = |place: &&usize| images[**place].is_some() && nearest[**place] > 0.0;
+            let &farthest =
+                places.iter().filter(wanted).max_by(|&&a, &&b| nearest[a].total_cmp(&nearest[b]))?;
+            let image = images[farthest]?;
+            from_anchors.push(from(farthest));
+            from_images.push(from(image));
+            anchors.push((farthest, image));
+            nearest.iter_mut().zip(&from_anchors[anchors.len() - 1]).for_each(|(a, b)| *a = a.min(*b));
+        }
+        let mut all =
+            Distances { places, from_anchors, from_images, weights: vec![1.0 / ANCHORS as f64; ANCHORS] };
+        for _ in 0..ROUNDS {
+            let weight = |&(anchor, image): &(usize, usize)| {
+                (-(all.difference(anchor, image, 0.0) / DIFFERENT).powi(2)).exp()
+            };
+            let weights: Vec<f64> = anchors.iter().map(weight).collect();
+            let sum: f64 = weights.iter().sum();
+            all.weights = weights.into_iter().map(|weight| weight / sum).collect();
+        }
+        Some(all)
+    }
+
+    /// Mean distance of each vertex from the anchors.
+    fn averages(&self) -> Vec<f64> {
+        let sum = |vertex: usize| self.from_anchors.iter().map(|from| from[vertex]).sum::<f64>();
+        (0..self.from_anchors[0].len()).map(|vertex| sum(vertex) / ANCHORS as f64).collect()
+    }
+
+    /// Distances of a place from the anchors beside those of an image from their images, with the anchors' weights.
+    fn pairs(&self, place: usize, image: usize) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
+        (0..ANCHORS).map(move |k| (self.from_anchors[k][place], self.from_images[k][image], self.weights[k]))
+    }
+
+    /// How much a place differs from an image that is `nearer` to everything by that length.
+    fn difference(&self, place: usize, image: usize, nearer: f64) -> f64 {
+        let of = |(own, other, weight): (f64, f64, f64)| {
+            weight * ((own - other - nearer).abs() / (own + other + SHORT)).min(MOST)
+        };
+        self.pairs(place, image).map(of).sum()
+    }
+
+    /// By how much an image is nearer: the weighted median, at least 0.
+    fn nearer(&self, place: usize, image: usize) -> f64 {
+        let mut lengths: Vec<(f64, f64)> =
+            self.pairs(place, image).map(|(own, other, weight)| (own - other, weight)).collect();
+        lengths.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let mut weight = 0.0;
+        let is_middle = |(_, own): &&(f64, f64)| {
+            weight += own;
+            weight >= 0.5
+        };
+        lengths.iter().find(is_middle).map_or(0.0, |(length, _)| length.max(0.0))
+    }
+
+    /// Whether the place beside each vertex sticks out.
+    fn sticking_out(&self, walk: &SurfaceWalk, images: &[Option<usize>]) -> Vec<bool> {
+        let sticks_out = |&place: &usize| {
+            if images[place].is_none_or(|image| self.difference(place, image, 0.0) < AGREES) {
+                return false;
+            }
+            let as_far = self.places.iter().map(|&image| self.difference(place, image, 0.0));
+            let least = as_far.fold(f64::MAX, f64::min);
+            let nearer = self.places.iter().map(|&image| {
+                let length = self.nearer(place, image);
+                (self.difference(place, image, length), length)
+            });
+            let best = nearer.min_by(|a, b| a.0.total_cmp(&b.0));
+            best.is_some_and(|(difference, length)| length > LENGTH && difference < least - GAIN)
+        };
+        let of_places: Vec<bool> = self.places.iter().map(sticks_out).collect();
+        let seeds: Vec<u32> = self.places.iter().map(|&place| place as u32).collect();
+        let nearest = nearest_seeds(images.len(), &seeds, |vertex| walk.around(vertex));
+        nearest.into_iter().map(|place| place != NONE && of_places[place as usize]).collect()
+    }
+}
+
+/// The ends by which limbs are longer than others that may be their twins, the likeliest first.
+///
+/// Two limbs may be twins if their tips' distances from all other tips differ by one length, and no other tip is like either.
+fn longer_limbs(edges: &EdgeLengths, averages: &[f64]) -> Vec<Vec<bool>> {
+    let tips = extrema(edges, averages);
+    let from: Vec<Vec<f64>> = tips.iter().map(|&tip| edges.distances(&[tip])).collect();
+    let others = |a: usize, b: usize| {
+        let others = (0..tips.len()).filter(move |&k| k != a && k != b);
+        sorted(others.map(|k| from[a][tips[k] as usize]))
+    };
+    // By how much the first is longer than the second, and how much that differs between the others.
+    let longer = |a: usize, b: usize| {
+        let lengths = sorted(others(a, b).into_iter().zip(others(b, a)).map(|(own, other)| own - other));
+        let middle = lengths.len() / 2;
+        let length = if lengths.len() % 2 == 1 {
+            lengths[middle]
+        } else {
+            0.5 * (lengths[middle - 1] + lengths[middle])
+        };
+        let misfit = lengths.iter().map(|other| (other - length).abs()).sum::<f64>() / lengths.len() as f64;
+        (length, misfit)
+    };
+    let count = tips.len();
+    if count < 4 {
+        return Vec::new();
+    }
+    let mut found = Vec::new();
+    for (a, b) in (0..count).flat_map(|a| (0..count).map(move |b| (a, b))).filter(|(a, b)| a != b) {
+        let (length, misfit) = longer(a, b);
+        let is_twin = |a: usize, b: usize| {
+            let (length, misfit) = longer(a, b);
+            length.abs() < LENGTH && misfit < ALIKE
+        };
+        let has_other = || (0..count).any(|k| k != a && k != b && (is_twin(a, k) || is_twin(b, k)));
+        if length > LENGTH && misfit < ALIKE && length < from[a][tips[b] as usize] && !has_other() {
+            found.push((misfit, a, length));
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let end = |(_, own, length): (f64, usize, f64)| from[own].iter().map(|&away| away < length).collect();
+    found.into_iter().take(LIMBS).map(end).collect()
+}
+
+fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_by(f64::total_cmp);
+    values
+}

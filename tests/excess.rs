@@ -1,0 +1,76 @@
+//! Parts without a counterpart have no partner, and do not bend the map of the rest.
+
+mod support;
+
+use intrinsym::internals::base::effort::{Mechanisms, Plan};
+use intrinsym::internals::detect::driver::detect_by;
+use intrinsym::{Detection, Options, Outcome, PolygonMesh, Progress};
+use support::*;
+
+/// The longest limb of [`creature`] on the side of positive x.
+const LIMB: [f64; 3] = [0.89, 0.4, 0.22];
+/// How far out along the limb it is drawn out to a rod: its tip is at 2.6.
+const ROD: f64 = 1.8;
+
+/// The answer with or without parts left out; no plane in space, since at rest nothing would be searched.
+fn found(polygons: &PolygonMesh, excess: bool) -> Detection {
+    let (mesh, options) = (validated(polygons), Options::default());
+    let mechanisms = Mechanisms { mirror_plane: false, excess, ..Mechanisms::default() };
+    let found = detect_by(&mesh, &options, &Plan::of(&options), mechanisms, &Progress::default()).unwrap();
+    println!("{}", found.report.evidence());
+    assert_keeps_its_contract(&mesh, &options, &found);
+    found
+}
+
+/// Share of some vertices that have a partner, and the mean error of the others in sqrt(area).
+fn judged(
+    polygons: &PolygonMesh,
+    found: &Detection,
+    truth: &[u32],
+    lacks: impl Fn(usize) -> bool,
+) -> (f64, f64) {
+    let partner = &found.symmetries[0].partner;
+    let (without, with): (Vec<usize>, Vec<usize>) = (0..partner.len()).partition(|&v| lacks(v));
+    let paired = without.iter().filter(|&&v| partner[v] >= 0).count() as f64 / without.len() as f64;
+    let unit = validated(polygons).unit_length;
+    let errors: Vec<f64> = with
+        .iter()
+        .filter(|&&v| partner[v] >= 0)
+        .map(|&v| {
+            distance(polygons.positions[partner[v] as usize], polygons.positions[truth[v] as usize]) / unit
+        })
+        .collect();
+    assert!(errors.len() > with.len() * 9 / 10, "{} of {} are paired", errors.len(), with.len());
+    (paired, errors.iter().sum::<f64>() / errors.len() as f64)
+}
+
+#[test]
+fn what_sticks_out_of_a_hand_has_no_partner() {
+    let whole = creature(5, 0.4);
+    let truth = creature_truth(&whole);
+    let mut armed = whole.clone();
+    // The end of the limb is drawn out to a rod.
+    for position in &mut armed.positions {
+        let beyond = dot(*position, LIMB) - ROD;
+        if beyond > 0.0 {
+            *position = std::array::from_fn(|axis| position[axis] + 1.5 * beyond * LIMB[axis]);
+        }
+    }
+    let lacks = |v: usize| dot(armed.positions[v], LIMB) > ROD + 1.2;
+    let (with, without) = (found(&armed, true), found(&armed, false));
+    assert_eq!(with.outcome, Outcome::Found);
+    assert!(with.symmetries[0].plausibility > without.symmetries[0].plausibility);
+    let (paired, error) = judged(&armed, &with, &truth, lacks);
+    let (paired_before, error_before) = judged(&armed, &without, &truth, lacks);
+    println!("paired {paired_before} and {paired}, error {error_before} and {error}");
+    assert!(paired < 0.3 && paired_before > 0.9, "{paired_before} {paired}");
+    assert!(error < 0.01, "{error_before} {error}");
+}
+
+#[test]
+fn a_whole_body_is_left_whole() {
+    let whole = creature(4, 0.4);
+    let (with, without) = (found(&whole, true), found(&whole, false));
+    assert_eq!(with.symmetries[0].partner, without.symmetries[0].partner);
+    assert_eq!(with.symmetries[0].coverage.shells_alone, 0);
+}
