@@ -12,10 +12,10 @@ import intrinsym
 import numpy as np
 from mathutils.kdtree import KDTree
 
-from . import mesh_data, stored_map, vertex_map
+from . import mesh_data, rigid_pieces, stored_map, vertex_map
 from .carried_walk import pairs
 from .image_surface import CLOSE, ON, ImageSurface
-from .neighbour_means import filled, longest_edges
+from .neighbour_means import between, filled, longest_edges, shortest_edges
 from .regions import around, components
 from .surface import Mix, Surface
 
@@ -27,6 +27,11 @@ _WHOLE = 0.999
 _SAME = 1e-5
 #: A mean of sides below this is on the line.
 _BETWEEN = 0.1
+#: Orientation of images.
+_SIGN = {intrinsym.SymmetryKind.REFLECTION: -1, intrinsym.SymmetryKind.HALF_TURN: 1}
+#: New vertices are paired if one is nearer to the other's image than this share of its shortest edge, or than so many
+#: times the usual distance.
+_APART, _USUAL = 0.5, 5
 #: An image is gone if the surface is farther from its old place than this share of the vertex' longest edge.
 _NEAR = 0.5
 
@@ -89,6 +94,7 @@ class CarriedMap:
         self._lift[rows[feet.below]] = (self._places[rows] - feet.mix.of(surface.images))[feet.below]
         self._were[rows[feet.below]] = feet.mix.of(surface.before)[feet.below]
         there = feet.sure & (feet.away <= self._reach[feet.mix.rows].max(axis=1))
+        there &= ~between(self._ends, self._places, self._exact)[rows]
         rows, mix = rows[there], feet.mix.at(there)
         self._faces[rows], self._corners[rows], self._weights[rows] = feet.faces[there], mix.rows, mix.weights
         self._target[rows], self._found[rows] = mix.of(self._places), True
@@ -158,7 +164,7 @@ class CarriedMap:
 
     def found(self, kind):
         """The `intrinsym.Symmetry`."""
-        self._fill()
+        self._fill(kind)
         self._walk()
         self._meet()
         self._land()
@@ -198,32 +204,48 @@ class CarriedMap:
         """(vertices, 3) how far new vertices without a partner of their own, and what they enclose, stand off the surface
         that was there; and what stood off it before. After `found`."""
         off = np.linalg.norm(self._lift, axis=1) > ON * self._reach
-        alone = self.new & ~self._exact
-        off &= alone | self._enclosed(alone & self._cuts)
+        off &= self.new | self._enclosed(self.new & self._cuts)
         lift, before = np.where(off[:, None], self._lift, 0), self._mesh.attributes.get(stored_map.LIFT)
         if before is not None:
             values = np.where(self.new[:, None], np.nan, mesh_data.read_attribute(before))
             lift += np.nan_to_num(filled(values, self._ends, self._places))
         return lift
 
-    def _fill(self):
-        """Gives the vertices without values the means of their neighbours'."""
+    def _fill(self, kind):
+        """Gives the vertices without images those of a piece of the surface that fits around, and the other values the
+        means of their neighbours'."""
+        lacks = np.isnan(self._target).any(axis=1)
+        self._target = rigid_pieces.moved(
+            self._target, self._places, lacks, ~lacks, self._ends, sign=_SIGN[kind], along_lines=True
+        )
+        across = self._places - self._target
         gone = np.where(self._found, self._gone, np.nan)
-        values = np.column_stack([self._target, self._confidence, self._side, gone])
+        values = np.column_stack([self._confidence, gone, self._side[:, None] * across])
         values = filled(values, self._ends, self._places, along_lines=True)
-        self._target, self._confidence, side = values[:, :3], values[:, 3], values[:, 4]
-        self._side = np.where(np.abs(side) < _BETWEEN, 0, np.sign(side))
-        self._gone = values[:, 5] > 0.5
+        self._confidence, self._gone = values[:, 0], values[:, 1] > 0.5
+        way = np.einsum("vx,vx->v", values[:, 2:], across)
+        least = _BETWEEN * self._reach * np.linalg.norm(values[:, 2:], axis=1)
+        side = np.where(np.abs(way) <= least, 0, np.sign(way))
+        self._side = np.where(np.isnan(self._side), side, self._side)
         self._target[self._gone] = np.nan
 
     def _walk(self):
-        """Pairs new vertices where both sides got the same edit: where an image is expected, or on extrusions."""
+        """Pairs new vertices where both sides got the same edit: on extrusions, or where an image is expected, as well as
+        those say that were found first."""
+        near = _APART * shortest_edges(self._ends, self._places)
+
         def may_pair(one, other):
             off = self._places[other] - self._target[one]
-            return self._duplicates[[one, other]].all() or off @ off <= self._reach[one] ** 2
+            return self._duplicates[[one, other]].all() or off @ off <= near[other] ** 2
 
-        partner = np.where(self._exact, self.partner, -1)
-        self._pair(pairs(self._offsets, self._used, partner, self.new & ~self._exact, may_pair))
+        for _ in range(2):
+            partner = np.where(self._exact, self.partner, -1)
+            twins = pairs(self._offsets, self._used, partner, self.new & ~self._exact, may_pair)
+            if not twins:
+                break
+            usual = np.median([np.linalg.norm(self._places[twin] - self._target[own]) for own, twin in twins.items()])
+            near = np.clip(_USUAL * usual, near, np.maximum(near, self._reach))
+            self._pair(twins)
 
     def _pair(self, twins):
         vertices, partners = (np.fromiter(part, np.int64, len(twins)) for part in (twins.keys(), twins.values()))

@@ -48,7 +48,7 @@ class Old:
         lift = mesh.attributes.get(stored_map.LIFT)
         self.lift = 0 * self.positions if lift is None else mesh_data.read_attribute(lift).astype(float)
         self.uvs = {layer.name for layer in mesh.uv_layers}
-        self.surface = Surface(mesh, self.positions, halves.labels == LOSES)
+        self.surface = Surface(mesh, self.positions - self.lift, halves.labels == LOSES)
 
     def give_positions(self, object, mix, moved):
         """Base shape and shape keys, each `moved` besides."""

@@ -116,12 +116,13 @@ class _Half:
         self.attached.renumber(self._source, old.positions, places)
 
     def _lifts(self, mix, model, symmetry):
-        """(vertices, 3) the lift of the models, turned as the surface is from there to where the mix is; and (vertices,) how
-        far their feet are from the images of where the mix is."""
+        """(vertices, 3) the lift: of copies, that of their models, turned as the surface is from there to where the mix is;
+        and (vertices,) how far the models' feet are from the images of where the mix is."""
         lift, feet = self._old.lift, self._old.positions - self._old.lift
         if not lift.any():
             return model.of(lift), np.zeros(len(self.copies))
         turned = np.einsum("vxy,vy->vx", mix.of(local_frames.turns(symmetry, feet)), model.of(lift))
+        turned = np.where(self.copies[:, None], turned, mix.of(lift))
         return turned, np.linalg.norm(mix.of(symmetry.surface_points.positions(feet)) - model.of(feet), axis=1)
 
 

@@ -383,6 +383,33 @@ def test_a_form_arrives_at_its_mirrored_place(steps, count):
     assert _nearest(now, wanted)[:, 1].max() < 1e-3
 
 
+ACROSS = {
+    **{name: FORMS[name] for name in ("inset", "bevel", "bevel, rounded")},
+    "extrude": [lambda: bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0, 0.1, 0.1)})],
+}
+
+
+@pytest.mark.parametrize("count", [12, 30, 60])
+@pytest.mark.parametrize("steps", ACROSS)
+def test_a_form_across_the_line_arrives_at_its_mirrored_place(steps, count):
+    """More of it is on the left. At a corner of its border it may be off by twice the width, which is 0.02."""
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    object = bpy.context.object
+    _noisy_map(object, 0, 0)
+    away = [np.linalg.norm(np.array(face.center) - (0.2, 0.8, 0.4)) for face in object.data.polygons]
+    edit_faces(object, np.argsort(away)[:count])
+    for step in ACROSS[steps]:
+        step()
+    enter("OBJECT")
+    before = positions(object.data)
+    assert ops.symmetrize_topology(direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    _assert_mirrored(object.data)
+    places, partner, left = positions(object.data), *(attribute(object.data, f"sym_{name}") for name in ("vertex", "side"))
+    off = np.linalg.norm(places[partner] * (-1, 1, 1) - places, axis=1)[left == 1]
+    assert np.quantile(off, 0.96) < 5e-3 and off.max() < 0.04
+    assert _nearest(before, places[left == 1])[:, 1].max() < 1e-6
+
+
 def test_undo_in_edit_mode(human):
     enter("EDIT")
     bpy.ops.ed.undo_push(message="before")
