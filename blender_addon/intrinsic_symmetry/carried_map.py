@@ -31,7 +31,9 @@ _BETWEEN = 0.1
 _SIGN = {intrinsym.SymmetryKind.REFLECTION: -1, intrinsym.SymmetryKind.HALF_TURN: 1}
 #: New vertices are paired if one is nearer to the other's image than this share of its shortest edge, or than so many
 #: times the usual distance.
-_APART, _USUAL = 0.5, 5
+_SHORT, _USUAL = 0.5, 5
+#: A vertex that others were merged into has at least this share of edges that its image does not have.
+_APART = 0.5
 #: An image is gone if the surface is farther from its old place than this share of the vertex' longest edge.
 _NEAR = 0.5
 
@@ -44,19 +46,22 @@ class CarriedMap:
         self._offsets, self._used = (np.asarray(part).astype(np.int64) for part in core_mesh.polygons)
         self._places, self._ends = mesh_data.positions(mesh).astype(float), mesh_data.edges(mesh).astype(np.int64)
         self._reach = longest_edges(self._ends, self._places)
-        known = original >= 0
-        self.new = ~known
-        self.new[known] = new_of[original[known]] != np.flatnonzero(known)
-        self._known = known
-        self._read(known)
+        self._read(original)
+        if (merged := self._merged()).any():
+            self._new_of = np.where(np.isin(np.arange(len(new_of)), original[merged]), -1, new_of)
+            original = np.where(merged, -1, original)
+            self._read(original)
         self._lift, self._cuts = np.zeros_like(self._places), self.new
         if self.new.any():
             self._lay()
-        self._relocate(known, ours)
+        self._relocate(self._known, ours)
         self._edited = self._with_other_faces(original)
 
-    def _read(self, known):
+    def _read(self, original):
         """What the old vertices and their duplicates have."""
+        self._known = known = original >= 0
+        self.new = ~known
+        self.new[known] = self._new_of[original[known]] != np.flatnonzero(known)
         values = {name: mesh_data.read_attribute(self._mesh.attributes[name]) for name in stored_map.KINDS}
         has_face = np.bincount(self._used, minlength=len(known)) > 0
         partner = self._renumbered(values[stored_map.PARTNER])
@@ -79,6 +84,23 @@ class CarriedMap:
             mesh_data.read_attribute(self._mesh.attributes[name]).astype(float)
             for name in (stored_map.PLACE, stored_map.IMAGE)
         )
+
+    def _merged(self):
+        """(vertices,) bool: old ones that others were merged into: half of their edges or more lead to vertices whose images
+        are in no face with theirs, and beside these are images of vertices that are gone."""
+        count, ends = len(self.new), np.vstack([self._ends, self._ends[:, ::-1]])
+        lost = self._had & self._known & (self.partner < 0)
+        beside = np.bincount(ends[:, 0], lost[ends[:, 1]], count) > 0
+        own, other = ends[self._exact[ends].all(axis=1) & beside[self.partner[ends[:, 0]]]].T
+        images, others = self.partner[own], self.partner[other]
+        near, together = np.isin(self._used, images), set()
+        face = np.repeat(np.arange(len(self._offsets) - 1), np.diff(self._offsets))
+        for number in np.unique(face[near]).tolist():
+            corners = self._used[self._offsets[number] : self._offsets[number + 1]].tolist()
+            together.update((one, another) for one in corners for another in corners)
+        apart = [pair not in together for pair in zip(images.tolist(), others.tolist())]
+        edges = np.bincount(own, minlength=count)
+        return (edges > 0) & (np.bincount(own, apart, count) >= _APART * edges)
 
     def _lay(self):
         """Gives new vertices their images on the surface that they were made on, and notes how far they, and what they
@@ -232,7 +254,7 @@ class CarriedMap:
     def _walk(self):
         """Pairs new vertices where both sides got the same edit: on extrusions, or where an image is expected, as well as
         those say that were found first."""
-        near = _APART * shortest_edges(self._ends, self._places)
+        near = _SHORT * shortest_edges(self._ends, self._places)
 
         def may_pair(one, other):
             off = self._places[other] - self._target[one]

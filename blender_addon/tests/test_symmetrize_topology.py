@@ -386,6 +386,7 @@ def test_a_form_arrives_at_its_mirrored_place(steps, count):
 ACROSS = {
     **{name: FORMS[name] for name in ("inset", "bevel", "bevel, rounded")},
     "extrude": [lambda: bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0, 0.1, 0.1)})],
+    "delete": [lambda: bpy.ops.mesh.delete(type="FACE")],
 }
 
 
@@ -408,6 +409,23 @@ def test_a_form_across_the_line_arrives_at_its_mirrored_place(steps, count):
     off = np.linalg.norm(places[partner] * (-1, 1, 1) - places, axis=1)[left == 1]
     assert np.quantile(off, 0.96) < 5e-3 and off.max() < 0.04
     assert _nearest(before, places[left == 1])[:, 1].max() < 1e-6
+
+
+@pytest.mark.parametrize("count", [1, 9, 30])
+def test_what_is_merged_arrives_at_its_mirrored_place(count):
+    """Blender keeps one of the merged vertices, and moves it."""
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    object = bpy.context.object
+    _noisy_map(object, 0, 0)
+    away = [np.linalg.norm(np.array(face.center) - (0.8, 0.4, 0.4)) for face in object.data.polygons]
+    edit_faces(object, np.argsort(away)[:count])
+    bpy.ops.mesh.merge(type="COLLAPSE")
+    enter("OBJECT")
+    wanted = positions(object.data)
+    wanted = wanted[wanted[:, 0] > 1e-3] * (-1, 1, 1)
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    _assert_mirrored(object.data)
+    assert _nearest(positions(object.data), wanted)[:, 1].max() < 3e-3
 
 
 def test_undo_in_edit_mode(human):
