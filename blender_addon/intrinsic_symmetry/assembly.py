@@ -156,6 +156,15 @@ def owners(body, members):
     return number
 
 
+def shown(body, members, domain="POINT"):
+    """(elements,) bool: those of the joined object that are of objects that are not hidden."""
+    flags = np.ones(len(getattr(body.data, _DOMAINS[domain])), bool)
+    if len(members) > 1:
+        for number in [number for number, member in enumerate(members) if not member.visible_get()]:
+            flags[_Place(body, members, number).rows(domain)] = False
+    return flags
+
+
 class _Place:
     """Where one of the objects is in the joined one."""
 

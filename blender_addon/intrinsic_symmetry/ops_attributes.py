@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
-from . import local_frames, mesh_data, stored_map
+from . import assembly, local_frames, mesh_data, stored_map
 from .counterparts import WINNER
 from .elements import corner_partners, edge_partners, face_partners
 from .mirroring import MirrorProperties, blend, shares
@@ -56,8 +56,9 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
             new = _MIRROR[attribute.domain](symmetry, mesh, attribute, values, how_far)
         mesh_data.update_attribute(mesh.attributes[attribute.name], new)
         mesh.update()
-        changed = (new != values).reshape(len(values), -1).any(axis=1).sum()
-        return f"{attribute.name}: {int(changed)} of {len(values)} values changed"
+        changed = (new != values).reshape(len(values), -1).any(axis=1)
+        changed &= assembly.shown(object, self.members, mesh.attributes[attribute.name].domain)
+        return f"{attribute.name}: {changed.sum()} of {len(values)} values changed"
 
     def _name(self, mesh):
         return self.name or getattr(mesh.attributes.active, "name", "")

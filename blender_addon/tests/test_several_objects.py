@@ -298,6 +298,19 @@ def test_a_hidden_object_is_left_alone_and_named(parts, capfd):
     assert not np.array_equal(positions(right.data), before)
 
 
+def test_what_is_hidden_is_not_counted(parts, capfd):
+    _, left, right, _ = parts
+    left.vertex_groups.new(name="Eye.L").add(list(range(100)), 0.5, "ADD")
+    module("mesh_data").write_attribute(left.data, "mask", "FLOAT", np.ones(len(left.data.vertices)))
+    module("mesh_data").write_attribute(right.data, "mask", "FLOAT", np.zeros(len(right.data.vertices)))
+    ops.remember()
+    module("mesh_data").set_shown_positions(left, 1.1 * positions(left.data))
+    right.hide_set(True)
+    assert "0 vertices changed" in said(capfd, ops.mirror_vertex_groups)
+    assert "mask: 0 of" in said(capfd, ops.mirror_attribute, name="mask")
+    assert "0 vertices moved" in said(capfd, ops.mirror_edit)
+
+
 def test_symmetrize_on_a_key_makes_it_only_where_it_moves_the_mirror_image(parts):
     body, left, right, _ = parts
     _swell(left, "Swell", np.arange(100), 0.01)
