@@ -242,7 +242,7 @@ def _give_map(mesh, place, before, after):
 
 
 def _of_map(attributes):
-    return {name: attribute for name, attribute in attributes.items() if name.startswith("sym_")}
+    return {name: attribute for name, attribute in attributes.items() if stored_map.is_own(name)}
 
 
 def _give_attributes(mesh, place, before, after):
@@ -252,7 +252,7 @@ def _give_attributes(mesh, place, before, after):
     for name, (kind, domain, values) in after.items():
         if name not in before or not np.array_equal(before[name][2], values):
             own = values[place.rows(domain)]
-            if name in mesh.attributes or name.startswith("sym_") or own.any():
+            if name in mesh.attributes or stored_map.is_own(name) or own.any():
                 mesh_data.write_attribute(mesh, name, kind, own, domain)
 
 

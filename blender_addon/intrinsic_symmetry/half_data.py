@@ -151,5 +151,5 @@ def _left_out(moved, lift, ends, places):
 def _is_own(attribute, domain):
     """Whether an attribute is interpolated where the half was."""
     hidden = attribute.name.startswith(".") and attribute.name != ".sculpt_mask"
-    other = hidden or attribute.name == "position" or attribute.name.startswith("sym_")
+    other = hidden or attribute.name == "position" or stored_map.is_own(attribute.name)
     return attribute.domain == domain and attribute.data_type in mesh_data.LAYOUTS and not other

@@ -21,7 +21,7 @@ _REFUSED = {"position": "Symmetrize Positions does that"}
 
 
 def _can_be_mirrored(attribute):
-    own = attribute.name in stored_map.KINDS or attribute.name.startswith(".") and attribute.name[1:2] == "_"
+    own = stored_map.is_own(attribute.name) or attribute.name.startswith("._")
     topology = attribute.name in (".edge_verts", ".corner_vert", ".corner_edge", "position")
     return attribute.data_type in mesh_data.LAYOUTS and not own and not topology
 
@@ -61,12 +61,13 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
         return f"{attribute.name}: {changed.sum()} of {len(values)} values changed"
 
     def _name(self, mesh):
-        return self.name or getattr(mesh.attributes.active, "name", "")
+        active = getattr(mesh.attributes.active, "name", "")
+        return self.name or ("" if stored_map.is_own(active) else active)
 
     def _attribute(self, mesh):
         attribute = mesh.attributes.get(self._name(mesh))
         if attribute is None:
-            text = f'There is no attribute "{self.name}"' if self.name else "No attribute is active"
+            text = f'There is no attribute "{self.name}"' if self.name else "No attribute is active: choose one"
             raise mesh_data.MeshProblem(text)
         if not _can_be_mirrored(attribute):
             reason = _REFUSED.get(attribute.name, f"{attribute.data_type} on {attribute.domain} cannot be mirrored")

@@ -52,6 +52,11 @@ BY_X = "+X"
 LEAST = 1e-6
 
 
+def is_own(name):
+    """Whether an attribute of this name belongs to the map, or is what was remembered."""
+    return name.startswith("sym_")
+
+
 class StaleMap(mesh_data.MeshProblem):
     """There is no map that fits the mesh."""
 
