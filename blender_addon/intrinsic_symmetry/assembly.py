@@ -130,10 +130,10 @@ def _offset(members, number, elements):
 
 def _choose_as(body, active):
     """Makes active on the joined object what is so on the active one."""
-    key, group, attribute = active.active_shape_key, active.vertex_groups.active, active.data.attributes.active
-    if key is not None:
-        body.active_shape_key_index = body.data.shape_keys.key_blocks.find(key.name)
-    if group is not None:
+    key, group, attribute = mesh_data.key_name(active), active.vertex_groups.active, active.data.attributes.active
+    if body.data.shape_keys is not None:
+        body.active_shape_key_index = max(body.data.shape_keys.key_blocks.find(key), 0)  # the basis
+    if group is not None and group.name in body.vertex_groups:  # those of a mesh without vertices are not joined
         body.vertex_groups.active_index = body.vertex_groups[group.name].index
     if attribute is not None and attribute.name in body.data.attributes:
         body.data.attributes.active = body.data.attributes[attribute.name]
@@ -279,8 +279,10 @@ def _give_key(member, place, name, before, after):
             mesh_data.set_key_positions(key, mesh_data.key_positions(key) + moved)
         return
     model = place.body.data.shape_keys.key_blocks[name]
-    if name in before.keys and not place.images_of(_moved_by(before, model)).any():
-        return
+    if name in before.keys:
+        changed = not np.array_equal(points, before.keys[name])  # by a tool that has read the map
+        if not (changed and place.images_of(_moved_by(before, model)).any()):
+            return
     moved = place.turned(points - after.keys[model.relative_key.name])
     if np.abs(moved).max(initial=0) > _STILL * np.abs(after.positions).max():
         if keys is None:

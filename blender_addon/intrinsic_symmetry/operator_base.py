@@ -154,7 +154,12 @@ def _held(object, mode):
     return f"{count} vertices are hidden, masked or outside the paint selection, and stay" if count else ""
 
 
+def in_words(problem):
+    """The text of an error, without what it says of files."""
+    return _OF_FILES.sub("", str(problem))
+
+
 def sentence(problem):
-    """The text of an error with a capital letter, without what it says of files."""
-    text = _OF_FILES.sub("", str(problem))
+    """That with a capital letter."""
+    text = in_words(problem)
     return text[:1].upper() + text[1:]

@@ -298,6 +298,35 @@ def test_a_hidden_object_is_left_alone_and_named(parts, capfd):
     assert not np.array_equal(positions(right.data), before)
 
 
+def test_keys_that_only_other_objects_have(parts):
+    """The active one has none. Then the map does not fit after an edit, and the tool does not need it."""
+    body, left, right, _ = parts
+    _swell(left, "Swell.L", np.arange(100), 0.01)
+    assert ops.mirror_shape_keys(all_keys=True) == {"FINISHED"}
+    assert right.data.shape_keys.key_blocks.keys() == ["Basis", "Swell.R"] and body.data.shape_keys is None
+    for object in (body, right):
+        object.select_set(False)
+    bpy.context.view_layer.objects.active = left
+    edit_faces(left, range(5))
+    bpy.ops.mesh.delete(type="VERT")
+    enter("OBJECT")
+    bpy.context.view_layer.objects.active = body
+    assert ops.remember() == {"FINISHED"}
+    assert body.data.shape_keys is None
+
+
+def test_objects_without_vertices(parts):
+    """Blender does not join their groups, of which one is active."""
+    enter("EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.delete(type="VERT")
+    enter("OBJECT")
+    bpy.context.view_layer.objects.active = parts[1]
+    parts[1].vertex_groups.new(name="Eye.L")
+    with pytest.raises(RuntimeError, match="Error: (?!Python)"):
+        ops.mirror_vertex_groups()
+
+
 def test_what_is_hidden_is_not_counted(parts, capfd):
     _, left, right, _ = parts
     left.vertex_groups.new(name="Eye.L").add(list(range(100)), 0.5, "ADD")
