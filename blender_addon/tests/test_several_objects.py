@@ -323,7 +323,7 @@ def test_objects_without_vertices(parts):
     enter("OBJECT")
     bpy.context.view_layer.objects.active = parts[1]
     parts[1].vertex_groups.new(name="Eye.L")
-    with pytest.raises(RuntimeError, match="Error: (?!Python)"):
+    with pytest.raises(RuntimeError, match="^Error: (?!Python)"):
         ops.mirror_vertex_groups()
 
 
