@@ -250,7 +250,8 @@ def _give_attributes(mesh, place, before, after):
         if name in mesh.attributes:
             mesh_data.remove_attribute(mesh, name)
     for name, (kind, domain, values) in after.items():
-        if name not in before or not np.array_equal(before[name][2], values):
+        missing = name in stored_map.KINDS and name not in mesh.attributes
+        if missing or name not in before or not np.array_equal(before[name][2], values):
             own = values[place.rows(domain)]
             if name in mesh.attributes or stored_map.is_own(name) or own.any():
                 mesh_data.write_attribute(mesh, name, kind, own, domain)

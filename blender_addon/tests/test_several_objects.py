@@ -327,6 +327,15 @@ def test_objects_without_vertices(parts):
         ops.mirror_vertex_groups()
 
 
+def test_an_object_that_has_lost_a_part_of_the_map_gets_it(parts):
+    """Also where the joined map is as it was."""
+    right = parts[2]
+    right.data.attributes.remove(right.data.attributes["sym_confidence"])
+    with module("assembly").whole(list(parts[:3])):
+        pass
+    assert "sym_confidence" in right.data.attributes and "sym_number_point" not in right.data.attributes
+
+
 def test_what_is_hidden_is_not_counted(parts, capfd):
     _, left, right, _ = parts
     left.vertex_groups.new(name="Eye.L").add(list(range(100)), 0.5, "ADD")
