@@ -30,13 +30,30 @@ def members_of(object):
     record = object.data.get(RECORD)
     if record is None or "members" not in record:
         return [object]
-    names, there = list(record["members"].values()), bpy.context.view_layer.objects
-    missing = [name for name in names if name not in there]
-    if missing:
-        raise mesh_data.MeshProblem(f'The symmetry spans several objects, and "{missing[0]}" is missing: Detect again')
-    if object.name not in names:
+    names = list(record["members"].values())
+    members = [_member(record, number, name) for number, name in enumerate(names)]
+    if None in members:
+        name = names[members.index(None)]
+        raise mesh_data.MeshProblem(f'The symmetry spans several objects, and "{name}" is missing: Detect again')
+    if object not in members:
         raise mesh_data.MeshProblem("The symmetry is that of the objects this one was copied from: Detect again")
-    return [there[name] for name in names]
+    return members
+
+
+def _member(record, number, name):
+    """The object of a name that has this share of a map; or, if it was renamed, the only one that has; or nothing."""
+    whole = record["whole"]
+
+    def shares(object):
+        own = object.data.get(RECORD, {}) if object.type == "MESH" else {}
+        fits = "members" in own and own.get("member", number) == number
+        return fits and all(own["whole"][name] == whole[name] for name in ("connectivity", "checksum"))
+
+    objects = bpy.context.view_layer.objects
+    if name in objects and shares(objects[name]):
+        return objects[name]
+    found = [object for object in objects if shares(object)]
+    return found[0] if len(found) == 1 else None
 
 
 def there(object):
@@ -301,6 +318,7 @@ def _keep_records(members, body):
     """Gives each object its record; where the tool removed the map, it is removed."""
     for member in members:
         if RECORD in body.data:
-            stored_map.store_share(member.data, body.data[RECORD].to_dict(), [each.name for each in members])
+            names = [each.name for each in members]
+            stored_map.store_share(member.data, body.data[RECORD].to_dict(), names, members.index(member))
         else:
             stored_map.clear(member.data)

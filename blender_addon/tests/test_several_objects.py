@@ -246,12 +246,27 @@ def test_the_map_is_carried_through_an_edit_of_one_of_them(parts, edit, capfd):
     assert (attribute(right.data, "sym_vertex")[partner[number]] == new + first).mean() > 0.97
 
 
+def test_objects_may_be_renamed(parts):
+    """Also where another object gets the name."""
+    body, left, right, partner = parts
+    left.name, right.name = "right hand", "left hand"
+    new_object(read_example("quadruped"), "left")
+    bpy.context.view_layer.objects.active = body
+    left.vertex_groups.new(name="Eye.L").add(list(range(100)), 0.5, "ADD")
+    assert ops.mirror_vertex_groups() == {"FINISHED"}
+    assert right.vertex_groups.keys() == ["Eye.R"]
+    copy = _copy_of(right, "copy")
+    bpy.context.view_layer.objects.active = copy
+    with pytest.raises(RuntimeError, match="copied from"):
+        ops.exchange_sides()
+
+
 def test_a_missing_object_is_named(parts):
     body, left, right, _ = parts
-    right.name = "elsewhere"
+    bpy.data.objects.remove(right)
     with pytest.raises(RuntimeError, match='"right" is missing: Detect again'):
         ops.exchange_sides()
-    assert len(bpy.data.objects) == 3
+    assert len(bpy.data.objects) == 2
     assert ops.detect() == {"FINISHED"}  # of the one alone
     assert ops.exchange_sides() == {"FINISHED"}
 
