@@ -4,8 +4,8 @@
 Old vertices keep their images, as long as the vertices around these are there. Else the image is where the surface is
 nearest to its old place; if that is farther away than half an edge, what held it is gone, and so is the image.
 Duplicates, as an extrusion makes them, have the images of their originals. Other new vertices have theirs where the
-surface was that they were made on (`image_surface`), or else between the images of their neighbours. Where both sides
-got the same edit, new vertices are paired (`carried_walk`).
+surface was that they were made on (`image_surface`), or else where a rigid piece of the surface that fits around them has
+it (`rigid_pieces`). Where both sides got the same edit, new vertices are paired (`carried_walk`).
 """
 
 import intrinsym
@@ -149,7 +149,8 @@ class CarriedMap:
             return
         triangle, weights = surface.feet(images[rows])
         mix = Mix(surface.vertices[triangle], weights)
-        self._gone[rows] = np.linalg.norm(mix.of(places) - images[rows], axis=1) > _NEAR * longest_edges(self._ends, places)[rows]
+        away, reach = np.linalg.norm(mix.of(places) - images[rows], axis=1), longest_edges(self._ends, places)[rows]
+        self._gone[rows] = away > _NEAR * reach
         there = ~(self._gone | self.new)[rows]
         rows, triangle, mix = rows[there], triangle[there], mix.at(there)
         self._faces[rows], self._corners[rows], self._weights[rows] = surface.faces[triangle], mix.rows, mix.weights

@@ -102,7 +102,11 @@ def test_poll_says_what_is_missing():
 
 def test_the_library_s_errors_are_shown():
     """Without its advice on exported files."""
-    shapes = {"no vertices": ([], []), "no faces, only vertices": ([(0, 0, 0)], []), "one line or in one point": ([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2)])}
+    shapes = {
+        "no vertices": ([], []),
+        "no faces, only vertices": ([(0, 0, 0)], []),
+        "one line or in one point": ([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2)]),
+    }
     for words, (vertices, faces) in shapes.items():
         mesh = bpy.data.meshes.new("bad")
         mesh.from_pydata(vertices, [], faces)

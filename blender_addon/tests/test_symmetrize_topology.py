@@ -429,9 +429,10 @@ def test_a_key_that_lacks_an_extrusion_lacks_it_on_both_sides(step):
     edit_faces(object, np.argsort(away)[:9])
     step()
     enter("OBJECT")
-    before = module("mesh_data").key_positions(object.data.shape_keys.key_blocks["Up"])
+    read, keys = module("mesh_data").key_positions, object.data.shape_keys.key_blocks
+    before = read(keys["Up"])
     assert ops.symmetrize_topology() == {"FINISHED"}
-    up, partner = (module("mesh_data").key_positions(object.data.shape_keys.key_blocks["Up"]), attribute(object.data, "sym_vertex"))
+    up, partner = read(keys["Up"]), attribute(object.data, "sym_vertex")
     assert np.abs(up[partner] * (-1, 1, 1) - up).max() < 0.02, "a fifth of the depth, at the inset's corners"
     assert _nearest(before, up[attribute(object.data, "sym_side") == 1])[:, 1].max() < 1e-6
 

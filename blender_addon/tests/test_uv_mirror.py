@@ -81,7 +81,11 @@ def test_islands_that_do_not_fit_are_said(head, capfd):
     uvs = 0.5 + 0.3 * points[:, [0, 2]]
     middle = uvs[right].mean(axis=0)
     uvs[right] = middle + 0.1 * (uvs[right] - middle)
-    cases = {"": (0.9, 0.9), "UVs have left their tile": (1, 1) - np.ptp(uvs[right], axis=0) / 2, "lie over others": (0.8, 0.1)}
+    cases = {
+        "": (0.9, 0.9),
+        "UVs have left their tile": (1, 1) - np.ptp(uvs[right], axis=0) / 2,
+        "lie over others": (0.8, 0.1),
+    }
     uvs[eye & (side == 1)] += (0.8, 0.1) - uvs[eye & (side == 1)].mean(axis=0) + (0.1, 0)
     for words, place in cases.items():
         _set_uvs(mesh, uvs + np.where(right[:, None], place - middle, 0))
