@@ -30,13 +30,30 @@ def members_of(object):
     record = object.data.get(RECORD)
     if record is None or "members" not in record:
         return [object]
-    names, there = list(record["members"].values()), bpy.context.view_layer.objects
-    missing = [name for name in names if name not in there]
-    if missing:
-        raise mesh_data.MeshProblem(f'The symmetry spans several objects, and "{missing[0]}" is missing: Detect again')
-    if object.name not in names:
+    names = list(record["members"].values())
+    members = [_member(record, number, name) for number, name in enumerate(names)]
+    if None in members:
+        name = names[members.index(None)]
+        raise mesh_data.MeshProblem(f'The symmetry spans several objects, and "{name}" is missing: Detect again')
+    if object not in members:
         raise mesh_data.MeshProblem("The symmetry is that of the objects this one was copied from: Detect again")
-    return [there[name] for name in names]
+    return members
+
+
+def _member(record, number, name):
+    """The object of a name that has this share of a map; or, if it was renamed, the only one that has; or nothing."""
+    whole = record["whole"]
+
+    def shares(object):
+        own = object.data.get(RECORD, {}) if object.type == "MESH" else {}
+        fits = "members" in own and own.get("member", number) == number
+        return fits and all(own["whole"][name] == whole[name] for name in ("connectivity", "checksum"))
+
+    objects = bpy.context.view_layer.objects
+    if name in objects and shares(objects[name]):
+        return objects[name]
+    found = [object for object in objects if shares(object)]
+    return found[0] if len(found) == 1 else None
 
 
 def there(object):
@@ -130,10 +147,10 @@ def _offset(members, number, elements):
 
 def _choose_as(body, active):
     """Makes active on the joined object what is so on the active one."""
-    key, group, attribute = active.active_shape_key, active.vertex_groups.active, active.data.attributes.active
-    if key is not None:
-        body.active_shape_key_index = body.data.shape_keys.key_blocks.find(key.name)
-    if group is not None:
+    key, group, attribute = mesh_data.key_name(active), active.vertex_groups.active, active.data.attributes.active
+    if body.data.shape_keys is not None:
+        body.active_shape_key_index = max(body.data.shape_keys.key_blocks.find(key), 0)  # the basis
+    if group is not None and group.name in body.vertex_groups:  # those of a mesh without vertices are not joined
         body.vertex_groups.active_index = body.vertex_groups[group.name].index
     if attribute is not None and attribute.name in body.data.attributes:
         body.data.attributes.active = body.data.attributes[attribute.name]
@@ -154,6 +171,15 @@ def owners(body, members):
     for index in range(len(members)):
         number[_Place(body, members, index).rows()] = index
     return number
+
+
+def shown(body, members, domain="POINT"):
+    """(elements,) bool: those of the joined object that are of objects that are not hidden."""
+    flags = np.ones(len(getattr(body.data, _DOMAINS[domain])), bool)
+    if len(members) > 1:
+        for number in [number for number, member in enumerate(members) if not member.visible_get()]:
+            flags[_Place(body, members, number).rows(domain)] = False
+    return flags
 
 
 class _Place:
@@ -233,7 +259,7 @@ def _give_map(mesh, place, before, after):
 
 
 def _of_map(attributes):
-    return {name: attribute for name, attribute in attributes.items() if name.startswith("sym_")}
+    return {name: attribute for name, attribute in attributes.items() if stored_map.is_own(name)}
 
 
 def _give_attributes(mesh, place, before, after):
@@ -241,9 +267,10 @@ def _give_attributes(mesh, place, before, after):
         if name in mesh.attributes:
             mesh_data.remove_attribute(mesh, name)
     for name, (kind, domain, values) in after.items():
-        if name not in before or not np.array_equal(before[name][2], values):
+        missing = name in stored_map.KINDS and name not in mesh.attributes
+        if missing or name not in before or not np.array_equal(before[name][2], values):
             own = values[place.rows(domain)]
-            if name in mesh.attributes or name.startswith("sym_") or own.any():
+            if name in mesh.attributes or stored_map.is_own(name) or own.any():
                 mesh_data.write_attribute(mesh, name, kind, own, domain)
 
 
@@ -270,8 +297,10 @@ def _give_key(member, place, name, before, after):
             mesh_data.set_key_positions(key, mesh_data.key_positions(key) + moved)
         return
     model = place.body.data.shape_keys.key_blocks[name]
-    if name in before.keys and not place.images_of(_moved_by(before, model)).any():
-        return
+    if name in before.keys:
+        changed = not np.array_equal(points, before.keys[name])  # by a tool that has read the map
+        if not (changed and place.images_of(_moved_by(before, model)).any()):
+            return
     moved = place.turned(points - after.keys[model.relative_key.name])
     if np.abs(moved).max(initial=0) > _STILL * np.abs(after.positions).max():
         if keys is None:
@@ -289,6 +318,7 @@ def _keep_records(members, body):
     """Gives each object its record; where the tool removed the map, it is removed."""
     for member in members:
         if RECORD in body.data:
-            stored_map.store_share(member.data, body.data[RECORD].to_dict(), [each.name for each in members])
+            names = [each.name for each in members]
+            stored_map.store_share(member.data, body.data[RECORD].to_dict(), names, members.index(member))
         else:
             stored_map.clear(member.data)

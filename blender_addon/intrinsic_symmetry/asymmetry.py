@@ -58,7 +58,7 @@ class Reference:
 
 def size(positions):
     """The longest side of the bounding box."""
-    return max(float(np.ptp(positions, axis=0).max(initial=0)), 1e-30)
+    return max(float(np.ptp(positions, axis=0).max(initial=0)), 1e-38)
 
 
 def reference(about, symmetry, mesh, positions):
@@ -99,9 +99,8 @@ def fitted_plane(points, images, weights):
 
 
 def vertex_areas(mesh):
-    """(vertices,) the surface's area, each face's spread over its corners."""
-    offsets, corners = mesh_data.polygons(mesh)
-    areas = np.empty(len(mesh.polygons), np.float32)
-    mesh.polygons.foreach_get("area", areas)
-    counts = np.diff(offsets)
-    return np.bincount(corners, np.repeat(areas / np.maximum(counts, 1), counts), len(mesh.vertices))
+    """(vertices,) the surface's area, each triangle's spread over its corners."""
+    corners = mesh_data.triangles(mesh)
+    first, second, third = mesh_data.positions(mesh).astype(float)[corners.T]
+    areas = np.linalg.norm(np.cross(second - first, third - first), axis=1) / 6
+    return np.bincount(corners.ravel(), np.repeat(areas, 3), len(mesh.vertices))

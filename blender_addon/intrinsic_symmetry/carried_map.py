@@ -4,18 +4,18 @@
 Old vertices keep their images, as long as the vertices around these are there. Else the image is where the surface is
 nearest to its old place; if that is farther away than half an edge, what held it is gone, and so is the image.
 Duplicates, as an extrusion makes them, have the images of their originals. Other new vertices have theirs where the
-surface was that they were made on (`image_surface`), or else between the images of their neighbours. Where both sides
-got the same edit, new vertices are paired (`carried_walk`).
+surface was that they were made on (`image_surface`), or else where a rigid piece of the surface that fits around them has
+it (`rigid_pieces`). Where both sides got the same edit, new vertices are paired (`carried_walk`).
 """
 
 import intrinsym
 import numpy as np
 from mathutils.kdtree import KDTree
 
-from . import mesh_data, stored_map, vertex_map
+from . import mesh_data, rigid_pieces, stored_map, vertex_map
 from .carried_walk import pairs
 from .image_surface import CLOSE, ON, ImageSurface
-from .neighbour_means import filled, longest_edges
+from .neighbour_means import between, filled, longest_edges, shortest_edges
 from .regions import around, components
 from .surface import Mix, Surface
 
@@ -27,6 +27,13 @@ _WHOLE = 0.999
 _SAME = 1e-5
 #: A mean of sides below this is on the line.
 _BETWEEN = 0.1
+#: Orientation of images.
+_SIGN = {intrinsym.SymmetryKind.REFLECTION: -1, intrinsym.SymmetryKind.HALF_TURN: 1}
+#: New vertices are paired if one is nearer to the other's image than this share of its shortest edge, or than so many
+#: times the usual distance.
+_SHORT, _USUAL = 0.5, 5
+#: A vertex that others were merged into has at least this share of edges that its image does not have.
+_APART = 0.5
 #: An image is gone if the surface is farther from its old place than this share of the vertex' longest edge.
 _NEAR = 0.5
 
@@ -39,19 +46,22 @@ class CarriedMap:
         self._offsets, self._used = (np.asarray(part).astype(np.int64) for part in core_mesh.polygons)
         self._places, self._ends = mesh_data.positions(mesh).astype(float), mesh_data.edges(mesh).astype(np.int64)
         self._reach = longest_edges(self._ends, self._places)
-        known = original >= 0
-        self.new = ~known
-        self.new[known] = new_of[original[known]] != np.flatnonzero(known)
-        self._known = known
-        self._read(known)
+        self._read(original)
+        if (merged := self._merged()).any():
+            self._new_of = np.where(np.isin(np.arange(len(new_of)), original[merged]), -1, new_of)
+            original = np.where(merged, -1, original)
+            self._read(original)
         self._lift, self._cuts = np.zeros_like(self._places), self.new
         if self.new.any():
             self._lay()
-        self._relocate(known, ours)
+        self._relocate(self._known, ours)
         self._edited = self._with_other_faces(original)
 
-    def _read(self, known):
+    def _read(self, original):
         """What the old vertices and their duplicates have."""
+        self._known = known = original >= 0
+        self.new = ~known
+        self.new[known] = self._new_of[original[known]] != np.flatnonzero(known)
         values = {name: mesh_data.read_attribute(self._mesh.attributes[name]) for name in stored_map.KINDS}
         has_face = np.bincount(self._used, minlength=len(known)) > 0
         partner = self._renumbered(values[stored_map.PARTNER])
@@ -75,6 +85,23 @@ class CarriedMap:
             for name in (stored_map.PLACE, stored_map.IMAGE)
         )
 
+    def _merged(self):
+        """(vertices,) bool: old ones that others were merged into: half of their edges or more lead to vertices whose images
+        are in no face with theirs, and beside these are images of vertices that are gone."""
+        count, ends = len(self.new), np.vstack([self._ends, self._ends[:, ::-1]])
+        lost = self._had & self._known & (self.partner < 0)
+        beside = np.bincount(ends[:, 0], lost[ends[:, 1]], count) > 0
+        own, other = ends[self._exact[ends].all(axis=1) & beside[self.partner[ends[:, 0]]]].T
+        images, others = self.partner[own], self.partner[other]
+        near, together = np.isin(self._used, images), set()
+        face = np.repeat(np.arange(len(self._offsets) - 1), np.diff(self._offsets))
+        for number in np.unique(face[near]).tolist():
+            corners = self._used[self._offsets[number] : self._offsets[number + 1]].tolist()
+            together.update((one, another) for one in corners for another in corners)
+        apart = [pair not in together for pair in zip(images.tolist(), others.tolist())]
+        edges = np.bincount(own, minlength=count)
+        return (edges > 0) & (np.bincount(own, apart, count) >= _APART * edges)
+
     def _lay(self):
         """Gives new vertices their images on the surface that they were made on, and notes how far they, and what they
         enclose, stand off it."""
@@ -89,6 +116,7 @@ class CarriedMap:
         self._lift[rows[feet.below]] = (self._places[rows] - feet.mix.of(surface.images))[feet.below]
         self._were[rows[feet.below]] = feet.mix.of(surface.before)[feet.below]
         there = feet.sure & (feet.away <= self._reach[feet.mix.rows].max(axis=1))
+        there &= ~between(self._ends, self._places, self._exact)[rows]
         rows, mix = rows[there], feet.mix.at(there)
         self._faces[rows], self._corners[rows], self._weights[rows] = feet.faces[there], mix.rows, mix.weights
         self._target[rows], self._found[rows] = mix.of(self._places), True
@@ -121,7 +149,8 @@ class CarriedMap:
             return
         triangle, weights = surface.feet(images[rows])
         mix = Mix(surface.vertices[triangle], weights)
-        self._gone[rows] = np.linalg.norm(mix.of(places) - images[rows], axis=1) > _NEAR * longest_edges(self._ends, places)[rows]
+        away, reach = np.linalg.norm(mix.of(places) - images[rows], axis=1), longest_edges(self._ends, places)[rows]
+        self._gone[rows] = away > _NEAR * reach
         there = ~(self._gone | self.new)[rows]
         rows, triangle, mix = rows[there], triangle[there], mix.at(there)
         self._faces[rows], self._corners[rows], self._weights[rows] = surface.faces[triangle], mix.rows, mix.weights
@@ -158,7 +187,7 @@ class CarriedMap:
 
     def found(self, kind):
         """The `intrinsym.Symmetry`."""
-        self._fill()
+        self._fill(kind)
         self._walk()
         self._meet()
         self._land()
@@ -198,32 +227,48 @@ class CarriedMap:
         """(vertices, 3) how far new vertices without a partner of their own, and what they enclose, stand off the surface
         that was there; and what stood off it before. After `found`."""
         off = np.linalg.norm(self._lift, axis=1) > ON * self._reach
-        alone = self.new & ~self._exact
-        off &= alone | self._enclosed(alone & self._cuts)
+        off &= self.new | self._enclosed(self.new & self._cuts)
         lift, before = np.where(off[:, None], self._lift, 0), self._mesh.attributes.get(stored_map.LIFT)
         if before is not None:
             values = np.where(self.new[:, None], np.nan, mesh_data.read_attribute(before))
             lift += np.nan_to_num(filled(values, self._ends, self._places))
         return lift
 
-    def _fill(self):
-        """Gives the vertices without values the means of their neighbours'."""
+    def _fill(self, kind):
+        """Gives the vertices without images those of a piece of the surface that fits around, and the other values the
+        means of their neighbours'."""
+        lacks = np.isnan(self._target).any(axis=1)
+        self._target = rigid_pieces.moved(
+            self._target, self._places, lacks, ~lacks, self._ends, sign=_SIGN[kind], along_lines=True
+        )
+        across = self._places - self._target
         gone = np.where(self._found, self._gone, np.nan)
-        values = np.column_stack([self._target, self._confidence, self._side, gone])
+        values = np.column_stack([self._confidence, gone, self._side[:, None] * across])
         values = filled(values, self._ends, self._places, along_lines=True)
-        self._target, self._confidence, side = values[:, :3], values[:, 3], values[:, 4]
-        self._side = np.where(np.abs(side) < _BETWEEN, 0, np.sign(side))
-        self._gone = values[:, 5] > 0.5
+        self._confidence, self._gone = values[:, 0], values[:, 1] > 0.5
+        way = np.einsum("vx,vx->v", values[:, 2:], across)
+        least = _BETWEEN * self._reach * np.linalg.norm(values[:, 2:], axis=1)
+        side = np.where(np.abs(way) <= least, 0, np.sign(way))
+        self._side = np.where(np.isnan(self._side), side, self._side)
         self._target[self._gone] = np.nan
 
     def _walk(self):
-        """Pairs new vertices where both sides got the same edit: where an image is expected, or on extrusions."""
+        """Pairs new vertices where both sides got the same edit: on extrusions, or where an image is expected, as well as
+        those say that were found first."""
+        near = _SHORT * shortest_edges(self._ends, self._places)
+
         def may_pair(one, other):
             off = self._places[other] - self._target[one]
-            return self._duplicates[[one, other]].all() or off @ off <= self._reach[one] ** 2
+            return self._duplicates[[one, other]].all() or off @ off <= near[other] ** 2
 
-        partner = np.where(self._exact, self.partner, -1)
-        self._pair(pairs(self._offsets, self._used, partner, self.new & ~self._exact, may_pair))
+        for _ in range(2):
+            partner = np.where(self._exact, self.partner, -1)
+            twins = pairs(self._offsets, self._used, partner, self.new & ~self._exact, may_pair)
+            if not twins:
+                break
+            usual = np.median([np.linalg.norm(self._places[twin] - self._target[own]) for own, twin in twins.items()])
+            near = np.clip(_USUAL * usual, near, np.maximum(near, self._reach))
+            self._pair(twins)
 
     def _pair(self, twins):
         vertices, partners = (np.fromiter(part, np.int64, len(twins)) for part in (twins.keys(), twins.values()))

@@ -11,9 +11,13 @@ from mathutils.kdtree import KDTree
 
 from . import mesh_data, stored_map
 from .half_line import LOSES
+from .neighbour_means import filled
 from .regions import uv_islands
 from .surface import Mix, Surface
 from .weights import read_weights, write_weights
+
+#: A key lacks a lift if what it lacks differs from that by less than this share.
+_ALIKE = 0.5
 
 
 def vertex_mix(source, halves, symmetry):
@@ -47,15 +51,19 @@ class Old:
         }
         lift = mesh.attributes.get(stored_map.LIFT)
         self.lift = 0 * self.positions if lift is None else mesh_data.read_attribute(lift).astype(float)
+        ends = mesh_data.edges(mesh).astype(np.int64)
+        self._left_out = [_left_out(key - self.positions, self.lift, ends, self.positions) for key in self.keys]
         self.uvs = {layer.name for layer in mesh.uv_layers}
-        self.surface = Surface(mesh, self.positions, halves.labels == LOSES)
+        self.surface = Surface(mesh, self.positions - self.lift, halves.labels == LOSES)
 
-    def give_positions(self, object, mix, moved):
-        """Base shape and shape keys, each `moved` besides."""
+    def give_positions(self, object, mix, places, lift):
+        """Base shape and shape keys: the vertices are at `places`, `lift` off the surface, both (vertices, 3); `lift` is a
+        function of the old vertices' lift."""
         mesh, keys = object.data, object.data.shape_keys
-        for key, points in zip(keys.key_blocks if keys else [], self.keys):
-            mesh_data.set_key_positions(key, mix.of(points) + moved)
-        places = mix.of(self.positions) + moved
+        moved = places - mix.of(self.positions)
+        for key, points, missing in zip(keys.key_blocks if keys else [], self.keys, self._left_out):
+            left_out = mix.of(missing) - lift(missing) if missing.any() else 0
+            mesh_data.set_key_positions(key, mix.of(points) + moved + left_out)
         mesh.vertices.foreach_set("co", np.ascontiguousarray(places, np.float32).ravel())
 
     def give_points(self, object, mix, copies):
@@ -129,8 +137,19 @@ class Attached:
             child.parent_vertices = renumbered(vertices)
 
 
+def _left_out(moved, lift, ends, places):
+    """(vertices, 3) the lift that a shape key does not have, which has `moved` vertices at `places`: it moves them less by
+    that than what is around. Blender leaves what an operator makes out of the keys that are not active."""
+    lifted = lift.any(axis=1)
+    if not lifted.any():
+        return np.zeros_like(lift)
+    around = filled(np.where(lifted[:, None], np.nan, moved), ends, places)
+    off = np.linalg.norm(around - moved - lift, axis=1)
+    return np.where((lifted & (off < _ALIKE * np.linalg.norm(lift, axis=1)))[:, None], lift, 0)
+
+
 def _is_own(attribute, domain):
     """Whether an attribute is interpolated where the half was."""
     hidden = attribute.name.startswith(".") and attribute.name != ".sculpt_mask"
-    other = hidden or attribute.name == "position" or attribute.name.startswith("sym_")
+    other = hidden or attribute.name == "position" or stored_map.is_own(attribute.name)
     return attribute.domain == domain and attribute.data_type in mesh_data.LAYOUTS and not other

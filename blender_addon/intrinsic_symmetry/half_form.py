@@ -2,15 +2,14 @@
 """Places a copied half where the surface that was there cannot say it alone.
 
 What stands a little off the surface, as a bevel, stands as far off its image. What stands off farther, as an extrusion,
-is moved as a rigid mirrored piece to where the copied vertices around it are (B. K. P. Horn,
-"Closed-form solution of absolute orientation using orthonormal matrices", 1988), and bent to meet them. Regions that
-are folded, since the map's images of neighbouring vertices change places or fall together, are drawn smooth on the
-surface; or moved as a piece, too, where that leaves more folds, or little of the region, as of a fingertip.
+is moved as a rigid mirrored piece to where the copied vertices around it are. Regions that are folded, since the map's
+images of neighbouring vertices change places or fall together, are drawn smooth on the surface; or moved as a piece,
+too, where that leaves more folds, or little of the region, as of a fingertip.
 """
 
 import numpy as np
 
-from . import mesh_data
+from . import mesh_data, rigid_pieces
 from .neighbour_means import filled, longest_edges
 from .regions import components
 
@@ -26,8 +25,8 @@ _TINY = 1e-2
 #: A region that is drawn smooth has at least this share of its models' area, and at most this share of its folds left
 #: (or no more than as a piece).
 _KEPT, _LEFT = 0.5, 0.5
-#: Rounds of unfolding, each in wider regions; rings of vertices around a region that it is fitted to.
-_ROUNDS, _AROUND = 6, 2
+#: Rounds of unfolding, each in wider regions.
+_ROUNDS = 6
 #: A change that ends the drawing smooth, as a share of the largest value.
 _STILL = 1e-4
 
@@ -48,7 +47,7 @@ class Form:
         `without`, (vertices,) bool, or where they are folded. Of those that are drawn smooth the mix is changed."""
         reach = longest_edges(self._ends, self._models)
         far = (np.linalg.norm(lift, axis=1) > _FAR * reach) | lift.any(axis=1) & (beside > _BESIDE * reach)
-        places = self._mix.of(self._surface.positions) + np.where((self._copies & ~far)[:, None], lift, 0)
+        places = self._mix.of(self._surface.positions) + np.where((self._copies & far)[:, None], 0, lift)
         inside = (far | without) & self._copies
         if inside.any():
             places = self._as_pieces(places, inside)
@@ -57,7 +56,7 @@ class Form:
             folded[self._faces.corners_of(self._faces.folded(places))] = True
             if not (folded & self._copies).any():
                 break
-            places = self._unfolded(places, self._grown(folded & self._copies, rings) & self._copies)
+            places = self._unfolded(places, rigid_pieces.grown(folded & self._copies, self._ends, rings) & self._copies)
         return places
 
     def _unfolded(self, places, inside):
@@ -74,7 +73,7 @@ class Form:
 
     def _smooth(self, places, inside):
         """Places of which those inside are on the surface between those around, and their Mix."""
-        near = self._grown(inside, 1)
+        near = rigid_pieces.grown(inside, self._ends, 1)
         ends = self._ends[near[self._ends].all(axis=1)]
         between = filled(np.where(inside[:, None], np.nan, places), ends, self._models, _STILL)
         between = np.where(np.isnan(between), places, between)
@@ -82,34 +81,9 @@ class Form:
         between[inside] = mix.of(self._surface.positions)
         return between, mix
 
-    def _grown(self, inside, rings):
-        inside = inside.copy()
-        for _ in range(rings):
-            inside[self._ends[inside[self._ends].any(axis=1)]] = True
-        return inside
-
     def _as_pieces(self, places, inside):
         """Places whose regions, `inside`, have the form of the models."""
-        near = self._grown(inside, _AROUND) & self._fitted
-        ends = self._ends[near[self._ends].all(axis=1)]
-        region, rows = components(len(places), ends), np.flatnonzero(near)
-        order = rows[np.argsort(region[rows], kind="stable")]
-        there = places.copy()
-        for mine in np.split(order, np.flatnonzero(np.diff(region[order])) + 1):
-            border = mine[~inside[mine]]
-            if len(border) > 2:
-                there[mine] = _mirrored(self._models[border], places[border], self._models[mine])
-        missing = np.where(inside[:, None], np.nan, places - there)
-        missing[~near] = 0
-        return np.where(inside[:, None], there + np.nan_to_num(filled(missing, ends, self._models, _STILL)), places)
-
-
-def _mirrored(points, places, moved):
-    """Moved points, as the reflection and rotation moves them that brings points, (n, 3), nearest to places."""
-    middle, centre = points.mean(axis=0), places.mean(axis=0)
-    left, _, right = np.linalg.svd((points - middle).T @ (places - centre))
-    right[-1] *= -np.sign(np.linalg.det(left @ right))
-    return (moved - middle) @ (left @ right) + centre
+        return rigid_pieces.moved(places, self._models, inside, self._fitted, self._ends, sign=-1, still=_STILL)
 
 
 class _Faces:

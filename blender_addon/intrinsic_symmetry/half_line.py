@@ -41,6 +41,7 @@ def halves(bm, mesh, symmetry, winner):
     edges, positions = mesh_data.edges(mesh).astype(np.int64), mesh_data.positions(mesh).astype(float)
     labels = _labels(mesh, symmetry, winner, edges)
     labels = np.where(_stray(labels, edges), -labels, labels)
+    labels[_deserted(labels, edges, symmetry.side == 0)] = LOSES
     bm.verts.ensure_lookup_table()
     labels[_drawn(bm, labels, edges, symmetry.side == 0)] = LINE
     images = symmetry.surface_points.positions(positions)
@@ -109,6 +110,15 @@ def _stray(labels, edges):
         if size[number] > size[largest.get(key, number)] or key not in largest:
             largest[key] = number
     return ~np.isin(region, list(largest.values())) & (np.abs(labels) == 1)
+
+
+def _deserted(labels, edges, on_line):
+    """(vertices,) bool: those that the map has on the line, but with nothing of the winning side beside them any more."""
+    beside = {}
+    for label in (WINS, LOSES):
+        of = (labels == label) & ~on_line
+        beside[label] = np.bincount(edges.ravel(), of[edges[:, ::-1]].ravel(), len(labels)) > 0
+    return on_line & (labels == WINS) & ~beside[WINS] & beside[LOSES]
 
 
 def _drawn(bm, labels, edges, on_line):

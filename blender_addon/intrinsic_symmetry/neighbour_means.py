@@ -30,6 +30,14 @@ def longest_edges(ends, places):
     return longest
 
 
+def shortest_edges(ends, places):
+    """As `longest_edges`; infinite without edges."""
+    lengths, shortest = np.linalg.norm(places[ends[:, 0]] - places[ends[:, 1]], axis=1), np.full(len(places), np.inf)
+    for end in (0, 1):
+        np.minimum.at(shortest, ends[:, end], lengths)
+    return shortest
+
+
 def _fill(column, ends, places, still, along_lines):
     unknown = np.isnan(column)
     to, source = np.vstack([ends, ends[:, ::-1]])[np.append(unknown[ends[:, 0]], unknown[ends[:, 1]])].T
@@ -40,7 +48,8 @@ def _fill(column, ends, places, still, along_lines):
     length = np.maximum(length, 1e-6 * length.max(initial=1e-30))
     pull = 1 / length
     if along_lines:
-        pull *= _along_lines(to, way / length[:, None], ~unknown[source])
+        pair = _lines(to, way / length[:, None], ~unknown[source])
+        pull *= (pair[to] == np.arange(len(to))[:, None]).any(axis=1) | (pair[to, 0] < 0)
     rows, row = np.unique(to, return_inverse=True)
     least, is_partial = still * np.abs(column[~unknown]).max(initial=0), True
     for _ in range(_ROUNDS):
@@ -57,9 +66,21 @@ def _fill(column, ends, places, still, along_lines):
     column[rows[swings]] = (before + mean)[swings] / 2
 
 
-def _along_lines(to, ways, known):
-    """(links,) 1 or 0: the links, sorted by `to`, that count: two that make a line, of several those to known values,
-    or all of a vertex."""
+def between(ends, places, known):
+    """(vertices,) bool: those on a straight line between two neighbours that are known, (vertices,) bool."""
+    links = np.vstack([ends, ends[:, ::-1]])
+    links = links[known[links[:, 1]]]
+    to, source = links[np.argsort(links[:, 0], kind="stable")].T
+    way = places[source] - places[to]
+    pair = _lines(to, way / np.maximum(np.linalg.norm(way, axis=1, keepdims=True), 1e-30), np.ones(len(to)))
+    found = np.zeros(len(places), bool)
+    found[to] = pair[to, 0] >= 0
+    return found
+
+
+def _lines(to, ways, known):
+    """Of each vertex the two links, sorted by `to`, that make a straight line, -1 for none; of several
+    those to known values."""
     best, pair = np.zeros(to.max(initial=-1) + 1), np.full((to.max(initial=-1) + 1, 2), -1)
     for step in range(1, np.bincount(to).max(initial=1)):
         rows = np.flatnonzero(to[:-step] == to[step:])
@@ -70,5 +91,4 @@ def _along_lines(to, ways, known):
         order = np.argsort(score, kind="stable")  # the last one of a vertex is kept
         rows, score = rows[order], score[order]
         best[to[rows]], pair[to[rows]] = score, np.stack([rows, rows + step], axis=1)
-    link = np.arange(len(to))
-    return ((pair[to, 0] < 0) | (pair[to, 0] == link) | (pair[to, 1] == link)).astype(float)
+    return pair

@@ -10,6 +10,8 @@ from . import assembly, carry, counterparts, mesh_data, stored_map
 
 #: A sentence that says that nothing happened: "0 vertices selected", "mask: 0 of 8 values changed".
 _NOTHING = re.compile(r"(.*: )?0 ")
+#: Advice of the library that is none in Blender: "; export the geometry again", ", or check how it was exported".
+_OF_FILES = re.compile(r"(;|, or) (export|check .*export).*")
 
 
 class MeshOperator:
@@ -152,7 +154,12 @@ def _held(object, mode):
     return f"{count} vertices are hidden, masked or outside the paint selection, and stay" if count else ""
 
 
+def in_words(problem):
+    """The text of an error, without what it says of files."""
+    return _OF_FILES.sub("", str(problem))
+
+
 def sentence(problem):
-    """The text of an error with a capital letter."""
-    text = str(problem)
+    """That with a capital letter."""
+    text = in_words(problem)
     return text[:1].upper() + text[1:]

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
-from . import local_frames, mesh_data, stored_map
+from . import assembly, local_frames, mesh_data, stored_map
 from .counterparts import WINNER
 from .elements import corner_partners, edge_partners, face_partners
 from .mirroring import MirrorProperties, blend, shares
@@ -21,7 +21,7 @@ _REFUSED = {"position": "Symmetrize Positions does that"}
 
 
 def _can_be_mirrored(attribute):
-    own = attribute.name in stored_map.KINDS or attribute.name.startswith(".") and attribute.name[1:2] == "_"
+    own = stored_map.is_own(attribute.name) or attribute.name.startswith("._")
     topology = attribute.name in (".edge_verts", ".corner_vert", ".corner_edge", "position")
     return attribute.data_type in mesh_data.LAYOUTS and not own and not topology
 
@@ -56,16 +56,18 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
             new = _MIRROR[attribute.domain](symmetry, mesh, attribute, values, how_far)
         mesh_data.update_attribute(mesh.attributes[attribute.name], new)
         mesh.update()
-        changed = (new != values).reshape(len(values), -1).any(axis=1).sum()
-        return f"{attribute.name}: {int(changed)} of {len(values)} values changed"
+        changed = (new != values).reshape(len(values), -1).any(axis=1)
+        changed &= assembly.shown(object, self.members, mesh.attributes[attribute.name].domain)
+        return f"{attribute.name}: {changed.sum()} of {len(values)} values changed"
 
     def _name(self, mesh):
-        return self.name or getattr(mesh.attributes.active, "name", "")
+        active = getattr(mesh.attributes.active, "name", "")
+        return self.name or ("" if stored_map.is_own(active) else active)
 
     def _attribute(self, mesh):
         attribute = mesh.attributes.get(self._name(mesh))
         if attribute is None:
-            text = f'There is no attribute "{self.name}"' if self.name else "No attribute is active"
+            text = f'There is no attribute "{self.name}"' if self.name else "No attribute is active: choose one"
             raise mesh_data.MeshProblem(text)
         if not _can_be_mirrored(attribute):
             reason = _REFUSED.get(attribute.name, f"{attribute.data_type} on {attribute.domain} cannot be mirrored")

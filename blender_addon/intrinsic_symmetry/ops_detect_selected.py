@@ -5,7 +5,7 @@ import bpy
 import intrinsym
 
 from . import detection, left_side, mesh_data, ops_detect, preferences, stored_map
-from .operator_base import MeshOperator
+from .operator_base import MeshOperator, in_words
 
 #: So many objects are named in the report.
 _MOST_NAMES = 3
@@ -135,7 +135,7 @@ class _Batch:
                 self._end(object)
         except (mesh_data.MeshProblem, intrinsym.IntrinsymError) as problem:
             self._job = None
-            self.without.append(f"{self.left.pop(0)[0]}: {problem}")
+            self.without.append(f"{self.left.pop(0)[0]}: {in_words(problem)}")
 
     def _begin(self, context, object):
         """Takes over a map, or starts the worker; whether there is a worker."""

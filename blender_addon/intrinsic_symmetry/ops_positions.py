@@ -8,6 +8,7 @@ import numpy as np
 from intrinsym import Merge
 
 from . import assembly, entered, mesh_data
+from .asymmetry import size
 from .mirroring import DIRECTIONS, MERGE, ConfidenceProperties, MirrorProperties, blend
 from .operator_base import MapOperator, MeshOperator
 
@@ -57,9 +58,8 @@ class INTRINSIC_SYMMETRY_OT_symmetrize(MirrorProperties, MapOperator, bpy.types.
         symmetry, how = self.held(object.data, symmetry, free)
         moved = blend(positions, symmetry.symmetrize_positions(positions, self.merge, **how), free)
         mesh_data.set_shown_positions(object, moved)
-        size = np.linalg.norm(positions.max(axis=0) - positions.min(axis=0))
-        farthest = np.linalg.norm(moved - positions, axis=1).max()
-        return f"Vertices moved by up to {farthest / size:.2%} of the object's size"
+        away = np.linalg.norm(moved - positions.astype(float), axis=1)[assembly.shown(object, self.members)]
+        return f"Vertices moved by up to {away.max(initial=0) / size(positions):.2%} of the object's size"
 
 
 class INTRINSIC_SYMMETRY_OT_remember(MeshOperator, bpy.types.Operator):
@@ -125,6 +125,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
             mesh_data.update_attribute(object.data.attributes[remembered_name(object)], after)
         self._edited.update(now)
         changed = np.abs(carried - edit).max(axis=1) > 1e-7 * np.abs(before).max()
+        changed &= assembly.shown(object, self.members)
         return f"{int(changed.sum())} vertices moved; the new shape is remembered"
 
     def _say_what_was_replaced(self, side, edit, carried, farther):

@@ -108,21 +108,23 @@ class _Half:
         whole = mix.weights.max(axis=1) > _WHOLE
         form = half_form.Form(mesh, old.surface, mix, model.of(old.positions), copies, fitted, whole)
         without = symmetry.partner < 0
-        places = form.placed(*self._lifts(mix, model, symmetry), model.of(without))
+        feet, lifted = old.positions - old.lift, self._lifted(mix, model, symmetry)
+        beside = np.linalg.norm(mix.of(symmetry.surface_points.positions(feet)) - model.of(feet), axis=1)
+        places = form.placed(lifted(old.lift), beside, model.of(without))
         mix.take(copies & model.of(without), old.surface, places)
-        old.give_positions(object, mix, places - mix.of(old.positions))
+        old.give_positions(object, mix, places, lifted)
         old.give_points(object, mix, copies)
         old.give_corners(mesh, self._copied, places)
         self.attached.renumber(self._source, old.positions, places)
 
-    def _lifts(self, mix, model, symmetry):
-        """(vertices, 3) the lift of the models, turned as the surface is from there to where the mix is; and (vertices,) how
-        far their feet are from the images of where the mix is."""
-        lift, feet = self._old.lift, self._old.positions - self._old.lift
-        if not lift.any():
-            return model.of(lift), np.zeros(len(self.copies))
-        turned = np.einsum("vxy,vy->vx", mix.of(local_frames.turns(symmetry, feet)), model.of(lift))
-        return turned, np.linalg.norm(mix.of(symmetry.surface_points.positions(feet)) - model.of(feet), axis=1)
+    def _lifted(self, mix, model, symmetry):
+        """A function of the (old vertices, 3) lift: that of the new ones; of copies it is that of their models, turned as
+        the surface is from there to where the mix is."""
+        old, copies = self._old, self.copies[:, None]
+        if not old.lift.any():
+            return model.of
+        turns = mix.of(local_frames.turns(symmetry, old.positions - old.lift))
+        return lambda lift: np.where(copies, np.einsum("vxy,vy->vx", turns, model.of(lift)), mix.of(lift))
 
 
 def _taken(mesh, name):

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 from intrinsym import Merge
+from mathutils.bvhtree import BVHTree
 
 from . import left_side, mesh_data
 from .elements import barycentric, corner_partners, face_partners
@@ -13,6 +14,8 @@ from .regions import SAME_UV, uv_islands
 
 #: A mirror image is a vertex if its weight is more than this.
 _WHOLE = 0.999
+#: Faces of which it is seen whether they lie over others.
+_ENOUGH = 10_000
 
 
 class INTRINSIC_SYMMETRY_OT_mirror_uvs(MirrorProperties, MapOperator, bpy.types.Operator):
@@ -56,11 +59,22 @@ class INTRINSIC_SYMMETRY_OT_mirror_uvs(MirrorProperties, MapOperator, bpy.types.
         free = ~_pinned(mesh, attribute.name)[corners]
         if not free.all():
             self.warn(f"{(~free).sum():,} pinned UVs stay")
-        corners = corners[free]
+        corners, uvs = corners[free], uvs.copy()
         uvs[corners] = source[free]
+        if self.placement == "BESIDE":
+            self._say_where_they_do_not_fit(layout, corners, uvs)
         mesh_data.update_attribute(mesh.attributes[attribute.name], uvs)
         mesh.update()
         return f"{len(corners):,} UVs in {len(np.unique(layout.island[corners])):,} islands laid out anew"
+
+
+    def _say_where_they_do_not_fit(self, layout, corners, uvs):
+        """What has left its tile, or lies over another island now."""
+        left = np.count_nonzero((layout.beyond(uvs) & ~layout.beyond(layout.uvs))[corners])
+        covered = (layout.covered(corners, uvs) & ~layout.covered(corners, layout.uvs)).any()
+        problems = [f"{left:,} UVs have left their tile"] * (left > 0) + ["Islands lie over others"] * bool(covered)
+        if problems:
+            self.warn(f"{'. '.join(problems)}: pack the islands")
 
 
 def _pinned(mesh, name):
@@ -121,6 +135,31 @@ class _Layout:
             placed[mine] = _about_line(new, new[fixed]) if fixed.sum() > 1 else _about_centre(new, old)
             placed[mine[fixed]] = new[fixed]
         return placed
+
+
+    def beyond(self, uvs):
+        """(corners,) bool: UVs outside of the tile that the middle of their island is in."""
+        count = np.bincount(self.island, minlength=len(uvs))
+        sums = np.stack([np.bincount(self.island, column, len(uvs)) for column in self.uvs.T], axis=1)
+        tile = np.floor(sums / np.maximum(count, 1)[:, None])[self.island]
+        return (np.abs(uvs - tile - 0.5) > 0.5 + SAME_UV).any(axis=1)
+
+    def covered(self, corners, uvs):
+        """(faces,) bool: of the faces of some corners, or of enough of them, those whose middle lies in a face of another
+        island, where all have some UVs. The islands are laid above each other, and seen from above and from below."""
+        sizes, rank = np.diff(self.offsets), np.unique(self.island_of_face, return_inverse=True)[1]
+        tree = BVHTree.FromPolygons(
+            np.column_stack([uvs, rank[self.face]]).tolist(),
+            [range(start, end) for start, end in zip(self.offsets[:-1].tolist(), self.offsets[1:].tolist())],
+        )
+        middle = np.add.reduceat(uvs, self.offsets[:-1]) / sizes[:, None]
+        found, far = np.zeros(len(sizes), bool), rank.max(initial=0) + 1.0
+        chosen = np.unique(self.face[corners])
+        for face in chosen[:: 1 + len(chosen) // _ENOUGH].tolist():
+            for start, way in ((far, -1), (-1, 1)):
+                hit = tree.ray_cast((*middle[face].tolist(), start), (0, 0, way))[2]
+                found[face] |= hit is not None and rank[hit] != rank[face]
+        return found
 
 
 def _about_line(points, line):

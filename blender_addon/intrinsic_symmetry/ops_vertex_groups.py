@@ -5,7 +5,7 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
-from . import counterparts, left_side, mesh_data, side_names
+from . import assembly, counterparts, left_side, mesh_data, side_names
 from .mirroring import NamedMirrorProperties, blend
 from .operator_base import MapOperator
 from .weights import SMALLEST, normalized, read_weights, write_weights
@@ -55,7 +55,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
                 self.warn(f"On {stuck} vertices the weights do not sum to 1: groups that stay leave no room")
         write_weights(object, before, after)
         object.data.update()
-        return f"{len(rows)} vertices changed"
+        return f"{assembly.shown(object, self.members)[rows].sum()} vertices changed"
 
     def _chosen(self, object):
         """Names of the groups that are there to mirror."""

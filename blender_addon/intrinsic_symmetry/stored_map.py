@@ -52,6 +52,11 @@ BY_X = "+X"
 LEAST = 1e-6
 
 
+def is_own(name):
+    """Whether an attribute of this name belongs to the map, or is what was remembered."""
+    return name.startswith("sym_")
+
+
 class StaleMap(mesh_data.MeshProblem):
     """There is no map that fits the mesh."""
 
@@ -123,15 +128,15 @@ def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X), exact_sh
     _number(mesh)
 
 
-def store_share(mesh, whole, members):
-    """Keeps, beside the attributes that are there, the record of one of several objects that share a map: that of all
-    of them, `whole`, and their names."""
+def store_share(mesh, whole, members, number):
+    """Keeps, beside the attributes that are there, the record of one of several objects that share a map, which has the
+    `number` among them: that of all of them, `whole`, and their names."""
     undo.remember(mesh)
     _remove_further(mesh)
     own = {"checksum": _checksum(mesh), **_counts(mesh)}
     shared = {key: value for key, value in whole.items() if not key.startswith("line_")}
-    numbered = {str(number): name for number, name in enumerate(members)}
-    mesh[RECORD] = shared | own | {"members": numbered, "whole": whole}
+    numbered = {str(at): name for at, name in enumerate(members)}
+    mesh[RECORD] = shared | own | {"members": numbered, "member": number, "whole": whole}
     _number(mesh)
 
 

@@ -12,6 +12,8 @@ from .elements import barycentric
 
 #: A point is outside of a triangle from this weight of a corner on.
 _OUTSIDE = -1e-3
+#: A triangle has no area if it is less than this share of its longest side's square.
+_NO_AREA = 1e-9
 
 
 @dataclass(frozen=True)
@@ -38,8 +40,8 @@ class Mix:
 
 
 class Surface:
-    """Triangles with one of the chosen vertices, (vertices,) bool, or with three, where `which` is `np.all`; triangle 0 is
-    the first of them."""
+    """Triangles that have an area, with one of the chosen vertices, (vertices,) bool, or with three, where `which` is
+    `np.all`; triangle 0 is the first of them."""
 
     def __init__(self, mesh, positions, chosen, which=np.any):
         mesh.calc_loop_triangles()
@@ -49,7 +51,7 @@ class Surface:
         mesh.loop_triangles.foreach_get("polygon_index", faces)
         corners = np.asarray(mesh_data.polygons(mesh)[1]).astype(np.int64)
         loops = loops.reshape(-1, 3)
-        inside = which(chosen[corners[loops]], axis=1)
+        inside = which(chosen[corners[loops]], axis=1) & _has_area(positions[corners[loops]])
         self._loops, self.faces = loops[inside], faces[inside]
         self.vertices, self.positions = corners[self._loops], positions
         self._places = positions[self.vertices]
@@ -92,3 +94,10 @@ class Surface:
         same = island[self._loops[beside, 0]] == island[self._loops[best, 0]]
         chosen = np.where(same & (depth < _OUTSIDE), beside, best)
         return Mix(self._loops[chosen], barycentric(points, self._places[chosen]))
+
+
+def _has_area(triangles):
+    """(n,) bool, for (n, 3, 3) corners: whether these are not on one line."""
+    sides = triangles[:, 1:] - triangles[:, :1]
+    area = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    return area > _NO_AREA * (sides**2).sum(axis=2).max(axis=1)

@@ -195,7 +195,7 @@ def clock(name):
     """Times every update of Live that writes, from now on: what the thread takes, and what passes on the clock."""
     handlers, live = bpy.app.handlers.depsgraph_update_post, module("live")
     vertices = module("live_edit").EditVertices
-    handlers[:] = [handler for handler in handlers if handler.__name__ not in ("_on_update", "timed")]
+    handlers[:] = [each for each in handlers if each is not live._on_update and each.__name__ != "timed"]
     entries = times.setdefault(name, [])
 
     def timed(scene, depsgraph):

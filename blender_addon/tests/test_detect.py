@@ -101,9 +101,18 @@ def test_poll_says_what_is_missing():
 
 
 def test_the_library_s_errors_are_shown():
-    new_object(bpy.data.meshes.new("empty"))
-    with pytest.raises(RuntimeError, match="(?i)the mesh cannot be used"):
-        detect()
+    """Without its advice on exported files."""
+    shapes = {
+        "no vertices": ([], []),
+        "no faces, only vertices": ([(0, 0, 0)], []),
+        "one line or in one point": ([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2)]),
+    }
+    for words, (vertices, faces) in shapes.items():
+        mesh = bpy.data.meshes.new("bad")
+        mesh.from_pydata(vertices, [], faces)
+        new_object(mesh)
+        with pytest.raises(RuntimeError, match=f"(?i)the mesh cannot be used: .*{words}$"):
+            detect()
     mesh = bpy.data.meshes.new("not a number")
     mesh.from_pydata([(0, 0, 0), (1, 0, 0), (0, float("nan"), 0)], [], [(0, 1, 2)])
     new_object(mesh)

@@ -304,7 +304,10 @@ def test_custom_normals_turn_with_the_surface(request, name, near, far):
 
 
 def test_attributes_that_cannot_be_mirrored(human):
-    for name in ("position", "sym_vertex", "nowhere"):
+    human.data.attributes.active = human.data.attributes["sym_bary"]
+    with pytest.raises(RuntimeError, match="No attribute is active"):
+        ops.mirror_attribute()
+    for name in ("position", "sym_vertex", "sym_place", "sym_index", "nowhere"):
         with pytest.raises(RuntimeError, match=name):
             ops.mirror_attribute(name=name)
 

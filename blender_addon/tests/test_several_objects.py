@@ -246,12 +246,27 @@ def test_the_map_is_carried_through_an_edit_of_one_of_them(parts, edit, capfd):
     assert (attribute(right.data, "sym_vertex")[partner[number]] == new + first).mean() > 0.97
 
 
+def test_objects_may_be_renamed(parts):
+    """Also where another object gets the name."""
+    body, left, right, partner = parts
+    left.name, right.name = "right hand", "left hand"
+    new_object(read_example("quadruped"), "left")
+    bpy.context.view_layer.objects.active = body
+    left.vertex_groups.new(name="Eye.L").add(list(range(100)), 0.5, "ADD")
+    assert ops.mirror_vertex_groups() == {"FINISHED"}
+    assert right.vertex_groups.keys() == ["Eye.R"]
+    copy = _copy_of(right, "copy")
+    bpy.context.view_layer.objects.active = copy
+    with pytest.raises(RuntimeError, match="copied from"):
+        ops.exchange_sides()
+
+
 def test_a_missing_object_is_named(parts):
     body, left, right, _ = parts
-    right.name = "elsewhere"
+    bpy.data.objects.remove(right)
     with pytest.raises(RuntimeError, match='"right" is missing: Detect again'):
         ops.exchange_sides()
-    assert len(bpy.data.objects) == 3
+    assert len(bpy.data.objects) == 2
     assert ops.detect() == {"FINISHED"}  # of the one alone
     assert ops.exchange_sides() == {"FINISHED"}
 
@@ -296,6 +311,57 @@ def test_a_hidden_object_is_left_alone_and_named(parts, capfd):
     right.hide_set(False)
     assert "hidden" not in said(capfd, ops.symmetrize, direction="LEFT_TO_RIGHT")
     assert not np.array_equal(positions(right.data), before)
+
+
+def test_keys_that_only_other_objects_have(parts):
+    """The active one has none. Then the map does not fit after an edit, and the tool does not need it."""
+    body, left, right, _ = parts
+    _swell(left, "Swell.L", np.arange(100), 0.01)
+    assert ops.mirror_shape_keys(all_keys=True) == {"FINISHED"}
+    assert right.data.shape_keys.key_blocks.keys() == ["Basis", "Swell.R"] and body.data.shape_keys is None
+    for object in (body, right):
+        object.select_set(False)
+    bpy.context.view_layer.objects.active = left
+    edit_faces(left, range(5))
+    bpy.ops.mesh.delete(type="VERT")
+    enter("OBJECT")
+    bpy.context.view_layer.objects.active = body
+    assert ops.remember() == {"FINISHED"}
+    assert body.data.shape_keys is None
+
+
+def test_objects_without_vertices(parts):
+    """Blender does not join their groups, of which one is active."""
+    enter("EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.delete(type="VERT")
+    enter("OBJECT")
+    bpy.context.view_layer.objects.active = parts[1]
+    parts[1].vertex_groups.new(name="Eye.L")
+    with pytest.raises(RuntimeError, match="^Error: (?!Python)"):
+        ops.mirror_vertex_groups()
+
+
+def test_an_object_that_has_lost_a_part_of_the_map_gets_it(parts):
+    """Also where the joined map is as it was."""
+    right = parts[2]
+    right.data.attributes.remove(right.data.attributes["sym_confidence"])
+    with module("assembly").whole(list(parts[:3])):
+        pass
+    assert "sym_confidence" in right.data.attributes and "sym_number_point" not in right.data.attributes
+
+
+def test_what_is_hidden_is_not_counted(parts, capfd):
+    _, left, right, _ = parts
+    left.vertex_groups.new(name="Eye.L").add(list(range(100)), 0.5, "ADD")
+    module("mesh_data").write_attribute(left.data, "mask", "FLOAT", np.ones(len(left.data.vertices)))
+    module("mesh_data").write_attribute(right.data, "mask", "FLOAT", np.zeros(len(right.data.vertices)))
+    ops.remember()
+    module("mesh_data").set_shown_positions(left, 1.1 * positions(left.data))
+    right.hide_set(True)
+    assert "0 vertices changed" in said(capfd, ops.mirror_vertex_groups)
+    assert "mask: 0 of" in said(capfd, ops.mirror_attribute, name="mask")
+    assert "0 vertices moved" in said(capfd, ops.mirror_edit)
 
 
 def test_symmetrize_on_a_key_makes_it_only_where_it_moves_the_mirror_image(parts):

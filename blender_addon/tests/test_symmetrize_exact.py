@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, positions, select
+from conftest import attribute, enter, module, positions, said, select
 
 ops = bpy.ops.intrinsic_symmetry
 #: Turned and moved, so that no axis is the mirror plane.
@@ -149,3 +149,16 @@ def test_a_half_turn_has_no_plane(head):
     head.data["intrinsic_symmetry"]["kind"] = 1
     with pytest.raises(RuntimeError, match="no mirror plane"):
         ops.symmetrize_exactly(about="PLANE", direction="AVERAGE")
+
+
+@pytest.mark.parametrize("size", [1e-12, 1e-30])
+def test_a_tiny_mesh(size, capfd):
+    """Its areas, and the squares of its lengths, are no numbers of single precision."""
+    bpy.ops.mesh.primitive_monkey_add()
+    object = bpy.context.object
+    ops.detect()
+    places = positions(object.data)
+    places[attribute(object.data, "sym_side") == -1] *= 1.1
+    object.data.vertices.foreach_set("co", (size * places).astype(np.float32).ravel())
+    assert "nan" not in said(capfd, ops.symmetrize)
+    assert "now 0.000%" in said(capfd, ops.symmetrize_exactly, about="PLANE")

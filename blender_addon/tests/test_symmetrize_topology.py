@@ -383,6 +383,77 @@ def test_a_form_arrives_at_its_mirrored_place(steps, count):
     assert _nearest(now, wanted)[:, 1].max() < 1e-3
 
 
+ACROSS = {
+    **{name: FORMS[name] for name in ("inset", "bevel", "bevel, rounded")},
+    "extrude": [lambda: bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0, 0.1, 0.1)})],
+    "delete": [lambda: bpy.ops.mesh.delete(type="FACE")],
+}
+
+
+@pytest.mark.parametrize("count", [12, 30, 60])
+@pytest.mark.parametrize("steps", ACROSS)
+def test_a_form_across_the_line_arrives_at_its_mirrored_place(steps, count):
+    """More of it is on the left. At a corner of its border it may be off by twice the width, which is 0.02."""
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    object = bpy.context.object
+    _noisy_map(object, 0, 0)
+    away = [np.linalg.norm(np.array(face.center) - (0.2, 0.8, 0.4)) for face in object.data.polygons]
+    edit_faces(object, np.argsort(away)[:count])
+    for step in ACROSS[steps]:
+        step()
+    enter("OBJECT")
+    before = positions(object.data)
+    assert ops.symmetrize_topology(direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    _assert_mirrored(object.data)
+    places, partner, left = positions(object.data), *(attribute(object.data, f"sym_{name}") for name in ("vertex", "side"))
+    off = np.linalg.norm(places[partner] * (-1, 1, 1) - places, axis=1)[left == 1]
+    assert np.quantile(off, 0.96) < 5e-3 and off.max() < 0.04
+    assert _nearest(before, places[left == 1])[:, 1].max() < 1e-6
+
+
+@pytest.mark.parametrize("step", [
+    lambda: bpy.ops.mesh.extrude_faces_move(TRANSFORM_OT_shrink_fatten={"value": 0.1}),
+    lambda: bpy.ops.mesh.inset(thickness=0.02, depth=0.1),
+    lambda: bpy.ops.mesh.extrude_region_shrink_fatten(TRANSFORM_OT_shrink_fatten={"value": 0.1}),
+], ids=["individual", "inset with a depth", "region"])
+def test_a_key_that_lacks_an_extrusion_lacks_it_on_both_sides(step):
+    """Blender leaves the first two out of the keys that are not active."""
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    object = bpy.context.object
+    _noisy_map(object, 0, 0)
+    places = positions(object.data)
+    object.shape_key_add(name="Basis")
+    module("mesh_data").set_key_positions(object.shape_key_add(name="Up"), places + 0.3 * np.abs(places[:, :1]) * (0, 0, 1))
+    object.active_shape_key_index = 0
+    away = [np.linalg.norm(np.array(face.center) - (0.8, 0.4, 0.4)) for face in object.data.polygons]
+    edit_faces(object, np.argsort(away)[:9])
+    step()
+    enter("OBJECT")
+    read, keys = module("mesh_data").key_positions, object.data.shape_keys.key_blocks
+    before = read(keys["Up"])
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    up, partner = read(keys["Up"]), attribute(object.data, "sym_vertex")
+    assert np.abs(up[partner] * (-1, 1, 1) - up).max() < 0.02, "a fifth of the depth, at the inset's corners"
+    assert _nearest(before, up[attribute(object.data, "sym_side") == 1])[:, 1].max() < 1e-6
+
+
+@pytest.mark.parametrize("count", [1, 9, 30])
+def test_what_is_merged_arrives_at_its_mirrored_place(count):
+    """Blender keeps one of the merged vertices, and moves it."""
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    object = bpy.context.object
+    _noisy_map(object, 0, 0)
+    away = [np.linalg.norm(np.array(face.center) - (0.8, 0.4, 0.4)) for face in object.data.polygons]
+    edit_faces(object, np.argsort(away)[:count])
+    bpy.ops.mesh.merge(type="COLLAPSE")
+    enter("OBJECT")
+    wanted = positions(object.data)
+    wanted = wanted[wanted[:, 0] > 1e-3] * (-1, 1, 1)
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    _assert_mirrored(object.data)
+    assert _nearest(positions(object.data), wanted)[:, 1].max() < 3e-3
+
+
 def test_undo_in_edit_mode(human):
     enter("EDIT")
     bpy.ops.ed.undo_push(message="before")

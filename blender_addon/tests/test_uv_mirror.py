@@ -74,6 +74,25 @@ def test_in_place(head, mode):
     assert np.abs(centre[0] - centre[1]).max() < 1e-5
 
 
+def test_islands_that_do_not_fit_are_said(head, capfd):
+    """The right eye's island lies in a corner of the tile, or on the left one's, and takes the size of that."""
+    mesh, side, eye = head.data, attribute(head.data, "sym_side"), _eyes(head)
+    points, right = positions(mesh), eye & (side == -1)
+    uvs = 0.5 + 0.3 * points[:, [0, 2]]
+    middle = uvs[right].mean(axis=0)
+    uvs[right] = middle + 0.1 * (uvs[right] - middle)
+    cases = {
+        "": (0.9, 0.9),
+        "UVs have left their tile": (1, 1) - np.ptp(uvs[right], axis=0) / 2,
+        "lie over others": (0.8, 0.1),
+    }
+    uvs[eye & (side == 1)] += (0.8, 0.1) - uvs[eye & (side == 1)].mean(axis=0) + (0.1, 0)
+    for words, place in cases.items():
+        _set_uvs(mesh, uvs + np.where(right[:, None], place - middle, 0))
+        found = said(capfd, ops.mirror_uvs)
+        assert words in found and ("pack the islands" in found) == bool(words)
+
+
 def test_overlap(head):
     mesh, partner, side = head.data, attribute(head.data, "sym_vertex"), attribute(head.data, "sym_side")
     before = _uvs(mesh)
