@@ -190,6 +190,22 @@ fn what_lies_near_and_apart_is_not_welded() {
     assert_eq!(hinge(1e-3, flat), 0, "a real gap");
     assert_eq!([0.3, 0.1].map(|fold| hinge(1e-5, fold)), [2, 0], "sheets over each other");
 
+    // As near as noise would be on the whole mesh, but not beside edges so short.
+    let small = |gap: f64| {
+        let positions = [
+            [0.0, 0.0, 0.0],
+            [1e-3, 0.0, 0.0],
+            [5e-4, 1e-3, 0.0],
+            [0.0, 0.0, gap],
+            [1e-3, 0.0, gap],
+            [5e-4, -1e-3, 0.0],
+            [1.0, 1.0, 0.0],
+            [1.0, 0.0, 0.0],
+        ];
+        validated(&positions, &[&[0, 1, 2], &[4, 3, 5], &[2, 6, 7]]).repairs.welded_vertices
+    };
+    assert_eq!([1e-6, 1e-5].map(small), [2, 0]);
+
     // Three edges in one place are joined if that is exactly so.
     let three = |gap: f64| {
         let leaf = |k: u32| {
