@@ -1,5 +1,5 @@
 # Measuring: the published benchmark, generated shapes, damage, and the fits made from generated shapes. Included by Makefile.
-.PHONY: evaluate evaluate-stability evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed evaluate-watertight evaluate-family evaluate-symmetries evaluate-assemblies evaluate-ray ablate test-accuracy record-accuracy
+.PHONY: evaluate evaluate-stability evaluate-hard evaluate-synthetic evaluate-robustness evaluate-fit evaluate-remeshed evaluate-watertight evaluate-family evaluate-symmetries evaluate-assemblies evaluate-ray ablate test-accuracy record-accuracy
 
 EVALUATE_PYTHON = $(TRAIN_ENVIRONMENT) $(TRAIN_PYTHON) -m
 EVALUATE_DATE ?= $(shell date +%Y-%m-%d)
@@ -40,6 +40,11 @@ evaluate-robustness: train-setup ## Measure maps, verdicts and confidence on eve
 evaluate-stability: train-setup ## Measure whether the same shape gives the same answer however it is written: docs/robustness.md
 	cargo build --release --locked --bin intrinsym
 	$(EVALUATE_PYTHON) evaluation.stability --out $(EVALUATE_RESULTS)-stability.json
+	$(EVALUATE_PYTHON) evaluation.pages
+
+evaluate-hard: train-setup ## Measure what hubs, fans, combs and soups cost, and how soon a cancel ends them: docs/robustness.md
+	cargo build --release --locked -p intrinsym-capi
+	INTRINSYM_LIBRARY=$(abspath $(or $(CARGO_TARGET_DIR),target))/release/libintrinsym.so PYTHONPATH=python/src:. $(EVALUATE_PYTHON) evaluation.hard_meshes --out $(EVALUATE_RESULTS)-hard.json
 	$(EVALUATE_PYTHON) evaluation.pages
 
 # The shapes that docs/method.md names; `make train-setup` brings the generator.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from . import ablate_tables, assemblies, many_meshes_tables, princeton_tables, remeshed, robustness_tables, stability, synthetic_tables, watertight
+from . import ablate_tables, assemblies, hard_meshes, many_meshes_tables, princeton_tables, remeshed, robustness_tables, stability, synthetic_tables, watertight
 from .markdown import filled
 
 ROOT = Path(__file__).parent.parent
@@ -21,6 +21,7 @@ PARTS = {
     "assemblies": ("assemblies", assemblies.report),
     "robustness": ("robustness", robustness_tables.report),
     "stability": ("stability", stability.report),
+    "hard": ("hard", hard_meshes.report),
     "ablation": ("ablation", ablate_tables.report),
     "ray": ("ray", many_meshes_tables.report),
     "ray-bill": ("ray", many_meshes_tables.bill),

@@ -71,8 +71,8 @@ pub struct RepairReport {
     pub non_manifold_edges: usize,
     /// Vertices whose faces form more than one fan, kept.
     pub non_manifold_vertices: usize,
-    /// Vertices on seams (boundary edges between exactly the same two positions), treated as one point with
-    /// another vertex there.
+    /// Vertices on seams (boundary edges in the same place, but for rounding and noise), treated as one point
+    /// with another vertex there.
     pub welded_vertices: usize,
     /// Faces of no area (kept: intrinsic mollification handles them).
     pub zero_area_faces: usize,
@@ -134,13 +134,15 @@ impl Mesh {
     pub fn new(mesh: &PolygonMesh, limits: &Limits) -> Result<Mesh> {
         validate::check(mesh, limits)?;
         let mut repairs = RepairReport::default();
-        let (polygons, representative) = clean_and_weld(mesh, &mut repairs);
+        let polygons =
+            Polygons::clean(mesh, &mut repairs).without_duplicates(mesh.positions.len(), &mut repairs);
         validate::check_any_face_left(polygons.len(), mesh.face_offsets.len() - 1)?;
 
         validate::check_spread(&polygons.corners, &mesh.positions)?;
         let frame = Frame::of(polygons.corners.iter().copied(), &mesh.positions);
         let mut local: Vec<Vector> =
             mesh.positions.iter().map(|&position| frame.localise(position)).collect();
+        let (polygons, representative) = weld(polygons, &local, &mut repairs);
         let mut surface = triangulate_kept(polygons, &local, &mut repairs);
         validate::check_any_face_left(surface.polygons.len(), mesh.face_offsets.len() - 1)?;
         let areas = polygon_areas(&surface, &local, &mut repairs);
@@ -161,18 +163,16 @@ struct Surface {
     polygon_of_triangle: Vec<u32>,
 }
 
-/// Drops degenerate and duplicate faces and closes seams; also the lowest vertex each vertex coincides with.
-fn clean_and_weld(mesh: &PolygonMesh, repairs: &mut RepairReport) -> (Polygons, Vec<u32>) {
-    let count = mesh.positions.len();
-    let mut polygons = Polygons::clean(mesh, repairs).without_duplicates(count, repairs);
-    let edges = EdgeTable::new(&polygons, count);
-    match weld::seam_representatives(&polygons, &edges, &mesh.positions) {
-        None => (polygons, (0..count as u32).collect()),
+/// Closes seams; also the lowest vertex that each vertex coincides with.
+fn weld(mut polygons: Polygons, local: &[Vector], repairs: &mut RepairReport) -> (Polygons, Vec<u32>) {
+    let edges = EdgeTable::new(&polygons, local.len());
+    match weld::seam_representatives(&polygons, &edges, local) {
+        None => (polygons, (0..local.len() as u32).collect()),
         Some(representative) => {
             for corner in &mut polygons.corners {
                 *corner = representative[*corner as usize];
             }
-            (polygons.without_degenerate(repairs).without_duplicates(count, repairs), representative)
+            (polygons.without_degenerate(repairs).without_duplicates(local.len(), repairs), representative)
         }
     }
 }

@@ -236,7 +236,7 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
             columns: target.rows.columns(map.ncols(), Guide::Eigenfunctions),
             threads: 2,
         };
-        descent.run(graph, seeds)
+        descent.run(graph, seeds, &CancelToken::default()).unwrap()
     };
     let away = |i: usize, k: u32| -> f64 {
         (0..50).map(|j| (mapped[(i, j)] - functions[(k as usize, j)]).powi(2)).sum::<f64>().sqrt()
@@ -275,10 +275,17 @@ fn descent_reaches_only_what_is_connected_to_a_seed() {
     let descent =
         MeshDescent { graph, triangles, fans: &fans, queries: rows, targets: rows, columns, threads: 1 };
     let partners = |seeds: &[(u32, u32)]| -> Vec<u32> {
-        descent.run(graph, Seeds::Vertices(seeds)).iter().map(|answer| answer.vertex).collect()
+        let found = descent.run(graph, Seeds::Vertices(seeds), &CancelToken::default());
+        found.unwrap().iter().map(|answer| answer.vertex).collect()
     };
     assert!(partners(&[]).iter().all(|partner| *partner == NONE));
     assert_eq!(partners(&[(5, 5)]), shape.all(), "the identity");
+    let cancelled = CancelToken::default();
+    cancelled.cancel();
+    assert!(matches!(
+        descent.run(graph, Seeds::Vertices(&[(5, 5)]), &cancelled),
+        Err(intrinsym::Error::Cancelled)
+    ));
 }
 
 #[test]
@@ -302,7 +309,7 @@ fn refinement_leaves_the_true_map_in_place() {
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let seeds = shape.seeds(&samples.vertices);
         let (guide, token) = (Guide::Eigenfunctions, CancelToken::default());
-        let images = target.images(&refined, Seeds::Vertices(&seeds), guide);
+        let images = target.images(&refined, Seeds::Vertices(&seeds), guide, &token).unwrap();
         let (_, images) = full_refinement::refine(&target, images, &[50, 60], guide, &token).unwrap();
         let error = shape.mean_error(&shape.all(), &images.partners);
         println!("vertices: {error}");
@@ -500,7 +507,7 @@ fn the_fixed_curve_is_one_closed_loop_in_the_mirror_plane_and_sides_exchange() {
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let seeds = shape.seeds(&shape.all());
         let (guide, token) = (Guide::Eigenfunctions, CancelToken::default());
-        let images = target.images(&shape.true_map(50), Seeds::Vertices(&seeds), guide);
+        let images = target.images(&shape.true_map(50), Seeds::Vertices(&seeds), guide, &token).unwrap();
         let (_, images) = full_refinement::refine(&target, images, &[50, 60], guide, &token).unwrap();
         let odd = odd_function(&shape.surface, &shape.basis, &images);
         let edge = mean_edge_length(&shape.surface);

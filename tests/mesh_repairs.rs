@@ -135,6 +135,94 @@ fn a_seam_is_welded() {
     assert_eq!(mesh.shell_count, 1);
 }
 
+/// A tube of quads, cut open along one side and across the middle, each part of which has vertices of its own; every vertex is moved by up to `noise`
+/// mean edges.
+fn cut_tube(noise: f64) -> Mesh {
+    const AROUND: u32 = 12;
+    const ALONG: u32 = 5;
+    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    let mut random = 1u64;
+    let mut moved = || {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        noise * ((random >> 11) as f64 / (1u64 << 52) as f64 - 1.0)
+    };
+    for half in 0..2 {
+        let first = positions.len() as u32;
+        for row in 0..=ALONG {
+            for column in 0..=AROUND {
+                let angle = std::f64::consts::TAU * f64::from(column % AROUND) / f64::from(AROUND);
+                let height = 0.5 * f64::from(half * ALONG + row);
+                positions
+                    .push([angle.cos(), angle.sin(), height].map(|coordinate| coordinate + 0.5 * moved()));
+                if row > 0 && column > 0 {
+                    let corner = first + row * (AROUND + 1) + column;
+                    faces.push([corner - AROUND - 2, corner - AROUND - 1, corner, corner - 1]);
+                }
+            }
+        }
+    }
+    validated(&positions, &faces.iter().map(<[u32; 4]>::as_slice).collect::<Vec<_>>())
+}
+
+#[test]
+fn seams_are_welded_through_noise_and_not_across_a_gap() {
+    let exact = cut_tube(0.0);
+    assert_eq!((exact.shell_count, exact.repairs.welded_vertices), (1, 2 * 6 + 12));
+    for noise in [1e-12, 1e-6, 1e-5] {
+        let noisy = cut_tube(noise);
+        assert_eq!(noisy.point_of_vertex, exact.point_of_vertex, "noise of {noise}");
+        assert_eq!(noisy.repairs, exact.repairs);
+    }
+    assert_eq!(cut_tube(0.01).repairs.welded_vertices, 0);
+}
+
+#[test]
+fn what_lies_near_and_apart_is_not_welded() {
+    // Two triangles on one line, the second `gap` away, folded over the first by `fold`.
+    let hinge = |gap: f64, fold: f64| {
+        let tip = [0.5, fold.cos(), fold.sin()];
+        let positions =
+            [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [0.0, 0.0, gap], [1.0, 0.0, gap], tip];
+        validated(&positions, &[&[0, 1, 2], &[4, 3, 5]]).repairs.welded_vertices
+    };
+    let flat = std::f64::consts::PI;
+    assert_eq!([0.0, 1e-5].map(|gap| hinge(gap, flat)), [2, 2]);
+    assert_eq!(hinge(1e-3, flat), 0, "a real gap");
+    assert_eq!([0.3, 0.1].map(|fold| hinge(1e-5, fold)), [2, 0], "sheets over each other");
+
+    // As near as noise would be on the whole mesh, but not beside edges so short.
+    let small = |gap: f64| {
+        let positions = [
+            [0.0, 0.0, 0.0],
+            [1e-3, 0.0, 0.0],
+            [5e-4, 1e-3, 0.0],
+            [0.0, 0.0, gap],
+            [1e-3, 0.0, gap],
+            [5e-4, -1e-3, 0.0],
+            [1.0, 1.0, 0.0],
+            [1.0, 0.0, 0.0],
+        ];
+        validated(&positions, &[&[0, 1, 2], &[4, 3, 5], &[2, 6, 7]]).repairs.welded_vertices
+    };
+    assert_eq!([1e-6, 1e-5].map(small), [2, 0]);
+
+    // Three edges in one place are joined if that is exactly so.
+    let three = |gap: f64| {
+        let leaf = |k: u32| {
+            let angle = 2.0 * f64::from(k);
+            let near = gap * f64::from(k);
+            [[near, 0.0, 0.0], [1.0, near, 0.0], [0.5, angle.cos(), angle.sin()]]
+        };
+        let positions: Vec<[f64; 3]> = (0..3).flat_map(leaf).collect();
+        validated(&positions, &[&[0, 1, 2], &[3, 4, 5], &[6, 7, 8]]).repairs.welded_vertices
+    };
+    assert_eq!([0.0, 1e-6].map(three), [4, 0]);
+
+    // A polygon's own edges.
+    let slit = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 2.0, 0.0], [1e-5, 1e-5, 0.0], [1.0, 1.0, 0.5]];
+    assert_eq!(validated(&slit, &[&[0, 1, 2, 3, 4]]).repairs.welded_vertices, 0);
+}
+
 #[test]
 fn patches_that_meet_in_a_point_are_not_welded() {
     let positions = [

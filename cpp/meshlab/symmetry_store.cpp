@@ -120,19 +120,12 @@ std::string attribute_name(const char *name, std::size_t index) {
   return index == 0 ? name : name + ("_" + std::to_string(index + 1));
 }
 
-isym::Progress host_progress(vcg::CallBackPos *callback) {
-  return isym::Progress([callback](const char *stage, double fraction) {
-    const std::string text = std::string("Intrinsic symmetry: ") + stage;
-    return callback == nullptr || callback(static_cast<int>(100 * fraction), text.c_str());
-  });
-}
-
 isym::Result detect(const isym::Mesh &validated, const OptionValues &values, vcg::CallBackPos *callback) {
   isym::Options options;
   for (const auto &[name, value] : values) {
     options.set(name, value);
   }
-  return validated.detect(options, host_progress(callback));
+  return beside_host(callback, [&](const isym::Progress &progress) { return validated.detect(options, progress); });
 }
 
 void forget_symmetries(CMeshO &mesh) {

@@ -6,6 +6,9 @@
 
 #include "mesh_arrays.h"
 
+#include <chrono>
+#include <future>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,8 +16,31 @@
 // Values of the library's options by name; those that are not named keep their defaults.
 using OptionValues = std::vector<std::pair<std::string, double>>;
 
-// Reports to the host's progress bar; the host may cancel, which throws isym::Cancelled out of the call.
-isym::Progress host_progress(vcg::CallBackPos *callback);
+// What `call` makes of a progress. It runs in a thread of its own; the host's bar is told in this one, twenty times a second, so that the
+// host lives on through a long stage. The host may cancel, which throws isym::Cancelled out of the call.
+template <typename Call> auto beside_host(vcg::CallBackPos *callback, const Call &call) {
+  std::mutex mutex;
+  std::string stage = "mesh";
+  const isym::Progress progress([&](const char *name, double) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    stage = name;
+    return true;
+  });
+  const auto tell = [&] {
+    std::unique_lock<std::mutex> lock(mutex);
+    const std::string text = "Intrinsic symmetry: " + stage;
+    lock.unlock();
+    return callback == nullptr || callback(static_cast<int>(100 * progress.fraction()), text.c_str());
+  };
+  auto answer = std::async(std::launch::async, [&] { return call(progress); });
+  do {
+    if (!tell()) {
+      progress.cancel();
+    }
+  } while (answer.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready);
+  tell();
+  return answer.get();
+}
 
 // The custom attributes of symmetry `index` (from 0): name, and "_2", "_3", ... from the second one on.
 std::string attribute_name(const char *name, std::size_t index);

@@ -26,7 +26,9 @@ struct Subject {
 
   CVertexO &vertex(std::size_t index) { return mesh.vert[arrays.vertices()[index]]; }
   std::vector<double> moved(const isym::Mirroring &mirroring, vcg::CallBackPos *callback) const {
-    return found.result.symmetrize_positions(arrays.positions(), mirroring, host_progress(callback), found.index);
+    return beside_host(callback, [&](const isym::Progress &progress) {
+      return found.result.symmetrize_positions(arrays.positions(), mirroring, progress, found.index);
+    });
   }
 };
 

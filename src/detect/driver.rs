@@ -143,6 +143,7 @@ fn of_shells(
     plans: &[Plan],
     clock: &mut Clock,
 ) -> Result<Detection> {
+    question.progress.report("holes", 0.03)?;
     let domain = Domain::new(question, joined);
     if let Some(exact) = domain.exact()? {
         clock.lap("correspondence");

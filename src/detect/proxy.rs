@@ -47,11 +47,12 @@ impl<'a> Proxy<'a> {
     /// A proxy of about `wanted` vertices; `None` where the shell has no more than that, or where its topology
     /// allows none much coarser. It will use at most `threads` threads. O(vertices log vertices).
     pub fn new(fine: &'a Shell, wanted: usize, threads: usize) -> Option<Proxy<'a>> {
-        if fine.points.len() <= wanted {
-            return None;
-        }
-        let triangles = simplified(fine, wanted)?;
-        let (shell, vertices) = fine.with_triangles(&triangles);
+        Proxy::over(fine, &simplified(fine, wanted)?, wanted, threads)
+    }
+
+    /// The same of the triangles that [`simplified`] has left.
+    pub fn over(fine: &'a Shell, triangles: &[[u32; 3]], wanted: usize, threads: usize) -> Option<Proxy<'a>> {
+        let (shell, vertices) = fine.with_triangles(triangles);
         if vertices.len() > TOO_FINE * wanted || vertices.len() >= fine.points.len() || shell.scale <= 0.0 {
             return None;
         }
@@ -155,8 +156,11 @@ impl<'a> Proxy<'a> {
     }
 }
 
-/// Triangles over the vertices of `fine`.
-fn simplified(fine: &Shell, wanted: usize) -> Option<Vec<[u32; 3]>> {
+/// Triangles over about `wanted` vertices of `fine`; `None` where it has no more than that.
+pub fn simplified(fine: &Shell, wanted: usize) -> Option<Vec<[u32; 3]>> {
+    if fine.points.len() <= wanted {
+        return None;
+    }
     let split = SplitHubs::new(&fine.positions, &fine.triangles);
     if split.as_ref().is_some_and(SplitHubs::has_fan) {
         return None;

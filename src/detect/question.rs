@@ -71,6 +71,7 @@ impl<'a> Question<'a> {
         let wanted = self.mechanisms.mirror_plane && options.asks_for_one();
         progress.report("mirror plane", 0.02)?;
         let Some(plane) = wanted.then(|| MirrorPlane::of(mesh)).flatten() else { return Ok(None) };
+        progress.check()?;
         let shells = mesh.shells();
         let companions = companions::by_plane(mesh, &shells, &plane, progress)?;
         let vertices = self.mechanisms.mirrored_vertices;

@@ -158,7 +158,7 @@ pub fn finish(
     let seeds: Vec<(u32, u32)> = samples.iter().copied().zip(images).collect();
     let token = progress.token();
     progress.report("refining", 0.75)?;
-    let spread = target.images(&map, Seeds::Vertices(&seeds), Guide::Eigenfunctions);
+    let spread = target.images(&map, Seeds::Vertices(&seeds), Guide::Eigenfunctions, token)?;
     let (map, images) =
         full_refinement::refine(target, spread, &[COARSE_SIZE], Guide::Eigenfunctions, token)?;
     let mismatch = signature_mismatch(shell, &images);

@@ -6,7 +6,7 @@ use crate::base::limits::{check_memory, estimated_memory};
 use crate::base::threads;
 use crate::detect::clock::Clock;
 use crate::detect::domain::Domain;
-use crate::detect::proxy::Proxy;
+use crate::detect::proxy::{Proxy, simplified};
 use crate::detect::question::Question;
 use crate::detect::shell_symmetry::{PreparedShell, signs};
 use crate::detect::stated_signs;
@@ -40,11 +40,17 @@ impl<'a> Spectrum<'a> {
     /// [`crate::Error::Limit`], [`crate::Error::Model`], [`crate::Error::Cancelled`], [`crate::Error::Internal`].
     pub fn new(domain: &'a Domain, plan: &Plan, clock: &mut Clock) -> Result<Spectrum<'a>> {
         let Question { mesh, options, progress, ref mechanisms, .. } = *domain.question;
-        let proxy = Proxy::new(domain.searched(), plan.proxy_vertices, options.threads);
+        progress.report("simplification", 0.04)?;
+        let (searched, wanted) = (domain.searched(), plan.proxy_vertices);
+        let triangles = simplified(searched, wanted);
+        progress.check()?;
+        let proxy =
+            triangles.and_then(|triangles| Proxy::over(searched, &triangles, wanted, options.threads));
         clock.lap("proxy");
-        let solved = proxy.as_ref().map_or(domain.searched(), |proxy| &proxy.shell);
+        let solved = proxy.as_ref().map_or(searched, |proxy| &proxy.shell);
         let needed = estimated_memory(mesh.positions.len(), solved.points.len(), plan.eigenfunctions);
         check_memory(needed, options.memory)?;
+        progress.report("laplacian", 0.06)?;
         let mut surface = match mechanisms.curvature {
             true => IntrinsicSurface::with_mean_curvature(solved),
             false => IntrinsicSurface::new(solved),
@@ -53,6 +59,7 @@ impl<'a> Spectrum<'a> {
         clock.lap("laplacian");
         let basis = Eigenbasis::new(&surface, plan.eigenfunctions, options.threads, progress)?;
         clock.lap("eigenfunctions");
+        progress.report("samples", 0.42)?;
         let known = match &proxy {
             Some(proxy) if options.states_signs() => {
                 let known = &options.known_signs;
@@ -66,6 +73,7 @@ impl<'a> Spectrum<'a> {
             || (orbits(&surface, &basis), signs(&surface, &basis, options, &known)),
         );
         clock.lap("samples, signs");
+        progress.check()?;
         let twins = TwinDistances::new(&surface, &samples);
         let shell = PreparedShell::new(surface, basis, samples);
         Ok(Spectrum { twins, plan: plan.clone(), proxy, shell, signs: signs?, orbits })

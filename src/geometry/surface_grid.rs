@@ -5,6 +5,8 @@ use std::collections::HashSet;
 
 /// Most places on the longest edge of a triangle.
 const MOST_PLACES: usize = 64;
+/// Cells that are remembered beside the set of all.
+const PASSED: usize = 1024;
 
 /// A place on a surface, and the corners of its triangle, the nearest first.
 #[derive(Debug, Clone, Copy)]
@@ -22,15 +24,20 @@ pub fn places<'a>(
     spacing: f64,
 ) -> Vec<Place> {
     let (mut cells, mut places) = (HashSet::new(), Vec::new());
+    // Around a hub all triangles pass the same cells.
+    let mut passed = [[i64::MAX; 3]; PASSED];
     for corners in triangles {
         for (corners, weights) in spread(positions, *corners, spacing) {
             let ends = corners.map(|point| positions[point as usize]);
             let at: Vector = std::array::from_fn(|axis| (0..3).map(|c| weights[c] * ends[c][axis]).sum());
-            if cells.insert(at.map(|x| (x / spacing).floor() as i64)) {
+            let cell = at.map(|x| (x / spacing).floor() as i64);
+            let last = &mut passed[cell.iter().fold(0, |sum, x| 31 * sum + (x & 0xffff) as usize) % PASSED];
+            if *last != cell && cells.insert(cell) {
                 let mut order = [0, 1, 2];
                 order.sort_by(|&a, &b| weights[b].total_cmp(&weights[a]));
                 places.push(Place { at, corners: order.map(|corner| corners[corner]) });
             }
+            *last = cell;
         }
     }
     places

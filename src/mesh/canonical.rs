@@ -39,8 +39,9 @@ impl Mesh {
         let of_points =
             |values: &[u32]| given_points.iter().map(|&old| values[old as usize]).collect::<Vec<u32>>();
 
-        let (triangles, face_of_triangle) = self.canonical_triangles(&new);
-        let (polygon_offsets, polygon_points, face_of_polygon) = self.canonical_polygons(&new);
+        let is_mirrored = dot(axes[0], cross(axes[1], axes[2])) < 0.0;
+        let (triangles, face_of_triangle) = self.canonical_triangles(&new, is_mirrored);
+        let (polygon_offsets, polygon_points, face_of_polygon) = self.canonical_polygons(&new, is_mirrored);
         let mut mesh = Mesh {
             positions: given_points.iter().map(|&old| positions[old as usize]).collect(),
             triangles,
@@ -62,10 +63,13 @@ impl Mesh {
         Canonical { mesh, given_points }
     }
 
-    /// The triangles over new numbers, sorted, with their faces.
-    fn canonical_triangles(&self, new: &[u32]) -> (Vec<[u32; 3]>, Vec<u32>) {
+    /// The triangles over new numbers, sorted, with their faces; turned over if the frame is `mirrored`.
+    fn canonical_triangles(&self, new: &[u32], mirrored: bool) -> (Vec<[u32; 3]>, Vec<u32>) {
         let renumbered = |corners: &[u32; 3]| {
             let mut corners = corners.map(|point| new[point as usize]);
+            if mirrored {
+                corners.reverse();
+            }
             from_smallest(&mut corners);
             corners
         };
@@ -75,14 +79,20 @@ impl Mesh {
     }
 
     /// The same of the polygons: offsets, corners, faces.
-    fn canonical_polygons(&self, new: &[u32]) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
+    fn canonical_polygons(&self, new: &[u32], mirrored: bool) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
         let mut corners: Vec<u32> = self.polygon_points.iter().map(|&point| new[point as usize]).collect();
         let ends = |polygon: u32| {
             let polygon = polygon as usize;
             self.polygon_offsets[polygon] as usize..self.polygon_offsets[polygon + 1] as usize
         };
         let count = self.face_of_polygon.len();
-        (0..count as u32).for_each(|polygon| from_smallest(&mut corners[ends(polygon)]));
+        for polygon in 0..count as u32 {
+            let corners = &mut corners[ends(polygon)];
+            if mirrored {
+                corners.reverse();
+            }
+            from_smallest(corners);
+        }
         let order = sorted(new.len(), count, |polygon| &corners[ends(polygon)]);
         let (mut offsets, mut points) = (vec![0], Vec::with_capacity(corners.len()));
         for &polygon in &order {
@@ -145,8 +155,8 @@ fn mean_over<const N: usize>(
     sums.map(|sum| sum / total)
 }
 
-/// The principal axes of a surface, the longest first, as a rotation. Along the two about which it is least balanced the heavier end is ahead; the third
-/// follows. O(triangles).
+/// The principal axes of a surface, the longest first, along each of which the heavier end is ahead, so that they may be a reflection; along an axis about which
+/// the surface is balanced the two others decide. O(triangles).
 fn own_axes(positions: &[Vector], triangles: &[[u32; 3]]) -> [Vector; 3] {
     const PAIRS: [[usize; 2]; 6] = [[0, 0], [0, 1], [0, 2], [1, 1], [1, 2], [2, 2]];
     let of_triangle = |corners: [Vector; 3]| -> [f64; 9] {
@@ -178,13 +188,14 @@ fn own_axes(positions: &[Vector], triangles: &[[u32; 3]]) -> [Vector; 3] {
     };
     let skewness: Vector =
         mean_over(positions, triangles, |corners| axes.map(|axis| third_moment(axis, &corners)));
-    let mut balance = [0, 1, 2];
-    balance.sort_by(|&a, &b| skewness[b].abs().total_cmp(&skewness[a].abs()));
-    for &k in &balance[..2] {
+    for k in 0..3 {
         axes[k] = axes[k].map(|x| if skewness[k] < 0.0 { -x } else { x });
     }
-    let third = balance[2];
-    axes[third] = cross(axes[(third + 1) % 3], axes[(third + 2) % 3]);
+    let unbalance = |k: usize| skewness[k].abs() / sizes[0].powf(1.5);
+    let third = (0..3).min_by(|&a, &b| unbalance(a).total_cmp(&unbalance(b))).expect("three");
+    if unbalance(third) < EQUAL {
+        axes[third] = cross(axes[(third + 1) % 3], axes[(third + 2) % 3]);
+    }
     axes
 }
 
@@ -259,14 +270,14 @@ mod tests {
         Mesh::new(mesh, &Limits::default()).expect("a usable mesh").canonical()
     }
 
-    #[test]
-    fn the_same_shape_is_the_same_mesh_however_it_is_written() {
-        let (given, expected) = (shape(), canonical(&shape()).mesh);
+    /// The mesh with vertex 7 i + 3 as vertex i, turned over in x if it is `mirrored`, turned, larger and elsewhere, its faces from last to first.
+    fn written_otherwise(given: &PolygonMesh, mirrored: bool) -> PolygonMesh {
         let turn = rotation([0.3, -1.0, 0.5], 2.1);
         let count = given.positions.len();
-        // Vertex i of the other writing is vertex 7 i + 3 of the first.
-        let first = |vertex: usize| (7 * vertex + 3) % count;
-        let place = |vertex: usize| turned(&turn, given.positions[first(vertex)]).map(|x| 40.0 * x + 5.0);
+        let place = |vertex: usize| {
+            let [x, y, z] = given.positions[(7 * vertex + 3) % count];
+            turned(&turn, [if mirrored { -x } else { x }, y, z]).map(|x| 40.0 * x + 5.0)
+        };
         let mut other = PolygonMesh {
             positions: (0..count).map(place).collect(),
             face_offsets: vec![0],
@@ -274,20 +285,33 @@ mod tests {
         };
         for ends in given.face_offsets.windows(2).rev() {
             let corners = &given.face_vertices[ends[0] as usize..ends[1] as usize];
-            let number =
-                |corner: u32| (0..count).find(|&vertex| first(vertex) == corner as usize).unwrap() as u32;
-            let mut corners: Vec<u32> = corners.iter().map(|&corner| number(corner)).collect();
+            let number = |corner: &u32| {
+                (0..count).find(|vertex| (7 * vertex + 3) % count == *corner as usize).unwrap() as u32
+            };
+            let mut corners: Vec<u32> = corners.iter().map(number).collect();
             corners.rotate_left(1);
+            if mirrored {
+                corners.reverse();
+            }
             other.face_vertices.extend(corners);
             other.face_offsets.push(other.face_vertices.len() as u32);
         }
-        let Canonical { mesh: found, .. } = canonical(&other);
-        assert_eq!(found.polygon_points, expected.polygon_points);
-        assert_eq!(found.shell_of_point, expected.shell_of_point);
-        let apart = |(a, b): (&Vector, &Vector)| (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max);
-        assert!(found.positions.iter().zip(&expected.positions).map(apart).all(|apart| apart < 1e-12));
-        let in_first = |&vertex: &u32| first(vertex as usize) as u32;
-        assert_eq!(found.vertex_of_point.iter().map(in_first).collect::<Vec<_>>(), expected.vertex_of_point);
+        other
+    }
+
+    #[test]
+    fn the_same_shape_is_the_same_mesh_however_it_is_written() {
+        let (given, expected) = (shape(), canonical(&shape()).mesh);
+        for mirrored in [false, true] {
+            let found = canonical(&written_otherwise(&given, mirrored)).mesh;
+            assert_eq!(found.polygon_points, expected.polygon_points);
+            assert_eq!(found.shell_of_point, expected.shell_of_point);
+            let apart = |(a, b): (&Vector, &Vector)| (0..3).map(|k| (a[k] - b[k]).abs()).fold(0.0, f64::max);
+            assert!(found.positions.iter().zip(&expected.positions).map(apart).all(|apart| apart < 1e-12));
+            let in_first = |&vertex: &u32| (7 * vertex + 3) % given.positions.len() as u32;
+            let vertices: Vec<u32> = found.vertex_of_point.iter().map(in_first).collect();
+            assert_eq!(vertices, expected.vertex_of_point);
+        }
     }
 
     #[test]
@@ -304,6 +328,10 @@ mod tests {
             let mut corners: Vec<u32> =
                 mesh.polygon_points[ends].iter().map(|&point| mesh.vertex_of_point[point as usize]).collect();
             from_smallest(&mut corners);
+            // A reflected frame turns all of them over.
+            if corners[1] > corners[corners.len() - 1] {
+                corners[1..].reverse();
+            }
             corners
         };
         for face in 0..given.face_count as u32 {

@@ -39,9 +39,7 @@ pub(super) fn split(point_count: usize, offsets: &[u32], points: &[u32]) -> Fans
 fn next_corners(offsets: &[u32]) -> Vec<u32> {
     let mut next: Vec<u32> = (1..=*offsets.last().unwrap_or(&0)).collect();
     for face in offsets.windows(2) {
-        if face[0] < face[1] {
-            next[face[1] as usize - 1] = face[0];
-        }
+        next[face[1] as usize - 1] = face[0];
     }
     next
 }

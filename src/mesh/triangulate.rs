@@ -230,6 +230,28 @@ mod tests {
     }
 
     #[test]
+    fn a_polygon_is_cut_alike_in_any_plane() {
+        let hook = [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [3.0, 3.0], [3.0, 1.0], [0.0, 1.0]];
+        let triangles = |shift: usize, sign: f64| {
+            let place = |&[x, y]: &[f64; 2]| {
+                let mut at = [x, sign * y, 0.0];
+                at.rotate_right(shift);
+                at
+            };
+            let positions: Vec<Vector> = hook.iter().map(place).collect();
+            let polygons = Polygons { offsets: vec![0, 6], corners: (0..6).collect(), faces: vec![0] };
+            let (triangles, _) = triangulate(&polygons, &positions);
+            let corners = |triangle: &[u32; 3]| triangle.map(|corner| positions[corner as usize]);
+            let area: f64 = triangles.iter().map(corners).map(|[a, b, c]| triangle_area(a, b, c)).sum();
+            assert!((area - 6.0).abs() < 1e-12, "{area}");
+            triangles
+        };
+        for (shift, sign) in [(1, 1.0), (2, 1.0), (0, -1.0), (1, -1.0), (2, -1.0)] {
+            assert_eq!(triangles(shift, sign), triangles(0, 1.0));
+        }
+    }
+
+    #[test]
     fn collinear_corners_stay_corners() {
         let square = [[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 2.0], [1.0, 2.0], [0.0, 2.0]];
         let (count, area) = cut(&square);

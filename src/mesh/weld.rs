@@ -1,27 +1,73 @@
-//! Closes seams: boundary edges between exactly the same two positions become one edge.
+//! Closes seams: boundary edges in the same place become one edge.
 //!
-//! Only boundary edges take part, so closed shells that merely touch are not glued together; and a whole
-//! edge must coincide, so that patches which meet in a point alone are not pinched there.
+//! Only boundary edges take part, so closed shells that merely touch are not glued together; and a whole edge must coincide, so that
+//! patches which meet in a point alone are not pinched there. Edges in exactly the same place are joined, however many. Two that are as near
+//! as rounding and noise leave them are joined if no third one is there and their polygons continue each other: sheets that lie over
+//! each other stay apart.
 
 use super::edges::{EdgeTable, UnionFind};
 use super::polygons::Polygons;
+use super::vector::{Vector, dot, mean, squared_norm, subtract};
+use std::collections::HashSet;
+
+/// Largest distance between ends that are joined: as a share of the shortest edge at any of them, and in halves of the mesh's box.
+const REACH: f64 = 1.0 / 256.0;
+const NOISE: f64 = 1.0 / 16384.0;
+/// Cosine of the angle between two polygons at an edge from which on they lie over each other.
+const FOLDED: f64 = 0.98;
+/// Side of the cells in which edges are sought, and most edges of one that are looked at: where there are more nothing is nearly in one place.
+const CELL: f64 = 8.0 * NOISE;
+const CROWD: usize = 32;
 
 /// The lowest vertex that each vertex is joined to (itself for most), or `None` if there is no seam.
+/// O(corners + boundary edges log boundary edges).
 pub fn seam_representatives(
     polygons: &Polygons,
     edges: &EdgeTable,
-    positions: &[[f64; 3]],
+    positions: &[Vector],
 ) -> Option<Vec<u32>> {
-    let seams = boundary_edges_by_position(polygons, edges, positions);
-    let mut sets = UnionFind::new(if seams.is_empty() { 0 } else { positions.len() });
-    let mut found = false;
-    for pair in seams.windows(2).filter(|pair| pair[0].place == pair[1].place) {
-        for end in 0..2 {
-            sets.join(pair[0].vertices[end], pair[1].vertices[end]);
-            found |= pair[0].vertices[end] != pair[1].vertices[end];
+    let boundary = boundary_edges_by_position(polygons, edges, positions);
+    let (mut exact, mut lone) = (Vec::new(), Vec::new());
+    for there in boundary.chunk_by(|a, b| a.place == b.place) {
+        match there {
+            [edge] => lone.push(edge.half_edge),
+            _ => exact.extend(
+                there
+                    .windows(2)
+                    .flat_map(|pair| [0, 1].map(|end| [pair[0].vertices[end], pair[1].vertices[end]])),
+            ),
         }
     }
-    found.then(|| (0..positions.len() as u32).map(|vertex| sets.find(vertex)).collect())
+    let mut near = Lips::new(polygons, edges, positions, &lone).joins();
+    let mut sets = joined(positions.len(), &[&exact, &near])?;
+    if !near.is_empty() {
+        let folded = polygons_on_themselves(polygons, &mut sets);
+        near.retain(|pair| !folded.contains(&sets.find(pair[0])));
+        sets = joined(positions.len(), &[&exact, &near])?;
+    }
+    Some((0..positions.len() as u32).map(|vertex| sets.find(vertex)).collect())
+}
+
+/// The sets that these pairs make of all vertices; `None` if no two vertices are joined.
+fn joined(count: usize, pairs: &[&[[u32; 2]]]) -> Option<UnionFind> {
+    let pairs = || pairs.iter().copied().flatten().filter(|[a, b]| a != b);
+    pairs().next()?;
+    let mut sets = UnionFind::new(count);
+    pairs().for_each(|&[a, b]| sets.join(a, b));
+    Some(sets)
+}
+
+/// The sets that hold two corners of one polygon.
+fn polygons_on_themselves(polygons: &Polygons, sets: &mut UnionFind) -> HashSet<u32> {
+    let mut corners = Vec::new();
+    let mut found = HashSet::new();
+    for polygon in 0..polygons.len() {
+        corners.clear();
+        corners.extend(polygons.corners_of(polygon).iter().map(|&corner| sets.find(corner)));
+        corners.sort_unstable();
+        found.extend(corners.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]));
+    }
+    found
 }
 
 /// A boundary edge, its ends ordered by position.
@@ -29,22 +75,23 @@ struct BoundaryEdge {
     /// Keys of the two positions.
     place: [[u64; 3]; 2],
     vertices: [u32; 2],
+    half_edge: u32,
 }
 
 /// The boundary edges of some length, those at the same place next to each other.
 fn boundary_edges_by_position(
     polygons: &Polygons,
     edges: &EdgeTable,
-    positions: &[[f64; 3]],
+    positions: &[Vector],
 ) -> Vec<BoundaryEdge> {
     let mut boundary: Vec<BoundaryEdge> = edges
         .edges()
         .filter(|edge| edge.len() == 1)
-        .map(|edge| [polygons.corners[edge[0] as usize], edges.head(edge[0])])
-        .map(|ends| {
+        .map(|edge| {
+            let ends = [polygons.corners[edge[0] as usize], edges.head(edge[0])];
             let mut ends = ends.map(|vertex| (position_key(positions[vertex as usize]), vertex));
             ends.sort_unstable();
-            BoundaryEdge { place: ends.map(|end| end.0), vertices: ends.map(|end| end.1) }
+            BoundaryEdge { place: ends.map(|end| end.0), vertices: ends.map(|end| end.1), half_edge: edge[0] }
         })
         .filter(|edge| edge.place[0] != edge.place[1])
         .collect();
@@ -53,6 +100,133 @@ fn boundary_edges_by_position(
 }
 
 /// Equal exactly where positions are equal (the two zeros are), and totally ordered.
-fn position_key(position: [f64; 3]) -> [u64; 3] {
+fn position_key(position: Vector) -> [u64; 3] {
     position.map(|coordinate| (coordinate + 0.0).to_bits())
+}
+
+/// Boundary edges that no other edge lies on exactly.
+struct Lips<'a> {
+    positions: &'a [Vector],
+    lips: Vec<Lip>,
+    /// The cells of their middles, sorted, each with its lip.
+    cells: Vec<(u64, u32)>,
+}
+
+/// One of them.
+struct Lip {
+    ends: [u32; 2],
+    polygon: usize,
+    /// The corner of the polygon after the edge.
+    next: u32,
+    middle: Vector,
+    /// Distance within which the ends of another are its own.
+    reach: f64,
+}
+
+impl<'a> Lips<'a> {
+    fn new(polygons: &Polygons, edges: &EdgeTable, positions: &'a [Vector], half_edges: &[u32]) -> Lips<'a> {
+        let shortest =
+            if half_edges.is_empty() { Vec::new() } else { shortest_edges(polygons, edges, positions) };
+        let lip = |&half_edge: &u32| {
+            let ends = [polygons.corners[half_edge as usize], edges.head(half_edge)];
+            let polygon = polygons.offsets.partition_point(|&offset| offset <= half_edge) - 1;
+            let corners = polygons.corners_of(polygon);
+            let place = (half_edge - polygons.offsets[polygon]) as usize;
+            let [a, b] = ends.map(|end| shortest[end as usize]);
+            Lip {
+                ends,
+                polygon,
+                next: corners[(place + 2) % corners.len()],
+                middle: mean(ends.map(|end| positions[end as usize])),
+                reach: (REACH * a.min(b)).min(NOISE),
+            }
+        };
+        let lips: Vec<Lip> = half_edges.iter().map(lip).collect();
+        let own_cell = |(lip, index): (&Lip, u32)| (cell(lip.middle), index);
+        let mut cells: Vec<(u64, u32)> = lips.iter().zip(0..).map(own_cell).collect();
+        cells.sort_unstable();
+        Lips { positions, lips, cells }
+    }
+
+    /// Pairs of vertices that become one.
+    fn joins(&self) -> Vec<[u32; 2]> {
+        let partners: Vec<Option<usize>> = (0..self.lips.len()).map(|lip| self.partner(lip)).collect();
+        let pairs = partners.iter().enumerate().filter_map(|(lip, partner)| Some((lip, (*partner)?)));
+        pairs
+            .filter(|&(lip, partner)| lip < partner && partners[partner] == Some(lip))
+            .filter_map(|(lip, partner)| Some((self.lips[lip].ends, self.facing(lip, partner)?)))
+            .flat_map(|([a, b], [c, d])| [[a, c], [b, d]])
+            .collect()
+    }
+
+    /// The only lip in the place of another, if it continues that one's polygon.
+    fn partner(&self, lip: usize) -> Option<usize> {
+        let middle = self.lips[lip].middle;
+        let corner = |k: usize| -> Vector {
+            std::array::from_fn(|axis| middle[axis] + if k >> axis & 1 == 0 { -NOISE } else { NOISE })
+        };
+        let mut around: [u64; 8] = std::array::from_fn(|k| cell(corner(k)));
+        around.sort_unstable();
+        let mut found = None;
+        for there in around.chunk_by(|a, b| a == b).map(|same| same[0]) {
+            let first = self.cells.partition_point(|&(cell, _)| cell < there);
+            let inside = self.cells[first..].iter().take_while(|&&(cell, _)| cell == there);
+            for (looked_at, &(_, other)) in inside.enumerate() {
+                let other = other as usize;
+                if looked_at == CROWD {
+                    return None;
+                }
+                if other != lip && self.facing(lip, other).is_some() && found.replace(other).is_some() {
+                    return None;
+                }
+            }
+        }
+        found.filter(|&other| self.continues(lip, other))
+    }
+
+    /// The ends of `other` that lie at those of `lip`.
+    fn facing(&self, lip: usize, other: usize) -> Option<[u32; 2]> {
+        let (own, other) = (&self.lips[lip], &self.lips[other]);
+        let reach = own.reach.min(other.reach);
+        let [a, b] = other.ends;
+        let is_near = |ends: &[u32; 2]| {
+            own.ends.iter().zip(ends).all(|(&end, &there)| {
+                let apart = subtract(self.positions[end as usize], self.positions[there as usize]);
+                squared_norm(apart) <= reach * reach
+            })
+        };
+        [[b, a], [a, b]].into_iter().find(is_near)
+    }
+
+    /// Whether two lips' polygons are different ones that do not lie over each other.
+    fn continues(&self, lip: usize, other: usize) -> bool {
+        let (own, other) = (&self.lips[lip], &self.lips[other]);
+        let [a, b] = own.ends.map(|end| self.positions[end as usize]);
+        let along = subtract(b, a);
+        let inward = |of: &Lip| {
+            let to = subtract(self.positions[of.next as usize], of.middle);
+            let share = dot(to, along) / squared_norm(along);
+            [0, 1, 2].map(|axis| to[axis] - share * along[axis])
+        };
+        let (u, v) = (inward(own), inward(other));
+        own.polygon != other.polygon && dot(u, v) < FOLDED * (squared_norm(u) * squared_norm(v)).sqrt()
+    }
+}
+
+/// The number of the cell that holds a position.
+fn cell(position: Vector) -> u64 {
+    position.iter().fold(0, |cell, x| cell << 16 | (((x + 2.0) / CELL) as u64).min(0xffff))
+}
+
+/// The length of the shortest edge at each vertex.
+fn shortest_edges(polygons: &Polygons, edges: &EdgeTable, positions: &[Vector]) -> Vec<f64> {
+    let mut shortest = vec![f64::INFINITY; positions.len()];
+    for (half_edge, &tail) in polygons.corners.iter().enumerate() {
+        let head = edges.head(half_edge as u32);
+        let length = squared_norm(subtract(positions[head as usize], positions[tail as usize])).sqrt();
+        for end in [tail, head] {
+            shortest[end as usize] = shortest[end as usize].min(length);
+        }
+    }
+    shortest
 }

@@ -52,7 +52,16 @@ impl<'a> MatchTarget<'a> {
     }
 
     /// The images of the vertices under `map` (square).
-    pub fn images(&self, map: &Mat<f64>, seeds: Seeds, guide: Guide) -> VertexMap {
+    ///
+    /// # Errors
+    /// Those of [`CancelToken::check`].
+    pub fn images(
+        &self,
+        map: &Mat<f64>,
+        seeds: Seeds,
+        guide: Guide,
+        token: &CancelToken,
+    ) -> Result<VertexMap> {
         let descent = MeshDescent {
             graph: &self.graph,
             triangles: &self.surface.triangles,
@@ -62,11 +71,11 @@ impl<'a> MatchTarget<'a> {
             columns: self.rows.columns(map.ncols(), guide),
             threads: self.threads,
         };
-        let answers = descent.run(&self.graph, seeds);
-        VertexMap {
+        let answers = descent.run(&self.graph, seeds, token)?;
+        Ok(VertexMap {
             partners: answers.iter().map(|answer| answer.vertex).collect(),
             points: answers.iter().map(|answer| answer.point).collect(),
-        }
+        })
     }
 
     /// The least-squares map of `size` that sends each vertex to its image, projected to an involution.
@@ -124,7 +133,7 @@ pub fn refine(
     for &size in sizes {
         token.check()?;
         map = shell.map_of(&images.points, size.min(shell.basis.count()))?;
-        images = shell.images(&map, Seeds::Points(&images.points), guide);
+        images = shell.images(&map, Seeds::Points(&images.points), guide, token)?;
     }
     Ok((map, images))
 }

@@ -6,6 +6,8 @@
 //! is known from a similar map, the walk starts in its triangle. Either can stop in a local minimum; one sweep over the
 //! neighbours' answers repairs nearly all of those.
 
+use crate::base::error::Result;
+use crate::base::progress::CancelToken;
 use crate::base::threads;
 use crate::geometry::adjacency::Adjacency;
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint, TriangleProducts, nearest_in_triangle};
@@ -16,6 +18,8 @@ use std::ops::Range;
 
 /// Work for which a thread is started.
 const LEAST_PER_THREAD: usize = 500;
+/// Sources after which a cancel is looked for: on a hub each looks at all vertices.
+const UNCHECKED: usize = 250;
 
 /// What is nearest to a source.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -68,17 +72,22 @@ impl MeshDescent<'_> {
     /// Searches from the seeds, then each source also tries its neighbours' answers.
     ///
     /// Sources not reached from a seed keep [`NONE`].
-    pub fn run(&self, sources: &Adjacency, seeds: Seeds) -> Vec<Answer> {
+    ///
+    /// # Errors
+    /// Those of [`CancelToken::check`].
+    pub fn run(&self, sources: &Adjacency, seeds: Seeds, token: &CancelToken) -> Result<Vec<Answer>> {
         let answers = match seeds {
-            Seeds::Vertices(pairs) => self.spread(sources, pairs),
-            Seeds::Points(points) => self.in_parallel(points.len(), |range| Task::Walk(range, points)),
+            Seeds::Vertices(pairs) => self.spread(sources, pairs, token)?,
+            Seeds::Points(points) => {
+                self.in_parallel(points.len(), token, |range| Task::Walk(range, points))?
+            }
         };
         let sweep = Sweep { sources, answers: &answers };
-        self.in_parallel(answers.len(), |range| Task::Sweep(range, &sweep))
+        self.in_parallel(answers.len(), token, |range| Task::Sweep(range, &sweep))
     }
 
     /// From pairs (source, guess) breadth first over the sources.
-    fn spread(&self, sources: &Adjacency, seeds: &[(u32, u32)]) -> Vec<Answer> {
+    fn spread(&self, sources: &Adjacency, seeds: &[(u32, u32)], token: &CancelToken) -> Result<Vec<Answer>> {
         let mut answers = vec![UNREACHED; sources.count()];
         let mut front = Vec::with_capacity(seeds.len());
         let mut queued = vec![false; sources.count()];
@@ -88,7 +97,7 @@ impl MeshDescent<'_> {
             }
         }
         while !front.is_empty() {
-            let found = self.in_parallel(front.len(), |range| Task::Descend(&front[range]));
+            let found = self.in_parallel(front.len(), token, |range| Task::Descend(&front[range]))?;
             let mut next = Vec::new();
             for (&(source, _), answer) in front.iter().zip(found) {
                 answers[source as usize] = answer;
@@ -100,16 +109,24 @@ impl MeshDescent<'_> {
             }
             front = next;
         }
-        answers
+        Ok(answers)
     }
 
     /// The answers of `0..count` in order.
-    fn in_parallel<'b>(&self, count: usize, task: impl Fn(Range<usize>) -> Task<'b> + Sync) -> Vec<Answer> {
+    fn in_parallel<'b>(
+        &self,
+        count: usize,
+        token: &CancelToken,
+        task: impl Fn(Range<usize>) -> Task<'b> + Sync,
+    ) -> Result<Vec<Answer>> {
         let threads = self.threads.min(count / LEAST_PER_THREAD).max(1);
-        let parts = threads::map(threads, threads::ranges(count, 4 * threads), |range| {
-            Arch::new().dispatch(Work { descent: self, task: task(range) })
+        let ranges = threads::ranges(count, (4 * threads).max(count / UNCHECKED));
+        let parts = threads::map(threads, ranges, |range| {
+            token.check()?;
+            Ok(Arch::new().dispatch(Work { descent: self, task: task(range) }))
         });
-        parts.into_iter().flatten().collect()
+        let parts = parts.into_iter().collect::<Result<Vec<Vec<Answer>>>>()?;
+        Ok(parts.into_iter().flatten().collect())
     }
 }
 

@@ -68,7 +68,7 @@ void a_kept_map_is_the_found_one_and_stale_ones_are_found_again(const char *path
     FittingSymmetry fresh = fitting_symmetry(mesh, arrays, validated, 0, host_bar);
     EXPECT(fresh.recomputed);
     expect_same(fresh.result, direct, fresh.index);
-    EXPECT(told.size() > 5 && told.front() >= 0 && told.back() <= 100 && told.back() >= 90);
+    EXPECT(told.size() > 1 && told.front() >= 0 && told.back() == 100);
     EXPECT(std::is_sorted(told.begin(), told.end()));
     FittingSymmetry kept = fitting_symmetry(mesh, arrays, validated, 0, nullptr);
     EXPECT(!kept.recomputed);
@@ -90,7 +90,7 @@ void a_kept_map_is_the_found_one_and_stale_ones_are_found_again(const char *path
 void the_host_can_cancel_and_nothing_is_kept(const char *path) {
   CMeshO mesh = with_deleted_elements(isym::Mesh::read(path));
   const MeshArrays arrays(mesh);
-  cancel_at = 20;
+  cancel_at = 0;
   try {
     fitting_symmetry(mesh, arrays, arrays.validated(), 0, host_bar);
     EXPECT(!"it was not cancelled");
