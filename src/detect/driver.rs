@@ -12,7 +12,7 @@ use crate::detect::excess::Excess;
 use crate::detect::joined_shells::JoinedShells;
 use crate::detect::question::Question;
 use crate::detect::spectrum::Spectrum;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Shell};
 use crate::verify::outcome::Outcome;
 
 /// A mirror plane in space from whose [`Detection::worth`] on it is the answer, and nothing is searched.
@@ -88,14 +88,14 @@ fn of_parts(
     plans: &[Plan],
     clock: &mut Clock,
 ) -> Result<Detection> {
-    let mut best = of_shells(question, &joined, plans, clock)?;
-    if !question.may_be_partial() || !joined.twins.is_empty() {
-        return Ok(best);
-    }
+    let (mut best, mut rests) = of_shells(question, &joined, plans, clock)?;
     let whole = joined.shells[0].area();
     for _ in 0..ROUNDS {
-        match of_rest(question, &mut joined, &best, plans, clock) {
-            Ok(Some(found)) => best = found.of_rest(joined.shells[0].area() / whole),
+        match of_rest(question, &mut joined, rests, &best, plans, clock) {
+            Ok(Some((found, smaller))) => {
+                best = found.of_rest(joined.shells[0].area() / whole);
+                rests = smaller;
+            }
             Ok(None) => break,
             Err(Error::TimeLimit { .. }) => return Ok(best.out_of_time()),
             Err(error) => return Err(error),
@@ -104,26 +104,24 @@ fn of_parts(
     Ok(best)
 }
 
-/// The answer of a rest of the first of some shells, which takes its place there, if that is much more plausible than the `best` yet.
+/// The answer of one of the `rests` of the first of some shells, which takes its place there, and the rests of that, if it is much more plausible
+/// than the `best` yet.
 fn of_rest(
     question: &Question,
     joined: &mut JoinedShells,
+    rests: Vec<Shell>,
     best: &Detection,
     plans: &[Plan],
     clock: &mut Clock,
-) -> Result<Option<Detection>> {
-    let Some(symmetry) = best.symmetries.first() else { return Ok(None) };
-    let whole = joined.shells[0].clone();
-    let rests = Excess::of(&whole).rests(question.mesh, symmetry, !best.is_settled());
-    clock.lap("excess");
+) -> Result<Option<(Detection, Vec<Shell>)>> {
     for rest in rests {
-        joined.shells[0] = rest;
-        let found = of_shells(question, joined, &plans[..1], clock)?;
+        let whole = std::mem::replace(&mut joined.shells[0], rest);
+        let (found, rests) = of_shells(question, joined, &plans[..1], clock)?;
         if found.is_much_more_plausible(best) {
-            return Ok(Some(found));
+            return Ok(Some((found, rests)));
         }
+        joined.shells[0] = whole;
     }
-    joined.shells[0] = whole;
     Ok(None)
 }
 
@@ -136,18 +134,19 @@ fn better(earlier: Option<Detection>, later: Result<Detection>) -> Result<Detect
     }
 }
 
-/// The answer of exact connectivity, or by the plans in turn until one leaves no doubts.
+/// The answer of exact connectivity, or by the plans in turn until one leaves no doubts; and what may be left of the first shell without parts that have no
+/// counterpart.
 fn of_shells(
     question: &Question,
     joined: &JoinedShells,
     plans: &[Plan],
     clock: &mut Clock,
-) -> Result<Detection> {
+) -> Result<(Detection, Vec<Shell>)> {
     question.progress.report("holes", 0.03)?;
     let domain = Domain::new(question, joined);
     if let Some(exact) = domain.exact()? {
         clock.lap("correspondence");
-        return Ok(exact);
+        return Ok((exact, Vec::new()));
     }
     let (mut best, mut solved): (Option<Detection>, _) = (None, None);
     // Maps finished on what is solved.
@@ -167,8 +166,8 @@ fn of_shells(
         };
         let found = match (follow(), best.take()) {
             // What a smaller plan has answered stands.
-            (Err(Error::Limit { .. }), Some(best)) => return Ok(best),
-            (Err(Error::TimeLimit { .. }), Some(best)) => return Ok(best.out_of_time()),
+            (Err(Error::Limit { .. }), Some(best)) => return Ok((best, Vec::new())),
+            (Err(Error::TimeLimit { .. }), Some(best)) => return Ok((best.out_of_time(), Vec::new())),
             (found, earlier) => {
                 best = earlier;
                 found?
@@ -182,5 +181,15 @@ fn of_shells(
             break;
         }
     }
-    Ok(best.expect("a plan"))
+    let best = best.expect("a plan");
+    let may_be_partial = question.may_be_partial() && joined.twins.is_empty();
+    let rests = match (best.symmetries.first(), solved) {
+        (Some(symmetry), Some(solved)) if may_be_partial => {
+            let excess = Excess::of(&joined.shells[0], domain.searched(), solved.proxy.as_ref());
+            excess.rests(question.mesh, symmetry, !best.is_settled())
+        }
+        _ => Vec::new(),
+    };
+    clock.lap("excess");
+    Ok((best, rests))
 }

@@ -43,14 +43,20 @@ const REST: f64 = 0.5;
 
 /// Guesses of what is left of a shell without its parts that have no counterpart.
 pub struct Excess<'a> {
+    /// The shell; the searched one begins with its vertices.
     shell: &'a Shell,
-    proxy: Option<Proxy<'a>>,
+    /// The solved shell, and the searched one's vertices there if it is a proxy.
+    solved: &'a Shell,
+    proxy: Option<&'a Proxy<'a>>,
+    /// A coarse shell of that.
+    coarse: Option<Proxy<'a>>,
 }
 
 impl<'a> Excess<'a> {
-    /// Of a shell. O(vertices log vertices).
-    pub fn of(shell: &'a Shell) -> Excess<'a> {
-        Excess { shell, proxy: Proxy::new(shell, COARSE, 1) }
+    /// Of a shell that was searched, its holes filled or not, on a `proxy` if there is one. O(vertices log vertices) of what was solved.
+    pub fn of(shell: &'a Shell, searched: &'a Shell, proxy: Option<&'a Proxy<'a>>) -> Excess<'a> {
+        let solved = proxy.map_or(searched, |proxy| &proxy.shell);
+        Excess { shell, solved, proxy, coarse: Proxy::new(solved, COARSE, 1) }
     }
 
     /// The shell without its places that stick out under a symmetry of the mesh; if there are none, each time without the end of one limb that may be longer than its twin.
@@ -58,14 +64,14 @@ impl<'a> Excess<'a> {
     /// A place sticks out if its distances from many others agree with those of no image, but with those of one that is nearer to all by one
     /// length. Some 60 searches over 2,000 vertices.
     pub fn rests(&self, mesh: &Mesh, symmetry: &Symmetry, limbs: bool) -> Vec<Shell> {
-        let coarse = self.proxy.as_ref().map_or(self.shell, |proxy| &proxy.shell);
+        let coarse = self.coarse.as_ref().map_or(self.solved, |coarse| &coarse.shell);
         if coarse.points.len() > TOO_FINE * COARSE {
             return Vec::new();
         }
         let image = |&point: &u32| {
-            let partner = symmetry.partner[mesh.vertex_of_point[point as usize] as usize];
-            let local = self.shell.points.binary_search(&partner_point(mesh, partner)).ok()?;
-            Some(self.coarse_vertex(local))
+            let vertex = mesh.vertex_of_point.get(point as usize)?;
+            let image = partner_point(mesh, symmetry.partner[*vertex as usize]);
+            Some(self.coarse_vertex(self.shell.points.binary_search(&image).ok()?))
         };
         let images: Vec<Option<usize>> = coarse.points.iter().map(image).collect();
         let walk = SurfaceWalk::new(&coarse.positions, &coarse.triangles);
@@ -80,7 +86,10 @@ impl<'a> Excess<'a> {
 
     /// That beside a vertex of the shell.
     fn coarse_vertex(&self, own: usize) -> usize {
-        self.proxy.as_ref().map_or(own, |proxy| proxy.nearest_by_edges()[own] as usize)
+        [self.proxy, self.coarse.as_ref()]
+            .into_iter()
+            .flatten()
+            .fold(own, |vertex, proxy| proxy.nearest_by_edges()[vertex] as usize)
     }
 
     /// The largest connected rest of the shell without what `is_part`, of which small pieces stay.
