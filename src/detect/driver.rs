@@ -6,6 +6,7 @@ use crate::base::options::Options;
 use crate::base::progress::Progress;
 use crate::detect::attempt::attempt;
 use crate::detect::clock::Clock;
+use crate::detect::correspondence::Symmetry;
 use crate::detect::detection::Detection;
 use crate::detect::domain::Domain;
 use crate::detect::excess::Excess;
@@ -13,7 +14,7 @@ use crate::detect::joined_shells::JoinedShells;
 use crate::detect::question::Question;
 use crate::detect::spectrum::Spectrum;
 use crate::mesh::{Mesh, Shell};
-use crate::verify::outcome::Outcome;
+use crate::verify::outcome::{CONFIDENT, Outcome};
 
 /// A mirror plane in space from whose [`Detection::worth`] on it is the answer, and nothing is searched.
 const AT_REST: f64 = 0.9;
@@ -182,9 +183,12 @@ fn of_shells(
         }
     }
     let best = best.expect("a plan");
-    let may_be_partial = question.may_be_partial() && joined.twins.is_empty();
+    // A map that says little tells no parts from others.
+    let may_be_partial = |found: &Symmetry| {
+        found.mean_confidence >= CONFIDENT && question.may_be_partial() && joined.twins.is_empty()
+    };
     let rests = match (best.symmetries.first(), solved) {
-        (Some(symmetry), Some(solved)) if may_be_partial => {
+        (Some(symmetry), Some(solved)) if may_be_partial(symmetry) => {
             let excess = Excess::of(&joined.shells[0], domain.searched(), solved.proxy.as_ref());
             excess.rests(question.mesh, symmetry, !best.is_settled())
         }
