@@ -40,7 +40,8 @@ NUMBERS = ("sym_index", "sym_mixed")
 PLACE, IMAGE, AROUND = "sym_place", "sym_image", "sym_around"
 #: What `carry` needs besides the map.
 _TRACES = {**dict(zip(NUMBERS, ("INT", "FLOAT"))), PLACE: "FLOAT_VECTOR", IMAGE: "FLOAT_VECTOR", AROUND: "INT"}
-_GOLDEN = (5**0.5 - 1) / 2
+#: The golden section of 2^64.
+_GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 #: FLOAT_VECTOR: how far vertices stand off the surface that the map speaks of, after `carry`.
 LIFT = "sym_lift"
 #: What an imported PLY or glTF file says of its further symmetries. It does not belong to the map that is kept.
@@ -197,8 +198,9 @@ def number_as_whole(mesh, first):
 
 
 def scattered(numbers):
-    """0..1, so that the mean of some numbers goes elsewhere than the mean of where they go."""
-    return numbers * _GOLDEN % 1
+    """0..1, so that the mean of some numbers goes elsewhere than the mean of where they go: also of numbers whose mean is whole."""
+    whole = np.asarray(numbers).astype(np.int64).astype(np.uint64)
+    return whole * whole * _GOLDEN / 2.0**64
 
 
 def _checksum(mesh):

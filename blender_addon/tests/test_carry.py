@@ -135,6 +135,19 @@ def test_tools_are_offered_after_an_edit(human):
     assert not ops.symmetrize.poll()
 
 
+def test_vertices_that_a_modifier_welds_are_new(human):
+    """The Weld modifier gives a vertex the mean of the numbers of those that it was made of, which may be another vertex' number."""
+    stored_map, before = module("stored_map"), positions(human.data)
+    modifier = human.modifiers.new("Weld", "WELD")
+    modifier.merge_threshold = 0.01 * float(np.ptp(before[:, 2]))
+    bpy.ops.object.modifier_apply(modifier=modifier.name)
+    mesh = human.data
+    own, mixed = (attribute(mesh, name) for name in stored_map.NUMBERS)
+    old = np.abs(mixed - stored_map.scattered(own)) <= 1e-5
+    away = np.linalg.norm(positions(mesh)[old] - before[own[old] - 1], axis=1)
+    assert not old.all() and away.max() < 1e-6
+
+
 def test_too_much_changed(human, mode):
     side = attribute(human.data, "sym_side")
     select(human, np.flatnonzero(side >= 0))
