@@ -363,17 +363,23 @@ def _pull(depth):
     bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (depth, 0, 0)})
 
 
-@pytest.mark.parametrize("count", [1, 9, 30])
-@pytest.mark.parametrize("steps", FORMS)
-def test_a_form_arrives_at_its_mirrored_place(steps, count):
+def _edited_sphere(middle, count, steps):
+    """A sphere with its symmetry, then edited at the `count` faces nearest to a place."""
     bpy.ops.mesh.primitive_uv_sphere_add()
     object = bpy.context.object
     _noisy_map(object, 0, 0)
-    away = [np.linalg.norm(np.array(face.center) - (0.8, 0.4, 0.4)) for face in object.data.polygons]
+    away = [np.linalg.norm(np.array(face.center) - middle) for face in object.data.polygons]
     edit_faces(object, np.argsort(away)[:count])
-    for step in FORMS[steps]:
+    for step in steps:
         step()
     enter("OBJECT")
+    return object
+
+
+@pytest.mark.parametrize("count", [1, 9, 30])
+@pytest.mark.parametrize("steps", FORMS)
+def test_a_form_arrives_at_its_mirrored_place(steps, count):
+    object = _edited_sphere((0.8, 0.4, 0.4), count, FORMS[steps])
     wanted = positions(object.data)
     wanted = wanted[wanted[:, 0] > 1e-3] * (-1, 1, 1)
     assert ops.symmetrize_topology() == {"FINISHED"}
@@ -394,14 +400,7 @@ ACROSS = {
 @pytest.mark.parametrize("steps", ACROSS)
 def test_a_form_across_the_line_arrives_at_its_mirrored_place(steps, count):
     """More of it is on the left. At a corner of its border it may be off by twice the width, which is 0.02."""
-    bpy.ops.mesh.primitive_uv_sphere_add()
-    object = bpy.context.object
-    _noisy_map(object, 0, 0)
-    away = [np.linalg.norm(np.array(face.center) - (0.2, 0.8, 0.4)) for face in object.data.polygons]
-    edit_faces(object, np.argsort(away)[:count])
-    for step in ACROSS[steps]:
-        step()
-    enter("OBJECT")
+    object = _edited_sphere((0.2, 0.8, 0.4), count, ACROSS[steps])
     before = positions(object.data)
     assert ops.symmetrize_topology(direction="LEFT_TO_RIGHT") == {"FINISHED"}
     _assert_mirrored(object.data)
