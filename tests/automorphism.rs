@@ -95,7 +95,7 @@ impl Figure {
         let (confidence, quiet) = (vec![0.5; self.places.len()], Progress::default());
         let mut searched = Connectivity::new(self.half_edges(), 0);
         let found = searched.find(estimate, &confidence, kind, &quiet).unwrap();
-        searched.find_unrivalled(&quiet).unwrap();
+        searched.find_unrivalled(|_| true, &quiet).unwrap();
         assert_eq!(searched.find(estimate, &confidence, kind, &quiet).unwrap(), found);
         if let Some(automorphism) = &found {
             self.assert_involution(automorphism);

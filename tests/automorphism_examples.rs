@@ -126,7 +126,7 @@ fn half_edges_are_made_only_where_colours_repeat() {
     }
     for name in ["human", "human_shells"] {
         let mut connectivity = Connectivity::of(&Example::read_mesh(name)).unwrap().expect(name);
-        assert!(connectivity.find_unrivalled(&quiet).unwrap().is_some(), "{name}");
+        assert!(connectivity.find_unrivalled(|_| true, &quiet).unwrap().is_some(), "{name}");
     }
     // A body beside a creature that is meshed apart.
     let (human, mut other) = (Example::read_mesh("human"), Example::read_mesh("quadruped"));
@@ -138,7 +138,8 @@ fn half_edges_are_made_only_where_colours_repeat() {
     other.polygon_offsets.extend(human.polygon_offsets[1..].iter().map(|offset| offset + last));
     other.shell_of_point.extend(vec![1; count as usize]);
     other.shell_count = 2;
-    let found = Connectivity::of(&other).unwrap().unwrap().find_unrivalled(&quiet).unwrap().unwrap();
+    let found =
+        Connectivity::of(&other).unwrap().unwrap().find_unrivalled(|_| true, &quiet).unwrap().unwrap();
     assert_eq!(found.covered, count as usize);
     assert!(!found.complete, "nothing was sought on the creature");
 }

@@ -66,6 +66,35 @@ fn what_sticks_out_of_a_hand_has_no_partner() {
     assert!(error < 0.01, "{error}");
 }
 
+/// The posed human without the faces within `reach` of its vertex that is farthest along x, a fingertip.
+fn without_a_hand(whole: &PolygonMesh, reach: f64) -> (PolygonMesh, u32) {
+    let x = |vertex: &u32| whole.positions[*vertex as usize][0];
+    let tip = (0..whole.positions.len() as u32).max_by(|a, b| x(a).total_cmp(&x(b))).unwrap();
+    let is_near = |&v: &u32| distance(whole.positions[v as usize], whole.positions[tip as usize]) < reach;
+    let face = |face: &[u32]| whole.face_vertices[face[0] as usize..face[1] as usize].to_vec();
+    let faces = whole.face_offsets.windows(2).map(face).filter(|face| !face.iter().any(is_near));
+    (polygon_mesh(&whole.positions, &faces.collect::<Vec<_>>()), tip)
+}
+
+#[test]
+fn the_hand_whose_twin_is_cut_off_has_no_partner_where_the_rest_is_mirrored() {
+    let (whole, truth) = (example("human"), example_truth("human"));
+    let (cut, tip) = without_a_hand(&whole, 0.2);
+    let other = whole.positions[truth[tip as usize] as usize];
+    let lacks = |v: usize| distance(whole.positions[v], other) < 0.15;
+    let found = found(&cut, true);
+    let partner = &found.symmetries[0].partner;
+    let of_hand: Vec<usize> = (0..partner.len()).filter(|&v| lacks(v)).collect();
+    assert!(of_hand.len() > 1000 && of_hand.iter().all(|&v| partner[v] < 0));
+    let paired: Vec<usize> = (0..partner.len()).filter(|&v| partner[v] >= 0).collect();
+    let wrong = paired.iter().filter(|&&v| partner[v] as u32 != truth[v]);
+    let off =
+        wrong.map(|&v| distance(whole.positions[partner[v] as usize], whole.positions[truth[v] as usize]));
+    let off: Vec<f64> = off.collect();
+    println!("{} paired, off by {off:?}", paired.len());
+    assert!(paired.len() > 10_000 && off.len() < 50 && off.iter().all(|&off| off < 0.05));
+}
+
 #[test]
 fn a_whole_body_is_left_whole() {
     let whole = creature(4, 0.4);

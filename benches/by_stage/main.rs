@@ -146,10 +146,12 @@ fn time_connectivity(timer: &mut Timer, mesh: &Mesh) -> Connectivity {
     timer.time_with("colours", || half_edges.clone(), |half_edges| Connectivity::new(half_edges, 0));
     let quiet = Progress::default();
     let fresh = || Connectivity::new(half_edges.clone(), 0);
-    timer.time_with("lone reflection", fresh, |mut connectivity| connectivity.find_unrivalled(&quiet));
+    timer.time_with("lone reflection", fresh, |mut connectivity| {
+        connectivity.find_unrivalled(|_| true, &quiet)
+    });
     // The later search knows what this one found.
     let mut connectivity = fresh();
-    connectivity.find_unrivalled(&quiet).expect("a search");
+    connectivity.find_unrivalled(|_| true, &quiet).expect("a search");
     connectivity
 }
 

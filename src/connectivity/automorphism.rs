@@ -68,7 +68,7 @@ pub struct Automorphism {
     /// Whether every shell is mapped by a bijection of the whole of it.
     pub complete: bool,
     /// Whether a point's pair belongs to the only bijection that the connectivity of its shell admits, which
-    /// holds most of the vertices, or to the only pairing of nine tenths of them. Shape can say nothing against it: no mesh is so by chance.
+    /// holds most of the vertices, or to the only pairing of six tenths of them. Shape can say nothing against it: no mesh is so by chance.
     pub unrivalled: Vec<bool>,
 }
 
@@ -150,16 +150,26 @@ impl Connectivity {
         Connectivity { half_edges, shells, colours, classes, reflections: Bijections::Unknown, in_part }
     }
 
-    /// Finds the only reflection of the main shell that its connectivity admits, but for a few defects; no estimate is needed. That there
-    /// is none, or more than one, is remembered for later searches.
+    /// Finds the only reflection of the main shell that its connectivity admits, but for a few defects and parts without a counterpart; no estimate is needed. Of several
+    /// with these it is the one that `agrees`. That there is none, or more than one, is remembered for later searches.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
-    pub fn find_unrivalled(&mut self, progress: &Progress) -> Result<Option<Automorphism>> {
+    pub fn find_unrivalled(
+        &mut self,
+        agrees: impl Fn(&Automorphism) -> bool,
+        progress: &Progress,
+    ) -> Result<Option<Automorphism>> {
         self.reflections = Bijections::Unknown;
         let points = self.half_edges.point_count;
         let (estimate, confidence) = (vec![NONE; points], vec![0.0; points]);
-        let (found, bijections) = self.search(&estimate, &confidence, SymmetryKind::Reflection, progress)?;
+        let estimate = Estimate::new(&self.half_edges, &estimate, &confidence);
+        let agrees = |matching: &Matching, _: &[u32]| {
+            let images = &matching.vertex_image;
+            by_points(&self.half_edges, images, &vec![false; images.len()])
+                .is_some_and(|found| agrees(&found))
+        };
+        let (found, bijections) = self.search(&estimate, SymmetryKind::Reflection, agrees, progress)?;
         self.reflections = bijections;
         Ok(found)
     }
@@ -184,27 +194,30 @@ impl Connectivity {
         kind: SymmetryKind,
         progress: &Progress,
     ) -> Result<Option<Automorphism>> {
-        Ok(self.search(estimate, confidence, kind, progress)?.0)
+        let estimate = Estimate::new(&self.half_edges, estimate, confidence);
+        let is_near = |matching: &Matching, shell: &[u32]| {
+            estimate.distances(matching, shell, shell.len()).mean <= estimate::tolerance(shell.len())
+        };
+        Ok(self.search(&estimate, kind, is_near, progress)?.0)
     }
 
-    /// That, and how many bijections the main shell has.
+    /// That, and how many bijections the main shell has. Of several pairings of a shell but for its defects it is the one that `agrees`.
     fn search(
         &self,
-        estimate: &[u32],
-        confidence: &[f32],
+        estimate: &Estimate,
         kind: SymmetryKind,
+        agrees: impl Fn(&Matching, &[u32]) -> bool,
         progress: &Progress,
     ) -> Result<(Option<Automorphism>, Bijections)> {
         let (half_edges, shells) = (&self.half_edges, &self.shells);
-        let estimate = Estimate::new(half_edges, estimate, confidence);
         let mut matching = Matching::new(half_edges, kind);
         let known = if kind == SymmetryKind::Reflection { self.reflections } else { Bijections::Unknown };
-        let matched = match_whole_shells(&mut matching, shells, &self.classes, &estimate, known, progress)?;
+        let matched = match_whole_shells(&mut matching, shells, &self.classes, estimate, known, progress)?;
         let bijections = matched.bijections;
         let exact: Vec<bool> = matching.vertex_image.iter().map(|&image| image != NONE).collect();
         let unrivalled = match matched.inexact.is_empty() {
             true => matched.unrivalled,
-            false => self.match_defective_shells(&mut matching, &estimate, matched, progress)?,
+            false => self.match_defective_shells(&mut matching, estimate, matched, agrees, progress)?,
         };
         let mut found = by_points(half_edges, &matching.vertex_image, &exact);
         if let Some(found) = &mut found {
@@ -225,13 +238,14 @@ impl Connectivity {
         matching: &mut Matching,
         estimate: &Estimate,
         mut matched: WholeShells,
+        agrees: impl Fn(&Matching, &[u32]) -> bool,
         progress: &Progress,
     ) -> Result<Option<usize>> {
         let shells = &self.shells;
         let far = Context { shells, estimate, valences: &self.colours.valences, classes: &self.classes };
         if let Some(shell) = matched.defective {
             let mark = matching.mark();
-            if almost::match_shell(matching, &far, shell, progress)? {
+            if almost::match_shell(matching, &far, shell, agrees, progress)? {
                 let vertices = shells.vertices(shell);
                 if is_not_refuted(&estimate.distances(matching, vertices, vertices.len())) {
                     matched.inexact.retain(|&other| other != shell);

@@ -23,10 +23,12 @@ use std::collections::BTreeMap;
 
 /// Points of a shell that are compared when shells are paired.
 const PAIRING_POINTS: usize = 64;
-/// Mean distance, in sqrt(area) of the primary shell, above which two shells are not taken for partners.
+/// Mismatch above which two shells are not taken for partners: the mean distance, in sqrt(area) of the primary shell, and how much their sizes differ.
 const FARTHEST: f32 = 0.06;
 /// Share of the confidence in what they sit on that is left to partners so far apart.
 const LEAST_TRUST: f32 = 0.65;
+/// How much of what others around differ from a shell in size counts against it as its own image: its own size says nothing for that.
+const UNLIKE_ITSELF: f64 = 0.5;
 /// Natural logarithm of the largest ratio of two partners' areas.
 const AREA_TOLERANCE: f64 = 0.3;
 /// Most shells that are assigned together.
@@ -41,7 +43,7 @@ pub struct Companion {
     pub target: usize,
     /// Images of its points, in the target's local numbering.
     pub images: VertexMap,
-    /// Mean distance of the pairing, in sqrt(area) of the primary shell: 0 perfect, 0.06 the worst accepted.
+    /// Mean distance of the pairing, in sqrt(area) of the primary shell, and difference in size: 0 perfect, 0.06 the worst accepted.
     pub mismatch: f32,
 }
 
@@ -176,6 +178,11 @@ impl SimilarShells {
         SimilarShells { sizes, trees }
     }
 
+    /// The natural logarithm of the ratio of two shells' lengths by area.
+    fn differ(&self, source: usize, target: usize) -> f64 {
+        0.5 * (self.sizes[source] - self.sizes[target]).abs()
+    }
+
     fn class(size: f64) -> i64 {
         (size / AREA_TOLERANCE).floor() as i64
     }
@@ -222,8 +229,16 @@ fn pair_shells(
         // One that is its own image has no other of its connectivity nearby.
         let same = |&&target: &&usize| signature(target) == signature(source);
         let any_other = near.iter().filter(same).any(|&target| target != source);
+        let others: Vec<f64> = near
+            .iter()
+            .filter(|&&target| target != source)
+            .map(|&target| similar.differ(source, target))
+            .collect();
+        let own = UNLIKE_ITSELF * others.iter().sum::<f64>() / others.len().max(1) as f64;
         for &target in near.iter().filter(|target| !any_other || same(target)) {
-            let both = 0.5 * (places.mismatch(source, target) + places.mismatch(target, source));
+            let gap = 0.5 * (places.mismatch(source, target) + places.mismatch(target, source));
+            let unlike = if target == source { own } else { similar.differ(source, target) };
+            let both = gap.hypot(unlike as f32);
             if both < FARTHEST {
                 options.insert((source.min(target), source.max(target)), both);
             }

@@ -55,10 +55,7 @@ impl<'a> Domain<'a> {
     pub fn exact(&self) -> Result<Option<Detection>> {
         let Domain { shells, question: Question { mesh, options, progress, .. }, .. } = *self;
         let wanted = options.asks_for_one();
-        let Some(found) = self.question.unrivalled.as_ref().filter(|found| wanted && !found.has_defects())
-        else {
-            return Ok(None);
-        };
+        let Some(found) = self.question.unrivalled.as_ref().filter(|_| wanted) else { return Ok(None) };
         let found = found.within(&shells[0].points);
         progress.report("lengths", 0.03)?;
         let (Some(partners), Some(change)) =

@@ -9,7 +9,7 @@ use crate::detect::clock::Clock;
 use crate::detect::correspondence::Symmetry;
 use crate::detect::detection::Detection;
 use crate::detect::domain::Domain;
-use crate::detect::excess::Excess;
+use crate::detect::excess::{Excess, paired_rest};
 use crate::detect::joined_shells::JoinedShells;
 use crate::detect::question::Question;
 use crate::detect::spectrum::Spectrum;
@@ -89,6 +89,9 @@ fn of_parts(
     plans: &[Plan],
     clock: &mut Clock,
 ) -> Result<Detection> {
+    if let Some(found) = of_paired_rest(question, &mut joined, plans, clock)? {
+        return Ok(found);
+    }
     let (mut best, mut rests) = of_shells(question, &joined, plans, clock)?;
     let whole = joined.shells[0].area();
     for _ in 0..ROUNDS {
@@ -103,6 +106,27 @@ fn of_parts(
         }
     }
     Ok(best)
+}
+
+/// The answer without the parts of the first shell that the only pairing by connectivity leaves out, if there are some and it leaves no doubts.
+fn of_paired_rest(
+    question: &Question,
+    joined: &mut JoinedShells,
+    plans: &[Plan],
+    clock: &mut Clock,
+) -> Result<Option<Detection>> {
+    let wanted = question.mechanisms.excess && question.options.asks_for_one() && joined.twins.is_empty();
+    let unrivalled = question.unrivalled.as_ref().filter(|_| wanted);
+    let rest = unrivalled.and_then(|found| paired_rest(&joined.shells[0], &found.partner));
+    let Some(rest) = rest else { return Ok(None) };
+    let share = rest.area() / joined.shells[0].area();
+    let whole = std::mem::replace(&mut joined.shells[0], rest);
+    let (found, _) = of_shells(question, joined, plans, clock)?;
+    if found.outcome == Outcome::Found {
+        return Ok(Some(found.of_rest(share)));
+    }
+    joined.shells[0] = whole;
+    Ok(None)
 }
 
 /// The answer of one of the `rests` of the first of some shells, which takes its place there, and the rests of that, if it is much more plausible

@@ -92,40 +92,48 @@ impl<'a> Excess<'a> {
             .fold(own, |vertex, proxy| proxy.nearest_by_edges()[vertex] as usize)
     }
 
-    /// The largest connected rest of the shell without what `is_part`, of which small pieces stay.
+    /// The rest of the shell without what `is_part`.
     fn without(&self, is_part: &[bool]) -> Option<Shell> {
-        let Shell { triangles, positions, .. } = self.shell;
-        let touches =
-            |own: &u32| triangles[*own as usize].iter().any(|&at| is_part[self.coarse_vertex(at as usize)]);
-        let (parts, mut kept): (Vec<u32>, Vec<u32>) = (0..triangles.len() as u32).partition(touches);
-        let area = |pieces: &[u32]| -> f64 {
-            let corners = pieces.iter().map(|&own| triangles[own as usize].map(|at| positions[at as usize]));
-            corners.map(|[a, b, c]| triangle_area(a, b, c)).sum()
-        };
-        let (gone, stay): (Vec<_>, Vec<_>) =
-            self.connected(parts).into_iter().partition(|piece| area(piece) >= LEAST);
-        kept.extend(stay.into_iter().flatten());
-        kept.sort_unstable();
-        let rest = self.connected(kept).into_iter().next().filter(|rest| area(rest) >= REST)?;
-        if gone.is_empty() {
-            return None;
-        }
-        let corners: Vec<[u32; 3]> = rest.iter().map(|&own| triangles[own as usize]).collect();
-        let triangle_of_local = rest.iter().map(|&own| self.shell.triangle_of_local[own as usize]).collect();
-        Some(Shell { triangle_of_local, ..self.shell.with_triangles(&corners).0 })
+        rest(self.shell, |own| is_part[self.coarse_vertex(own)])
     }
+}
 
-    /// The connected pieces of some triangles, by falling area.
-    fn connected(&self, triangles: Vec<u32>) -> Vec<Vec<u32>> {
-        let corners: Vec<[u32; 3]> =
-            triangles.iter().map(|&own| self.shell.triangles[own as usize]).collect();
-        let pieces = partition(&corners, &self.shell.positions);
-        let mut found = vec![Vec::new(); pieces.count];
-        for (own, [corner, ..]) in triangles.into_iter().zip(corners) {
-            found[pieces.shell_of_point[corner as usize] as usize].push(own);
-        }
-        found
+/// What is left of a shell without the parts whose vertices a pairing by connectivity leaves out.
+pub fn paired_rest(shell: &Shell, partner: &[u32]) -> Option<Shell> {
+    rest(shell, |own| partner[shell.points[own] as usize] == NONE)
+}
+
+/// The largest connected rest of a shell without what `is_part`, of which small pieces stay; `None` if none goes, or too much.
+fn rest(shell: &Shell, is_part: impl Fn(usize) -> bool) -> Option<Shell> {
+    let Shell { triangles, positions, .. } = shell;
+    let touches = |own: &u32| triangles[*own as usize].iter().any(|&at| is_part(at as usize));
+    let (parts, mut kept): (Vec<u32>, Vec<u32>) = (0..triangles.len() as u32).partition(touches);
+    let area = |pieces: &[u32]| -> f64 {
+        let corners = pieces.iter().map(|&own| triangles[own as usize].map(|at| positions[at as usize]));
+        corners.map(|[a, b, c]| triangle_area(a, b, c)).sum()
+    };
+    let (gone, stay): (Vec<_>, Vec<_>) =
+        connected(shell, parts).into_iter().partition(|piece| area(piece) >= LEAST);
+    kept.extend(stay.into_iter().flatten());
+    kept.sort_unstable();
+    let rest = connected(shell, kept).into_iter().next().filter(|rest| area(rest) >= REST)?;
+    if gone.is_empty() {
+        return None;
     }
+    let corners: Vec<[u32; 3]> = rest.iter().map(|&own| triangles[own as usize]).collect();
+    let triangle_of_local = rest.iter().map(|&own| shell.triangle_of_local[own as usize]).collect();
+    Some(Shell { triangle_of_local, ..shell.with_triangles(&corners).0 })
+}
+
+/// The connected pieces of some triangles of a shell, by falling area.
+fn connected(shell: &Shell, triangles: Vec<u32>) -> Vec<Vec<u32>> {
+    let corners: Vec<[u32; 3]> = triangles.iter().map(|&own| shell.triangles[own as usize]).collect();
+    let pieces = partition(&corners, &shell.positions);
+    let mut found = vec![Vec::new(); pieces.count];
+    for (own, [corner, ..]) in triangles.into_iter().zip(corners) {
+        found[pieces.shell_of_point[corner as usize] as usize].push(own);
+    }
+    found
 }
 
 /// Distances of a surface's vertices from anchors, and from the images of these.

@@ -10,7 +10,7 @@ use crate::geometry::shortest_paths::EdgeLengths;
 use crate::geometry::surface_grid::{Place, places};
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
-use crate::mesh::{Mesh, NONE, Shell};
+use crate::mesh::{Mesh, NONE, Shell, UnionFind};
 use crate::spectral::twin_parts::MOST_PARTS;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -61,7 +61,8 @@ impl JoinedShells {
         }
         let contacts = Contacts::between(mesh, &shells[..members]);
         let distances = contacts.distances(mesh, &shells[..members]);
-        let twins = twins::likely(mesh, &shells[..members], &distances);
+        let mut twins = twins::likely(mesh, &shells[..members], &distances);
+        contacts.drop_held(&mut twins);
         if twins.iter().filter(|twin| **twin != NONE).count() < 2 {
             return JoinedShells::alone(shells);
         }
@@ -190,15 +191,45 @@ impl Contacts {
         largest
     }
 
+    /// Takes their twins from shells that touch others only where the twins of both do not touch, as a sword that is its own mirror image touches one hand.
+    fn drop_held(&self, twins: &mut [u32]) {
+        let touching = self.touching();
+        let is_of_twins = |[a, b]: [usize; 2]| twins[a] != NONE && twins[b] != NONE;
+        let is_kept = |[a, b]: [usize; 2]| {
+            let [a, b] = [twins[a] as usize, twins[b] as usize];
+            touching.contains(&[a.min(b), a.max(b)])
+        };
+        let mut groups = UnionFind::new(twins.len());
+        let (kept, refused): (Vec<[usize; 2]>, Vec<_>) =
+            touching.iter().copied().filter(|&pair| is_of_twins(pair)).partition(|&pair| is_kept(pair));
+        kept.iter().for_each(|&[a, b]| groups.join(a as u32, b as u32));
+        // Shells come by falling area.
+        let main =
+            (0..twins.len()).find(|&shell| twins[shell] != NONE).map(|shell| groups.find(shell as u32));
+        let groups: Vec<u32> = (0..twins.len() as u32).map(|shell| groups.find(shell)).collect();
+        let held: HashSet<u32> = refused
+            .into_iter()
+            .filter(|pair| pair.iter().any(|&shell| Some(groups[shell]) == main))
+            .flat_map(|pair| pair.map(|shell| groups[shell]))
+            .filter(|&group| Some(group) != main)
+            .collect();
+        twins
+            .iter_mut()
+            .zip(&groups)
+            .filter(|(_, group)| held.contains(group))
+            .for_each(|(twin, _)| *twin = NONE);
+    }
+
+    /// Pairs of shells that touch.
+    fn touching(&self) -> HashSet<[usize; 2]> {
+        let contacts = self.near.iter().filter(|contact| contact.distance <= TOUCHING);
+        contacts.map(|contact| contact.shells).collect()
+    }
+
     /// Triangles over the mesh's points that make one surface of the shells that have a twin, where the twins of two that touch do, too.
     fn joints(&self, twins: &[u32]) -> Vec<[u32; 3]> {
         let is_joined = |shell: usize| twins[shell] != NONE;
-        let touching: HashSet<[usize; 2]> = self
-            .near
-            .iter()
-            .filter(|contact| contact.distance <= TOUCHING)
-            .map(|contact| contact.shells)
-            .collect();
+        let touching = self.touching();
         let is_kept = |contact: &Contact| {
             let [a, b] = contact.shells.map(|shell| twins[shell] as usize);
             touching.contains(&contact.shells) && touching.contains(&[a.min(b), a.max(b)])

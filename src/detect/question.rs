@@ -4,7 +4,7 @@ use crate::base::effort::Mechanisms;
 use crate::base::error::Result;
 use crate::base::options::{Effort, Options};
 use crate::base::progress::Progress;
-use crate::connectivity::automorphism::{Automorphism, Connectivity};
+use crate::connectivity::automorphism::{Automorphism, Connectivity, LengthChange};
 use crate::detect::assembler::Gatherer;
 use crate::detect::clock::Clock;
 use crate::detect::companions;
@@ -48,8 +48,10 @@ impl<'a> Question<'a> {
     ) -> Result<Question<'a>> {
         progress.report("connectivity", 0.01)?;
         let mut connectivity = if mechanisms.connectivity { Connectivity::of(mesh)? } else { None };
+        let keeps_lengths =
+            |found: &Automorphism| LengthChange::of(mesh, found).is_some_and(|change| change.agrees());
         let unrivalled = match &mut connectivity {
-            Some(connectivity) => connectivity.find_unrivalled(progress)?,
+            Some(connectivity) => connectivity.find_unrivalled(keeps_lengths, progress)?,
             None => None,
         };
         clock.lap("connectivity");

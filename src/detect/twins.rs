@@ -18,6 +18,8 @@ const LESS_BESIDE_SIZE: f64 = 0.25;
 const LESS_BESIDE_TWIN: f64 = 2.3;
 /// Natural logarithms of ratios of two shells' lengths by area, by volume and by extent at which these count as one size by 1 / e.
 const TOLERANCES: [f64; 3] = [0.04, 0.06, 0.12];
+/// The same by area of shells that are alike to the last, as twins are that were mirrored, and feathers of one wing are not: others are half as similar.
+const CLOSE: f64 = 0.012;
 /// How much more two shells may differ, in all, whose connectivity is the same and tells their points apart.
 const LOOSE: f64 = 1.0;
 /// A change of a distance, in sqrt(area), from which on two pairs exclude each other, and what speaks against a pair that excludes all others.
@@ -51,7 +53,8 @@ fn evidence(signatures: &[Signature], sizes: &[[f64; 3]]) -> Vec<f64> {
     let similarity = |a: usize, b: usize| {
         let ratio = |k: usize| (sizes[a][k] / sizes[b][k]).ln() / TOLERANCES[k];
         let apart = (0..3).map(|k| ratio(k).powi(2)).sum::<f64>();
-        (-apart / (1.0 + LOOSE * distinct(a, b)).powi(2)).exp()
+        let close = (-(ratio(0) * TOLERANCES[0] / CLOSE).powi(2)).exp();
+        (-apart / (1.0 + LOOSE * distinct(a, b)).powi(2)).exp() * 0.5 * (1.0 + close)
     };
     let twin = |a: usize, b: usize| similarity(a, b) * distinct(a, b);
     let most = |a: usize, of: &dyn Fn(usize, usize) -> f64| {

@@ -1,21 +1,25 @@
 //! The only pairing of a shell whose connectivity is mirrored but for a few defects, where no estimate helps.
 //!
-//! Seeds are those of [`super::partial`], in classes of at most three vertices. The first patch that holds nearly all
-//! vertices of the shell, and most of its irregular ones, is the pairing; none is where the same vertices can be sent elsewhere and nearly all
-//! of the shell follows, too, as in a box with two mirror planes.
+//! Seeds are those of [`super::partial`], in classes of at most three vertices. The first patch that holds most
+//! vertices of the shell, and meets few contradictions, is the pairing; a part without a counterpart is left out. Where the same vertices can be sent elsewhere and most
+//! of the shell follows, too, as in a box with two mirror planes, or in a body whose front is its back but for the nose, shape decides.
 
 use super::matching::{Mark, Matching};
 use super::partial::{
-    Context, FAILURES, SMALLEST_SHELL, TRIAL_FACES, drop_rings_at_contradictions, is_repeated,
-    most_common_valence, score_of_trial, seeds,
+    Context, FAILURES, SMALLEST_SHELL, TRIAL_FACES, contradicted_faces, drop_rings_at_contradictions,
+    is_repeated, most_common_valence, score_of_trial, seeds,
 };
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::mesh::NONE;
 
-/// Least share of a shell, and of its irregular vertices, to be paired: a defect makes some of these.
-const COVERED: f64 = 0.9;
-const COVERED_IRREGULAR: f64 = 0.7;
+/// Least share of a shell, and of its irregular vertices, to be paired: a defect makes some of these, a missing hand leaves many.
+const COVERED: f64 = 0.6;
+const COVERED_IRREGULAR: f64 = 0.3;
+/// Vertices that each contradicted face counts for.
+const CONTRADICTION: f64 = 4.0;
+/// Most pairings that are looked at.
+const MOST_PAIRINGS: usize = 4;
 /// Fewest irregular vertices of a shell of which defects may leave some unpaired.
 const IRREGULAR: usize = 32;
 /// Least share of vertices with a lookalike: a defect takes it from all within some rings, and from their partners.
@@ -36,11 +40,13 @@ struct Shell<'a> {
 }
 
 /// Pairs the vertices of a shell that nothing is paired of yet; says whether there is such a pairing. The classes of `context` are those by
-/// far surroundings, in which a vertex away from defects has few lookalikes but its partner. O(size of the shell).
+/// far surroundings, in which a vertex away from defects has few lookalikes but its partner. Of several pairings it is the one that `agrees`, if no other does.
+/// O(size of the shell).
 pub(super) fn match_shell(
     matching: &mut Matching,
     context: &Context,
     shell: usize,
+    agrees: impl Fn(&Matching, &[u32]) -> bool,
     progress: &Progress,
 ) -> Result<bool> {
     let shell = Shell::new(context, shell);
@@ -52,22 +58,16 @@ pub(super) fn match_shell(
         return Ok(false);
     }
     let seeds = seeds(matching, context, vertices, progress)?;
-    let before = matching.mark();
-    for &(_, start, target) in seeds.iter().take(FAILURES) {
-        progress.check()?;
-        matching.grow(start, target, context.valences, usize::MAX);
-        if shell.is_nearly_paired(matching, before) {
-            if shell.has_rival(matching, &seeds, progress)? {
-                break;
-            }
-            drop_rings_at_contradictions(matching, before);
-            pair_by_neighbours(matching, vertices);
-            return Ok(true);
-        }
-        matching.rollback(before);
+    let mut found = shell.pairings(matching, &seeds, progress)?;
+    if found.len() > 1 {
+        found.retain(|(pairing, ..)| agrees(pairing, vertices));
     }
-    matching.rollback(before);
-    Ok(false)
+    let [(_, from, to)] = found[..] else { return Ok(false) };
+    let before = matching.mark();
+    matching.grow(from, to, context.valences, usize::MAX);
+    drop_rings_at_contradictions(matching, before);
+    pair_by_neighbours(matching, vertices);
+    Ok(true)
 }
 
 impl<'a> Shell<'a> {
@@ -79,44 +79,71 @@ impl<'a> Shell<'a> {
         Shell { context, vertices, regular, irregular }
     }
 
+    /// Whether what grew since a mark is most of the shell, and met few contradictions for that.
     fn is_nearly_paired(&self, matching: &Matching, since: Mark) -> bool {
         let paired = matching.paired_since(since);
         let is_irregular = |&&vertex: &&u32| self.context.valences[vertex as usize] != self.regular;
         let irregular = paired.iter().filter(is_irregular).count();
-        paired.len() as f64 >= COVERED * self.vertices.len() as f64
+        let against = CONTRADICTION * contradicted_faces(matching, since) as f64;
+        paired.len() as f64 - against >= COVERED * self.vertices.len() as f64
             && irregular as f64 >= COVERED_IRREGULAR * self.irregular as f64
     }
 
-    /// Whether nearly all of the shell can be paired in another way, too, that starts at one of the seeds.
-    fn has_rival(&self, matching: &Matching, seeds: &[(u32, u32, u32)], progress: &Progress) -> Result<bool> {
-        let mut other = Matching::new(matching.half_edges, matching.kind());
-        let start = other.mark();
+    /// The first pairing of nearly all of the shell that starts at one of the seeds, and those that send most vertices elsewhere; each with its start.
+    fn pairings<'m>(
+        &self,
+        matching: &Matching<'m>,
+        seeds: &[(u32, u32, u32)],
+        progress: &Progress,
+    ) -> Result<Vec<(Matching<'m>, u32, u32)>> {
+        let mut found: Vec<(Matching, u32, u32)> = Vec::new();
+        let empty = || Matching::new(matching.half_edges, matching.kind());
+        let mut trial = empty();
+        let start = trial.mark();
+        for &(_, from, to) in seeds.iter().take(FAILURES) {
+            progress.check()?;
+            trial.grow(from, to, self.context.valences, usize::MAX);
+            if self.is_nearly_paired(&trial, start) {
+                found.push((std::mem::replace(&mut trial, empty()), from, to));
+                break;
+            }
+            trial.rollback(start);
+        }
+        if found.is_empty() {
+            return Ok(found);
+        }
         for &(vertex, ..) in seeds.iter().take(RIVAL_SEEDS) {
             for &image in self.context.classes.members(vertex) {
                 progress.check()?;
-                for (half_edge, target) in other.seeds(vertex, image) {
-                    if matching.image_of(half_edge) == target {
+                for (from, to) in trial.seeds(vertex, image) {
+                    if found.len() == MOST_PAIRINGS || found.iter().any(|known| known.0.image_of(from) == to)
+                    {
                         continue;
                     }
-                    let faces = other.grow(half_edge, target, self.context.valences, TRIAL_FACES);
-                    let promises = 2 * score_of_trial(&other, start, faces) >= faces;
-                    other.rollback(start);
+                    let faces = trial.grow(from, to, self.context.valences, TRIAL_FACES);
+                    let promises = 2 * score_of_trial(&trial, start, faces) >= faces;
+                    trial.rollback(start);
                     if !promises {
                         continue;
                     }
-                    other.grow(half_edge, target, self.context.valences, usize::MAX);
-                    let differs = |&&vertex: &&u32| {
-                        other.vertex_image[vertex as usize] != matching.vertex_image[vertex as usize]
-                    };
-                    let elsewhere = other.paired_since(start).iter().filter(differs).count();
-                    if self.is_nearly_paired(&other, start) && 2 * elsewhere > self.vertices.len() {
-                        return Ok(true);
+                    trial.grow(from, to, self.context.valences, usize::MAX);
+                    let is_new = self.is_nearly_paired(&trial, start)
+                        && found.iter().all(|known| self.is_elsewhere(&trial, start, &known.0));
+                    if is_new {
+                        found.push((std::mem::replace(&mut trial, empty()), from, to));
                     }
-                    other.rollback(start);
+                    trial.rollback(start);
                 }
             }
         }
-        Ok(false)
+        Ok(found)
+    }
+
+    /// Whether what is paired since a mark sends as many vertices elsewhere than another pairing does as make half of the shell.
+    fn is_elsewhere(&self, matching: &Matching, since: Mark, other: &Matching) -> bool {
+        let differs =
+            |&&vertex: &&u32| matching.vertex_image[vertex as usize] != other.vertex_image[vertex as usize];
+        2 * matching.paired_since(since).iter().filter(differs).count() > self.vertices.len()
     }
 }
 

@@ -164,7 +164,8 @@ pub(super) fn score_of_trial(matching: &Matching, mark: Mark, faces: usize) -> u
     faces.saturating_sub(2 * contradicted_faces(matching, mark))
 }
 
-fn contradicted_faces(matching: &Matching, mark: Mark) -> usize {
+/// Faces at which growth since `mark` stopped.
+pub(super) fn contradicted_faces(matching: &Matching, mark: Mark) -> usize {
     let mut faces: Vec<u32> = matching
         .refused_since(mark)
         .iter()
