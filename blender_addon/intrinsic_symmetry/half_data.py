@@ -66,13 +66,13 @@ class Old:
             mesh_data.set_key_positions(key, mix.of(points) + moved + left_out)
         mesh.vertices.foreach_set("co", np.ascontiguousarray(places, np.float32).ravel())
 
-    def give_points(self, object, mix, copies):
-        """Weights and attributes of the copied vertices."""
-        mesh = object.data
+    def give_points(self, object, mix, copies, added):
+        """Weights and attributes of the copied vertices; those that were added keep their models' attributes."""
+        mesh, taking = object.data, copies & ~added
         for name, values in self.values["POINT"].items():
             attribute = mesh.attributes[name]
             now = mesh_data.read_attribute(attribute)
-            now[copies] = mix.at(copies).of(values)
+            now[taking] = mix.at(taking).of(values)
             mesh_data.update_attribute(attribute, now)
         if self.weights is not None:
             now = read_weights(object)
@@ -146,6 +146,12 @@ def _left_out(moved, lift, ends, places):
     around = filled(np.where(lifted[:, None], np.nan, moved), ends, places)
     off = np.linalg.norm(around - moved - lift, axis=1)
     return np.where((lifted & (off < _ALIKE * np.linalg.norm(lift, axis=1)))[:, None], lift, 0)
+
+
+def is_of_faces(attribute):
+    """Whether an attribute of faces or edges goes from one half to the other."""
+    hidden = attribute.name.startswith(".") and attribute.name != ".sculpt_face_set"
+    return attribute.domain in ("EDGE", "FACE") and attribute.data_type in mesh_data.LAYOUTS and not hidden
 
 
 def _is_own(attribute, domain):
