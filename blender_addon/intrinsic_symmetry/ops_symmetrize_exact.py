@@ -3,6 +3,7 @@
 
 import bpy
 import numpy as np
+from intrinsym import Merge
 
 from . import asymmetry, left_side, mesh_data
 from .mirroring import MirrorProperties, blend, shares
@@ -48,7 +49,13 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
         """Makes positions symmetric in their pose: what is narrow, then the lengths."""
         symmetry, how = self.held(mesh, symmetry, inside)
         shape = PosedShape(symmetry, mesh_data.triangles(mesh), positions, shares(symmetry, self.merge, **how))
-        return lambda points: shape.with_lengths(symmetry.symmetrize_positions(points, self.merge, **how))
+        swaps = self.merge == Merge.SWAP  # what is narrow has changed sides already then
+
+        def once(points):
+            narrow = symmetry.symmetrize_positions(points, self.merge, **how)
+            return shape.with_lengths(narrow, points if swaps else None)
+
+        return once
 
     def _about(self, symmetry, reference):
         """Makes positions symmetric about a plane."""
