@@ -8,7 +8,8 @@ import numpy as np
 from intrinsym import Merge, SymmetryKind
 
 from . import (
-    half_copy, half_data, half_form, half_line, half_map, left_side, local_frames, mesh_data, stored_map, vertex_map,
+    half_copy, half_data, half_form, half_line, half_map, left_side, local_frames, mesh_data, ops_attributes,
+    stored_map, vertex_map,
 )
 from .counterparts import listed
 from .mirroring import DIRECTIONS, MERGE
@@ -53,7 +54,7 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
             self.warn(f"Undo in edit mode does not take back the vertices of {listed(half.attached.names)}")
         stored_map.store(mesh, half.core_mesh, half.known, left=(1, left_from), exact_share=1.0)
         mesh.update()
-        self._mirror(object, ["custom_normal"] if mesh.has_custom_normals else [], direction)
+        self._mirror_normals(object, direction)
         if lone := np.count_nonzero(half.known.partner < 0):
             self.warn(f"{lone:,} vertices of parts without a mirror image stay alone")
         copied = np.count_nonzero(half.copies)
@@ -68,16 +69,20 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         exact = core_mesh.restore(symmetry.kind, symmetry.partner, found, symmetry.side, points)
         exact.fixed_curve, record = stored_map.fixed_lines(mesh), mesh[stored_map.RECORD]
         stored_map.store(mesh, core_mesh, exact, record["doubtful"], (1, record["left_from"]), exact_share=1.0)
-        names = [each.name for each in mesh.attributes if half_data.is_of_faces(each)]
-        values = {name: mesh_data.read_attribute(mesh.attributes[name]) for name in names}
-        self._mirror(object, names + ["custom_normal"] * mesh.has_custom_normals, direction)
-        new = [name for name in names if not np.array_equal(values[name], mesh_data.read_attribute(mesh.attributes[name]))]
-        return f"The faces are mirrored already: {f'only {listed(new)} changed' if new else 'nothing to do'}"
+        changed = []
+        for name in [each.name for each in mesh.attributes if half_data.is_of_faces(each)]:
+            values, new = ops_attributes.of_elements(exact, mesh, mesh.attributes[name], MERGE[direction])
+            if not np.array_equal(values, new):
+                mesh_data.update_attribute(mesh.attributes[name], new)
+                changed.append(name)
+        mesh.update()
+        self._mirror_normals(object, direction)
+        return f"The faces are mirrored already: {f'only {listed(changed)} changed' if changed else 'nothing to do'}"
 
-    def _mirror(self, object, names, direction):
-        with bpy.context.temp_override(active_object=object, object=object):
-            for name in names:
-                bpy.ops.intrinsic_symmetry.mirror_attribute(name=name, direction=direction)
+    def _mirror_normals(self, object, direction):
+        if object.data.has_custom_normals:
+            with bpy.context.temp_override(active_object=object, object=object):
+                bpy.ops.intrinsic_symmetry.mirror_attribute(name="custom_normal", direction=direction)
 
     def _direction(self, mesh):
         """The one that was chosen, or from the edited side."""
