@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from mathutils.kdtree import KDTree
 
-from . import mesh_data, stored_map
+from . import mesh_data, side_names, stored_map
 from .half_line import LOSES
 from .neighbour_means import filled
 from .regions import uv_islands
@@ -67,7 +67,8 @@ class Old:
         mesh.vertices.foreach_set("co", np.ascontiguousarray(places, np.float32).ravel())
 
     def give_points(self, object, mix, copies, added):
-        """Weights and attributes of the copied vertices; those that were added keep their models' attributes."""
+        """Weights and attributes of the copied vertices. Those that were added keep their models', of groups with left and
+        right exchanged."""
         mesh, taking = object.data, copies & ~added
         for name, values in self.values["POINT"].items():
             attribute = mesh.attributes[name]
@@ -77,7 +78,9 @@ class Old:
         if self.weights is not None:
             now = read_weights(object)
             new = now.copy()
-            new[copies] = mix.at(copies).of(self.weights)
+            new[taking] = mix.at(taking).of(self.weights)
+            flipped = side_names.counterpart_columns([group.name for group in object.vertex_groups])
+            new[added] = np.pad(now[added], ((0, 0), (0, 1)))[:, flipped]
             write_weights(object, now, new)
 
     def give_corners(self, mesh, copied, places):

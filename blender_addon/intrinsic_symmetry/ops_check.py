@@ -88,9 +88,8 @@ class INTRINSIC_SYMMETRY_OT_select_asymmetric(MapOperator, bpy.types.Operator):
             raise mesh_data.MeshProblem("The object has no vertex groups")
         weights = read_weights(object)
         of_nothing = np.column_stack([weights, np.zeros(len(weights))])
-        others = [side_names.counterpart(name, names) for name in names]
-        flipped = [names.index(other) if other in names else -1 for other in others]
-        differences = np.abs(weights - symmetry.mirror_values(of_nothing[:, flipped], Merge.SWAP))
+        images = symmetry.mirror_values(of_nothing[:, side_names.counterpart_columns(names)], Merge.SWAP)
+        differences = np.abs(weights - images)
         return differences, lambda counts: f"have other weights ({_largest(names, counts)})"
 
     def _key(self, symmetry, object):

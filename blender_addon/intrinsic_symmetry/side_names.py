@@ -62,6 +62,12 @@ def counterpart(name, names):
     return there[0] if len(there) == len(own) == 1 else other
 
 
+def counterpart_columns(names):
+    """(names,) the number of each name's counterpart; -1 where that is not among them."""
+    number = {name: column for column, name in enumerate(names)}
+    return [number.get(counterpart(name, names), -1) for name in names]
+
+
 def is_too_long(name):
     """Whether Blender would cut a name."""
     return len(name.encode()) > _MOST_BYTES
