@@ -42,6 +42,9 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
         for _ in range(self.repeat):
             after = blend(after, once(after), self.strength * inside)
         mesh_data.set_shown_positions(object, after)
+        if self.merge == Merge.SWAP:
+            away = np.linalg.norm(after - before, axis=1).max(initial=0) / asymmetry.size(before)
+            return f"Exchanged {reference.in_words()}: vertices moved by up to {away:.2%} of the object's size"
         old, now = (reference.asymmetry(symmetry, points)[inside > 0] for points in (before, after))
         return f"Asymmetry {reference.in_words()}: {_mean(old)}, now {_mean(now)} of the object's size"
 
