@@ -63,7 +63,7 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
     def _about(self, symmetry, reference):
         """Makes positions symmetric about a plane."""
         share = self.shares(symmetry)
-        on_line = (symmetry.side == 0) & (symmetry.partner >= 0)
+        on_line = (symmetry.side == 0) & (symmetry.partner >= 0) & (self.merge != Merge.SWAP)
         share[on_line] = np.where(symmetry.confidence[on_line] < self.minimum_confidence, 0.0, 0.5)
         return lambda positions: blend(positions, reference.images(symmetry, positions), share)
 

@@ -53,6 +53,17 @@ def test_wide_asymmetry_goes_wholly_and_the_winning_side_stays(head, mode):
     assert line < 0.05, "the line goes onto the plane"
 
 
+def test_an_exchange_at_rest_twice_gives_back(head):
+    """Also vertices on the line that are off the plane."""
+    _spoil(head)
+    bent = positions(head.data) + 0.05 * np.sin(5 * positions(head.data) @ TURN)[:, 1:2] * TURN[:, 0]
+    _set(head, bent)
+    assert ops.symmetrize_exactly(about="PLANE", direction="SWAP") == {"FINISHED"}
+    assert np.abs(positions(head.data) - bent).max() > 0.05
+    ops.symmetrize_exactly(about="PLANE", direction="SWAP")
+    assert np.abs(positions(head.data) - bent).max() < 1e-5
+
+
 def test_strength_is_a_share(head):
     _spoil(head)
     before = _asymmetry(head).mean()
