@@ -428,6 +428,7 @@ ACROSS = {
     **{name: FORMS[name] for name in ("inset", "bevel", "bevel, rounded")},
     "extrude": [lambda: bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0, 0.1, 0.1)})],
     "delete": [lambda: bpy.ops.mesh.delete(type="FACE")],
+    "merge": [lambda: bpy.ops.mesh.merge(type="COLLAPSE")],
 }
 
 
