@@ -202,7 +202,8 @@ impl Options {
     pub fn validate(&self) -> Result<()> {
         OPTIONS.iter().zip(self.values()).try_for_each(|(spec, value)| spec.check(value))?;
         if let Some(path) = self.model.as_ref().filter(|_| self.network) {
-            let failed = |fault: std::io::Error| Error::File { path: path.clone(), message: fault.to_string() };
+            let failed =
+                |fault: std::io::Error| Error::File { path: path.clone(), message: fault.to_string() };
             std::fs::File::open(path).map_err(failed)?;
         }
         match self.known_signs.iter().find(|sign| !(-1..=1).contains(*sign)) {
