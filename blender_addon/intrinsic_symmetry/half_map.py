@@ -9,14 +9,17 @@ from .half_line import LINE, STAYS, WINS
 from .regions import components, mirrored
 
 
-def is_mirrored(mesh, symmetry):
-    """Whether all shells that have images have mirrored faces already, with the partners of the map."""
+def is_mirrored(mesh, symmetry, winner):
+    """Whether all shells that have images have mirrored faces already, with the partners of the map, and none is to be
+    copied from the side that wins, 1 or -1."""
     offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
     partner = symmetry.partner.astype(np.int64)
     alike = mirrored(offsets, corners, partner) & (partner[partner] == np.arange(len(partner)))
     alike &= symmetry.side[partner] == -symmetry.side
     shell = components(len(partner), mesh_data.edges(mesh).astype(np.int64))
-    return alike[np.isin(shell, shell[(partner >= 0) | (symmetry.side != 0)])].all()
+    found = np.isin(shell, shell[partner >= 0])
+    stays = np.isin(shell, shell[symmetry.side != winner])
+    return np.where(found, alike, stays).all()
 
 
 def known(mesh, core_mesh, halves, source, winner, sides):
@@ -30,7 +33,7 @@ def known(mesh, core_mesh, halves, source, winner, sides):
     partner = np.where(labels == LINE, own, at[model + count * ~copied])
     partner = np.where(labels == STAYS, -1, partner)
     side = np.where(labels == WINS, np.where(copied, -winner, winner), 0)
-    side = np.where(labels == STAYS, np.append(sides, np.zeros(len(halves.shares)))[model], side)
+    side = np.where(labels == STAYS, np.append(sides, np.zeros(len(halves.shares), int))[model], side)
     points = vertex_map.at_vertices(core_mesh, partner)
     partner = np.where(points.faces == vertex_map.NONE, -1, partner)
     kind = intrinsym.SymmetryKind.REFLECTION

@@ -44,7 +44,7 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         direction = self._direction(mesh)
         winner = 1 if MERGE[direction] == Merge.POSITIVE_WINS else -1
         before, left_from = len(mesh.polygons), mesh[stored_map.RECORD]["left_from"]
-        if half_map.is_mirrored(mesh, symmetry):
+        if half_map.is_mirrored(mesh, symmetry, winner):
             return self._keep(object, symmetry, direction)
         self._say_what_is_replaced(mesh, winner)
         half = _Half(object, symmetry, winner)
@@ -55,8 +55,7 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         stored_map.store(mesh, half.core_mesh, half.known, left=(1, left_from), exact_share=1.0)
         mesh.update()
         self._mirror_normals(object, direction)
-        if lone := np.count_nonzero(half.known.partner < 0):
-            self.warn(f"{lone:,} vertices of parts without a mirror image stay alone")
+        self._say_lone(half.known)
         copied = np.count_nonzero(half.copies)
         way = "Left to right" if winner > 0 else "Right to left"
         return f"{way}: {copied:,} vertices are copies; {len(mesh.polygons):,} faces now, {before:,} before"
@@ -77,7 +76,12 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
                 changed.append(name)
         mesh.update()
         self._mirror_normals(object, direction)
+        self._say_lone(exact)
         return f"The faces are mirrored already: {f'only {listed(changed)} changed' if changed else 'nothing to do'}"
+
+    def _say_lone(self, symmetry):
+        if lone := np.count_nonzero(symmetry.partner < 0):
+            self.warn(f"{lone:,} vertices of parts without a mirror image stay alone")
 
     def _mirror_normals(self, object, direction):
         if object.data.has_custom_normals:

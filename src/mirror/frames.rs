@@ -119,10 +119,10 @@ fn edges_covariance(point: usize, around: &[u32], own: &[Vector], image: &[Optio
 /// The sums of each covariance and the transposed one of its image, where two points are each other's images.
 fn mutual(mesh: &Mesh, symmetry: &Symmetry, covariance: Vec<Matrix>) -> Vec<Matrix> {
     let image = |point: usize| {
-        let vertex = mesh.vertex_of_point[point] as usize;
-        let is_vertex = symmetry.surface_point[vertex]?.barycentric.into_iter().any(|weight| weight > WHOLE);
-        let image = mesh.point_of_vertex[symmetry.partner[vertex] as usize];
-        (is_vertex && image != NONE).then_some(image as usize)
+        let there = symmetry.surface_point[mesh.vertex_of_point[point] as usize]?;
+        let corner = there.barycentric.iter().position(|&weight| weight > WHOLE)?;
+        let image = mesh.point_of_vertex[there.vertices[corner] as usize];
+        (image != NONE).then_some(image as usize)
     };
     let both = |(point, &own): (usize, &Matrix)| {
         let mut sum = own;
