@@ -12,7 +12,7 @@ use intrinsym::{
     CancelToken, Coverage, EdgePoint, Mesh, PolygonMesh, Polyline, Progress, SurfacePoint, Symmetry,
     SymmetryKind,
 };
-use support::{Vector, creature, creature_truth, distance, dot, rotated, validated};
+use support::{Vector, creature, creature_truth, distance, dot, example, example_truth, rotated, validated};
 
 /// The exact map of a mesh whose partners are known; sides by the sign of x.
 fn exact_symmetry(polygons: &PolygonMesh, partners: &[u32]) -> Symmetry {
@@ -260,6 +260,19 @@ fn a_displacement_is_carried_in_the_limb_s_own_frame() {
     println!("carried: {count} vertices, mean error {mean}, worst {worst}; by a plane {plain}");
     assert!(count > 20.0 && plain > 0.25, "the test's rigid part has {count} vertices");
     assert!(mean < 0.05 && worst < 0.2, "mean error {mean}, worst {worst} of the displacement");
+}
+
+#[test]
+fn a_displacement_that_is_exchanged_twice_is_back() {
+    let (human, partners) = (example("human"), example_truth("human"));
+    let (mesh, symmetry) = (validated(&human), exact_symmetry(&human, &partners));
+    let field: Vec<Vector> = human.positions.iter().map(|place| place.map(|x| (5.0 * x).cos())).collect();
+    let swap = Mirroring::whole(Merge::Swap);
+    let carry =
+        |field: &[Vector]| carry_displacement(&mesh, &symmetry, &human.positions, field, &swap).unwrap();
+    for (&found, &expected) in carry(&carry(&field)).iter().zip(&field) {
+        assert_near(found, expected, 1e-6, "there and back");
+    }
 }
 
 #[test]

@@ -16,7 +16,7 @@ from . import mesh_data, rigid_pieces, stored_map, vertex_map
 from .carried_walk import pairs
 from .image_surface import CLOSE, ON, ImageSurface
 from .neighbour_means import between, filled, longest_edges, shortest_edges
-from .regions import around, components
+from .regions import around, components, mirrored
 from .surface import Mix, Surface
 
 #: By how much the confidence of what is carried is lowered.
@@ -211,17 +211,9 @@ class CarriedMap:
     def edits(self):
         """How many vertices on the left and on the right were edited, or were images and are gone, apart from what was
         done on both sides alike. After `found`."""
-        edited, lost = self._edited & ~self._alike(), ~self.new & ~self._kept & self._had
+        alike = mirrored(self._offsets, self._used, np.where(self._exact, self.partner, -1))
+        edited, lost = self._edited & ~alike, ~self.new & ~self._kept & self._had
         return [np.count_nonzero(edited & (self._side == at) | lost & (self._side == -at)) for at in (1, -1)]
-
-    def _alike(self):
-        """(vertices,) bool: those whose faces are the mirror images of their partners' faces."""
-        own = around(self._offsets, self._used, np.arange(len(self.new)))
-        sizes = np.diff(self._offsets)
-        face = np.repeat(np.arange(len(sizes)), sizes)
-        backward = self._used[self._offsets[face] + self._offsets[face + 1] - 1 - np.arange(len(self._used))]
-        mirrored = around(self._offsets, backward, np.where(self._exact, self.partner, -1))
-        return self._exact & (mirrored == own[np.where(self._exact, self.partner, 0)])
 
     def lifted(self):
         """(vertices, 3) how far new vertices without a partner of their own, and what they enclose, stand off the surface
@@ -251,6 +243,15 @@ class CarriedMap:
         side = np.where(np.abs(way) <= least, 0, np.sign(way))
         self._side = np.where(np.isnan(self._side), side, self._side)
         self._target[self._gone] = np.nan
+        self._take_sides()
+
+    def _take_sides(self):
+        """Gives shells that are new all over, and have no images, the side of the surface nearest to them."""
+        shell = components(len(self.new), self._ends)
+        added = ~np.isin(shell, shell[~self.new])
+        surface = Surface(self._mesh, self._places, ~added, np.all) if added.any() else None
+        if surface is not None and len(surface.faces):
+            self._side[added] = np.sign(surface.vertex_mix(self._places[added]).of(self._side))
 
     def _walk(self):
         """Pairs new vertices where both sides got the same edit: on extrusions, or where an image is expected, as well as

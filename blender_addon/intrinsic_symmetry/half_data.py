@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from mathutils.kdtree import KDTree
 
-from . import mesh_data, stored_map
+from . import mesh_data, side_names, stored_map
 from .half_line import LOSES
 from .neighbour_means import filled
 from .regions import uv_islands
@@ -66,18 +66,21 @@ class Old:
             mesh_data.set_key_positions(key, mix.of(points) + moved + left_out)
         mesh.vertices.foreach_set("co", np.ascontiguousarray(places, np.float32).ravel())
 
-    def give_points(self, object, mix, copies):
-        """Weights and attributes of the copied vertices."""
-        mesh = object.data
+    def give_points(self, object, mix, copies, added):
+        """Weights and attributes of the copied vertices. Those that were added keep their models', of groups with left and
+        right exchanged."""
+        mesh, taking = object.data, copies & ~added
         for name, values in self.values["POINT"].items():
             attribute = mesh.attributes[name]
             now = mesh_data.read_attribute(attribute)
-            now[copies] = mix.at(copies).of(values)
+            now[taking] = mix.at(taking).of(values)
             mesh_data.update_attribute(attribute, now)
         if self.weights is not None:
             now = read_weights(object)
             new = now.copy()
-            new[copies] = mix.at(copies).of(self.weights)
+            new[taking] = mix.at(taking).of(self.weights)
+            flipped = side_names.counterpart_columns([group.name for group in object.vertex_groups])
+            new[added] = np.pad(now[added], ((0, 0), (0, 1)))[:, flipped]
             write_weights(object, now, new)
 
     def give_corners(self, mesh, copied, places):
@@ -146,6 +149,12 @@ def _left_out(moved, lift, ends, places):
     around = filled(np.where(lifted[:, None], np.nan, moved), ends, places)
     off = np.linalg.norm(around - moved - lift, axis=1)
     return np.where((lifted & (off < _ALIKE * np.linalg.norm(lift, axis=1)))[:, None], lift, 0)
+
+
+def is_of_faces(attribute):
+    """Whether an attribute of faces or edges goes from one half to the other."""
+    hidden = attribute.name.startswith(".") and attribute.name != ".sculpt_face_set"
+    return attribute.domain in ("EDGE", "FACE") and attribute.data_type in mesh_data.LAYOUTS and not hidden
 
 
 def _is_own(attribute, domain):

@@ -12,6 +12,7 @@ import numpy as np
 from . import mesh_data, rigid_pieces
 from .neighbour_means import filled, longest_edges
 from .regions import components
+from .surface import Surface
 
 #: What is farther off the surface than this share of its longest edge is moved as a piece.
 _FAR = 0.5
@@ -34,12 +35,17 @@ _STILL = 1e-4
 class Form:
     """A mesh of which copies, (vertices,) bool, are like their models, (vertices, 3), and lie on the `surface` as `mix`
     says. `fitted` are the copies and the line; `whole`, (vertices,) bool, lie at old vertices, and what is creased
-    between them was so."""
+    between them was so; `added`, (vertices,) bool, are copies of shells without images, which go with what is nearest."""
 
-    def __init__(self, mesh, surface, mix, models, copies, fitted, whole):
+    def __init__(self, mesh, surface, mix, models, copies, fitted, whole, added):
         self._surface, self._mix, self._models, self._copies, self._fitted = surface, mix, models, copies, fitted
         self._ends = mesh_data.edges(mesh).astype(np.int64)
         self._faces = _Faces(mesh, whole, models)
+        self._links = self._ends
+        if added.any():
+            beside = Surface(mesh, models, copies & ~added).vertex_mix(models[added]).rows
+            links = np.stack([np.repeat(np.flatnonzero(added), 3), beside.ravel()], axis=1)
+            self._links = np.vstack([self._ends, links])
 
     def placed(self, lift, beside, without):
         """(vertices, 3) the places of all vertices: off the surface by `lift`, (vertices, 3). Otherwise where that is far, or
@@ -83,7 +89,7 @@ class Form:
 
     def _as_pieces(self, places, inside):
         """Places whose regions, `inside`, have the form of the models."""
-        return rigid_pieces.moved(places, self._models, inside, self._fitted, self._ends, sign=-1, still=_STILL)
+        return rigid_pieces.moved(places, self._models, inside, self._fitted, self._links, sign=-1, still=_STILL)
 
 
 class _Faces:

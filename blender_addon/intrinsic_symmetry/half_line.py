@@ -73,6 +73,7 @@ def _labels(mesh, symmetry, winner, edges):
     apart = np.where(balance >= balance[image], WINS, LOSES)
     apart = np.where((balance == balance[image]) & (np.arange(count) > image), LOSES, apart)
     of_shell = np.where(paired, apart, STAYS)
+    of_shell[(image < 0) & (balance == 1)] = WINS  # it was added, or its image was deleted
     split = (image >= 0) & ~whole & ~paired  # off a shell that has a mirror image, or is its own
     of_shell[split & crossed[image]] = np.where(balance > 0, WINS, LOSES)[split & crossed[image]]
     of_shell[split & paired[image]] = -of_shell[image[split & paired[image]]]

@@ -6,11 +6,25 @@ import numpy as np
 
 from . import mesh_data, vertex_map
 from .half_line import LINE, STAYS, WINS
+from .regions import components, mirrored
 
 
-def known(mesh, core_mesh, halves, source, winner):
+def is_mirrored(mesh, symmetry, winner):
+    """Whether all shells that have images have mirrored faces already, with the partners of the map, and none is to be
+    copied from the side that wins, 1 or -1."""
+    offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
+    partner = symmetry.partner.astype(np.int64)
+    alike = mirrored(offsets, corners, partner) & (partner[partner] == np.arange(len(partner)))
+    alike &= symmetry.side[partner] == -symmetry.side
+    shell = components(len(partner), mesh_data.edges(mesh).astype(np.int64))
+    found = np.isin(shell, shell[partner >= 0])
+    stays = np.isin(shell, shell[symmetry.side != winner])
+    return np.where(found, alike, stays).all()
+
+
+def known(mesh, core_mesh, halves, source, winner, sides):
     """An `intrinsym.Symmetry` for the sources that `half_copy` writes, where `winner`, 1 or -1, is the side that was
-    copied."""
+    copied, and `sides`, (old vertices,), are those of before."""
     count, model = len(halves.labels) + len(halves.shares), np.where(source < 0, -1 - source, source)
     labels = np.append(halves.labels, np.full(len(halves.shares), LINE))[model]
     own, copied = np.arange(len(source)), source < 0
@@ -19,10 +33,11 @@ def known(mesh, core_mesh, halves, source, winner):
     partner = np.where(labels == LINE, own, at[model + count * ~copied])
     partner = np.where(labels == STAYS, -1, partner)
     side = np.where(labels == WINS, np.where(copied, -winner, winner), 0)
+    side = np.where(labels == STAYS, np.append(sides, np.zeros(len(halves.shares), int))[model], side)
     points = vertex_map.at_vertices(core_mesh, partner)
     partner = np.where(points.faces == vertex_map.NONE, -1, partner)
     kind = intrinsym.SymmetryKind.REFLECTION
-    symmetry = core_mesh.restore(kind, partner, (partner >= 0).astype(float), np.where(partner < 0, 0, side), points)
+    symmetry = core_mesh.restore(kind, partner, (partner >= 0).astype(float), side, points)
     symmetry.fixed_curve = _lines(mesh_data.edges(mesh), partner)
     return symmetry
 

@@ -81,6 +81,13 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
         return blend(values, symmetry.carry_displacement(positions, values, Merge.SWAP), share)
 
 
+def of_elements(symmetry, mesh, attribute, merge):
+    """Old and new values of an attribute of edges or faces, all of which the mirroring may change."""
+    values, trust = mesh_data.read_attribute(attribute), shares(symmetry, Merge.SWAP)
+    how_far = _HowFar(shares(symmetry, merge), trust, merge in WINNER)
+    return values, _MIRROR[attribute.domain](symmetry, mesh, attribute, values, how_far)
+
+
 def _blend(attribute, own, image, share):
     """Numbers are blended; whole numbers, flags and names are taken from the side that weighs more."""
     if attribute.data_type in _NUMBERS:

@@ -30,11 +30,12 @@ class INTRINSIC_SYMMETRY_OT_select_unmatched(MapOperator, bpy.types.Operator):
     def run_with(self, symmetry, context, object, _mode):
         missing = symmetry.partner < 0
         unsure = ~missing & (symmetry.confidence < self.least)
-        write_selection(context, object.data, missing | unsure)
+        chosen = missing | unsure
+        selected = _selected(write_selection(context, object.data, chosen), chosen)
         areas = asymmetry.vertex_areas(object.data)
-        share = areas[missing | unsure].sum() / max(areas.sum(), 1e-30)
+        share = areas[chosen].sum() / max(areas.sum(), 1e-30)
         also = f", {unsure.sum():,} an uncertain one" if self.least > 0 else ""
-        return f"{missing.sum():,} of {len(missing):,} vertices have no mirror image{also}: {share:.1%} of the surface"
+        return f"{missing.sum():,} of {len(missing):,} vertices have no mirror image{also}: {share:.1%} of the surface{selected}"
 
 
 class INTRINSIC_SYMMETRY_OT_select_asymmetric(MapOperator, bpy.types.Operator):
@@ -70,11 +71,11 @@ class INTRINSIC_SYMMETRY_OT_select_asymmetric(MapOperator, bpy.types.Operator):
         differences, of_what = _DIFFERENCES[self.what](self, symmetry, object)
         differences[symmetry.partner < 0] = 0  # Select Without Mirror Image says these
         chosen = (differences > self.threshold).reshape(len(differences), -1)
-        write_selection(context, object.data, chosen.any(axis=1))
+        selected = _selected(write_selection(context, object.data, chosen.any(axis=1)), chosen.any(axis=1))
         scale = "{:.3f}" if self.what == "WEIGHTS" else "{:.2%} of the size"
         largest = scale.format(differences.max(initial=0))
         counts = f"{chosen.any(axis=1).sum():,} of {len(chosen):,} vertices"
-        return f"{counts} {of_what(chosen.sum(axis=0))}; at most {largest}"
+        return f"{counts} {of_what(chosen.sum(axis=0))}; at most {largest}{selected}"
 
     def _positions(self, symmetry, object):
         points = mesh_data.shown_positions(object).astype(float)
@@ -87,9 +88,8 @@ class INTRINSIC_SYMMETRY_OT_select_asymmetric(MapOperator, bpy.types.Operator):
             raise mesh_data.MeshProblem("The object has no vertex groups")
         weights = read_weights(object)
         of_nothing = np.column_stack([weights, np.zeros(len(weights))])
-        others = [side_names.counterpart(name, names) for name in names]
-        flipped = [names.index(other) if other in names else -1 for other in others]
-        differences = np.abs(weights - symmetry.mirror_values(of_nothing[:, flipped], Merge.SWAP))
+        images = symmetry.mirror_values(of_nothing[:, side_names.counterpart_columns(names)], Merge.SWAP)
+        differences = np.abs(weights - images)
         return differences, lambda counts: f"have other weights ({_largest(names, counts)})"
 
     def _key(self, symmetry, object):
@@ -101,7 +101,13 @@ class INTRINSIC_SYMMETRY_OT_select_asymmetric(MapOperator, bpy.types.Operator):
         ends = ((mesh_data.key_positions(one), mesh_data.key_positions(one.relative_key)) for one in (key, other))
         moved, image = (there - rest for there, rest in ends)
         differences = np.linalg.norm(moved - symmetry.carry_displacement(base, image, Merge.SWAP), axis=1)
-        return differences / asymmetry.size(base), lambda _: f"are moved otherwise by {other.name} than by {key.name}"
+        than = f"by {other.name}" if other != key else "their mirror images"
+        return differences / asymmetry.size(base), lambda _: f"are moved otherwise by {key.name} than {than}"
+
+
+def _selected(count, chosen):
+    """How many of the chosen vertices are selected, in words, where not all are: hidden ones, or those of no whole face."""
+    return f"; {count:,} of these are selected" if count != chosen.sum() else ""
 
 
 def _largest(names, counts):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Detect on all selected objects, one after another; those of one connectivity share one map."""
 
+from contextlib import nullcontext
+
 import bpy
 import intrinsym
 
@@ -32,6 +34,15 @@ class INTRINSIC_SYMMETRY_OT_detect_selected(preferences.DetectOptions, MeshOpera
         self.layout.prop(self, "share")
         preferences.draw_options(self.layout, self)
 
+    @classmethod
+    def poll(cls, context):
+        with _on_mesh(context):
+            return super().poll(context)
+
+    def execute(self, context):
+        with _on_mesh(context):
+            return super().execute(context)
+
     def run(self, context, _object, _mode):
         batch = _Batch(context, self)
         while batch.left:
@@ -41,7 +52,8 @@ class INTRINSIC_SYMMETRY_OT_detect_selected(preferences.DetectOptions, MeshOpera
     def invoke(self, context, _event):
         if bpy.app.background or ops_detect.running:
             return self.execute(context)
-        self._batch = _Batch(context, self)
+        with _on_mesh(context):
+            self._batch = _Batch(context, self)
         self._timer = context.window_manager.event_timer_add(0.05, window=context.window)
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
@@ -52,8 +64,8 @@ class INTRINSIC_SYMMETRY_OT_detect_selected(preferences.DetectOptions, MeshOpera
             batch.cancel()
         elif event.type != "TIMER":
             return {"PASS_THROUGH"}
-        elif batch.left and mesh_data.why_not(context) is None and not batch.is_busy():
-            with mesh_data.object_mode(context):
+        elif batch.left and self.poll(context) and not batch.is_busy():
+            with _on_mesh(context), mesh_data.object_mode(context):
                 batch.step(context, wait=False)
         context.workspace.status_text_set(f"Detecting symmetry: {len(batch.left)} objects left   (Esc to cancel)")
         if batch.left:
@@ -72,6 +84,13 @@ class INTRINSIC_SYMMETRY_OT_detect_selected(preferences.DetectOptions, MeshOpera
         counts = (("found", batch.found), ("shared", batch.shared), ("kept", batch.kept), ("without", batch.without))
         said = [f"{len(names)} {word}{_named(names) if word == 'without' else ''}" for word, names in counts if names]
         return f"Symmetries: {', '.join(said) or 'none'}"
+
+
+def _on_mesh(context):
+    """A context where a selected mesh is active, if what is active is none."""
+    active, selected = context.active_object, (each for each in context.selected_objects if each.type == "MESH")
+    mesh = next(selected, None) if context.mode == "OBJECT" and getattr(active, "type", None) != "MESH" else None
+    return context.temp_override(active_object=mesh, object=mesh) if mesh else nullcontext()
 
 
 def _named(names):

@@ -145,8 +145,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
             raise mesh_data.MeshProblem(another)
         key, members = object.active_shape_key, self.members
         if any(map(entered.is_lost, members)):
-            raise mesh_data.MeshProblem("Vertices were added or removed in edit mode: use Symmetrize Topology for that. "
-                                        "What is moved from now on can be mirrored")
+            raise mesh_data.MeshProblem("Vertices were added or removed in edit mode: Mirror This Edit (Symmetrize "
+                                        "Topology) does that. What is moved from now on can be mirrored")
         shapes = {number: entered.shape_of(member, key) for number, member in enumerate(members)}
         shapes = {number: shape for number, shape in shapes.items() if shape is not None}
         if all(np.array_equal(shape, mesh_data.shown_positions(members[number])) for number, shape in shapes.items()):

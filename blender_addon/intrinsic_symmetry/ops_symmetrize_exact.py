@@ -3,6 +3,7 @@
 
 import bpy
 import numpy as np
+from intrinsym import Merge
 
 from . import asymmetry, left_side, mesh_data
 from .mirroring import MirrorProperties, blend, shares
@@ -41,6 +42,9 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
         for _ in range(self.repeat):
             after = blend(after, once(after), self.strength * inside)
         mesh_data.set_shown_positions(object, after)
+        if self.merge == Merge.SWAP:
+            away = np.linalg.norm(after - before, axis=1).max(initial=0) / asymmetry.size(before)
+            return f"Exchanged {reference.in_words()}: vertices moved by up to {away:.2%} of the object's size"
         old, now = (reference.asymmetry(symmetry, points)[inside > 0] for points in (before, after))
         return f"Asymmetry {reference.in_words()}: {_mean(old)}, now {_mean(now)} of the object's size"
 
@@ -48,12 +52,18 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
         """Makes positions symmetric in their pose: what is narrow, then the lengths."""
         symmetry, how = self.held(mesh, symmetry, inside)
         shape = PosedShape(symmetry, mesh_data.triangles(mesh), positions, shares(symmetry, self.merge, **how))
-        return lambda points: shape.with_lengths(symmetry.symmetrize_positions(points, self.merge, **how))
+        swaps = self.merge == Merge.SWAP  # what is narrow has changed sides already then
+
+        def once(points):
+            narrow = symmetry.symmetrize_positions(points, self.merge, **how)
+            return shape.with_lengths(narrow, points if swaps else None)
+
+        return once
 
     def _about(self, symmetry, reference):
         """Makes positions symmetric about a plane."""
         share = self.shares(symmetry)
-        on_line = (symmetry.side == 0) & (symmetry.partner >= 0)
+        on_line = (symmetry.side == 0) & (symmetry.partner >= 0) & (self.merge != Merge.SWAP)
         share[on_line] = np.where(symmetry.confidence[on_line] < self.minimum_confidence, 0.0, 0.5)
         return lambda positions: blend(positions, reference.images(symmetry, positions), share)
 

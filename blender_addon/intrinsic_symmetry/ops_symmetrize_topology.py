@@ -7,11 +7,15 @@ import intrinsym
 import numpy as np
 from intrinsym import Merge, SymmetryKind
 
-from . import half_copy, half_data, half_form, half_line, half_map, left_side, local_frames, mesh_data, stored_map
+from . import (
+    half_copy, half_data, half_form, half_line, half_map, left_side, local_frames, mesh_data, ops_attributes,
+    stored_map, vertex_map,
+)
 from .counterparts import listed
 from .mirroring import DIRECTIONS, MERGE
 from .operator_base import MapOperator
 from .ops_positions import forget
+from .regions import components
 
 #: A mirror image is a vertex if its weight is more than this.
 _WHOLE = 0.999
@@ -40,6 +44,8 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         direction = self._direction(mesh)
         winner = 1 if MERGE[direction] == Merge.POSITIVE_WINS else -1
         before, left_from = len(mesh.polygons), mesh[stored_map.RECORD]["left_from"]
+        if half_map.is_mirrored(mesh, symmetry, winner):
+            return self._keep(object, symmetry, direction)
         self._say_what_is_replaced(mesh, winner)
         half = _Half(object, symmetry, winner)
         forget(mesh)
@@ -48,12 +54,39 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
             self.warn(f"Undo in edit mode does not take back the vertices of {listed(half.attached.names)}")
         stored_map.store(mesh, half.core_mesh, half.known, left=(1, left_from), exact_share=1.0)
         mesh.update()
-        if mesh.has_custom_normals:
-            with bpy.context.temp_override(active_object=object, object=object):
-                bpy.ops.intrinsic_symmetry.mirror_attribute(name="custom_normal", direction=direction)
+        self._mirror_normals(object, direction)
+        self._say_lone(half.known)
         copied = np.count_nonzero(half.copies)
         way = "Left to right" if winner > 0 else "Right to left"
         return f"{way}: {copied:,} vertices are copies; {len(mesh.polygons):,} faces now, {before:,} before"
+
+    def _keep(self, object, symmetry, direction):
+        """Where the faces are mirrored already: what belongs to faces and edges goes over, and nothing is renumbered."""
+        mesh, core_mesh = object.data, intrinsym.Mesh(mesh_data.positions(object.data), mesh_data.polygons(object.data))
+        found = (symmetry.partner >= 0).astype(float)
+        points = vertex_map.at_vertices(core_mesh, symmetry.partner)
+        exact = core_mesh.restore(symmetry.kind, symmetry.partner, found, symmetry.side, points)
+        exact.fixed_curve, record = stored_map.fixed_lines(mesh), mesh[stored_map.RECORD]
+        stored_map.store(mesh, core_mesh, exact, record["doubtful"], (1, record["left_from"]), exact_share=1.0)
+        changed = []
+        for name in [each.name for each in mesh.attributes if half_data.is_of_faces(each)]:
+            values, new = ops_attributes.of_elements(exact, mesh, mesh.attributes[name], MERGE[direction])
+            if not np.array_equal(values, new):
+                mesh_data.update_attribute(mesh.attributes[name], new)
+                changed.append(name)
+        mesh.update()
+        self._mirror_normals(object, direction)
+        self._say_lone(exact)
+        return f"The faces are mirrored already: {f'only {listed(changed)} changed' if changed else 'nothing to do'}"
+
+    def _say_lone(self, symmetry):
+        if lone := np.count_nonzero(symmetry.partner < 0):
+            self.warn(f"{lone:,} vertices of parts without a mirror image stay alone")
+
+    def _mirror_normals(self, object, direction):
+        if object.data.has_custom_normals:
+            with bpy.context.temp_override(active_object=object, object=object):
+                bpy.ops.intrinsic_symmetry.mirror_attribute(name="custom_normal", direction=direction)
 
     def _direction(self, mesh):
         """The one that was chosen, or from the edited side."""
@@ -87,7 +120,7 @@ class _Half:
         try:
             bm.from_mesh(mesh, face_normals=False, vertex_normals=False)
             self._halves = halves = half_line.halves(bm, mesh, symmetry, winner)
-            if not (halves.labels == half_line.WINS).any():
+            if not (symmetry.partner[halves.labels == half_line.WINS] >= 0).any():
                 raise mesh_data.MeshProblem("No part of the mesh has a mirror image on the other side")
             self._old, self.attached = half_data.Old(object, halves), half_data.Attached(mesh)
             half_copy.rebuild(bm, halves)
@@ -97,7 +130,7 @@ class _Half:
         self._source, self._copied = _taken(mesh, half_copy.SOURCE), _taken(mesh, half_copy.COPIED) > 0
         self.copies = self._source < 0
         self.core_mesh = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
-        self.known = half_map.known(mesh, self.core_mesh, halves, self._source, winner)
+        self.known = half_map.known(mesh, self.core_mesh, halves, self._source, winner, symmetry.side)
 
     def fill(self, object, symmetry):
         """Places the copy, and gives it what was there; `symmetry` is the map of the old mesh."""
@@ -106,16 +139,23 @@ class _Half:
         mix, model = (half_data.vertex_mix(each, self._halves, symmetry) for each in (self._source, models))
         fitted = copies | (self.known.partner == np.arange(len(copies)))
         whole = mix.weights.max(axis=1) > _WHOLE
-        form = half_form.Form(mesh, old.surface, mix, model.of(old.positions), copies, fitted, whole)
         without = symmetry.partner < 0
+        added = copies & self._of_lone_shells(mesh, model.of(without))
+        form = half_form.Form(mesh, old.surface, mix, model.of(old.positions), copies, fitted, whole, added)
         feet, lifted = old.positions - old.lift, self._lifted(mix, model, symmetry)
         beside = np.linalg.norm(mix.of(symmetry.surface_points.positions(feet)) - model.of(feet), axis=1)
         places = form.placed(lifted(old.lift), beside, model.of(without))
         mix.take(copies & model.of(without), old.surface, places)
         old.give_positions(object, mix, places, lifted)
-        old.give_points(object, mix, copies)
-        old.give_corners(mesh, self._copied, places)
+        old.give_points(object, mix, copies, added)
+        offsets, corners = mesh_data.polygons(mesh)
+        old.give_corners(mesh, self._copied & ~added[corners[offsets[:-1]]], places)
         self.attached.renumber(self._source, old.positions, places)
+
+    def _of_lone_shells(self, mesh, without):
+        """(vertices,) bool: those of shells all of whose models have no images."""
+        shell = components(len(without), mesh_data.edges(mesh).astype(np.int64))
+        return ~np.isin(shell, shell[~without])
 
     def _lifted(self, mix, model, symmetry):
         """A function of the (old vertices, 3) lift: that of the new ones; of copies it is that of their models, turned as

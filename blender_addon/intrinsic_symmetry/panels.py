@@ -33,13 +33,12 @@ class INTRINSIC_SYMMETRY_PT_detect(SymmetryPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("intrinsic_symmetry.detect", icon="MOD_MIRROR").source = "BASE"
         row.operator_menu_enum("intrinsic_symmetry.detect", "source", text="", icon="DOWNARROW_HLT")
-        object = context.active_object
-        if object is None or object.type != "MESH":
-            return
-        if object.mode == "OBJECT" and sum(other.type == "MESH" for other in context.selected_objects) > 1:
+        if context.mode == "OBJECT" and sum(other.type == "MESH" for other in context.selected_objects) > 1:
             layout.operator("intrinsic_symmetry.detect", text="Detect as One Character", icon="GROUP").together = True
             layout.operator("intrinsic_symmetry.detect_selected", text="Detect Each Selected Object")
-        self._status(layout, object)
+        object = context.active_object
+        if object is not None and object.type == "MESH":
+            self._status(layout, object)
 
     def _status(self, layout, object):
         problem = stored_map.why_none(object)

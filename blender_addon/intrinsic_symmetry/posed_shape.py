@@ -37,12 +37,13 @@ class PosedShape:
         self._free[self._point[share <= 0]] = False
         self._moves = self._free[self._point[self._triangles]].any(axis=1)
 
-    def with_lengths(self, positions):
-        """(vertices, 3) positions whose edges come nearest to those with the lengths of the other side."""
+    def with_lengths(self, positions, other=None):
+        """(vertices, 3) positions whose edges come nearest to those with the lengths of the other side, as it is in
+        `other`, (vertices, 3), or else in the positions."""
         places = self._together(positions)
         positions = places[self._point]
         edges, weights, areas = self._measured(positions)
-        change = self._stretched(positions, edges) - edges
+        change = self._stretched(positions, edges, positions if other is None else other) - edges
         share = np.maximum(self._share[self._start], self._share[self._end])
         ends = self._point[np.stack([self._start, self._end], axis=1)]
         masses = np.bincount(self._point[self._triangles].ravel(), np.repeat(areas / 3, 3), self._count)
@@ -64,9 +65,9 @@ class PosedShape:
         cotangents = np.concatenate(opposite) / np.maximum(np.tile(doubled, 3), 1e-300)
         return edges, np.maximum(0.5 * cotangents, _LEAST_WEIGHT), 0.5 * doubled
 
-    def _stretched(self, positions, edges):
+    def _stretched(self, positions, edges, other):
         """(edges, 3) the edges after each triangle is stretched, in its own plane, to the shape of its mirror image."""
-        images = self._symmetry.surface_points.positions(positions)
+        images = self._symmetry.surface_points.positions(other)
         own, other = (np.stack([at[corner] - at[self._triangles[:, 0]] for corner in self._triangles.T[1:]], axis=2)
                       for at in (positions, images))
         axes = _axes(own)

@@ -35,6 +35,14 @@ def around(offsets, corners, numbers):
     return sums.astype(np.int64) & _EXACT
 
 
+def mirrored(offsets, corners, partner):
+    """(vertices,) bool: those whose faces are the mirror images of their partners' faces; not where the partner is -1."""
+    face = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+    backward = corners[offsets[face] + offsets[face + 1] - 1 - np.arange(len(corners))]
+    own, images = around(offsets, corners, np.arange(len(partner))), around(offsets, backward, partner)
+    return (partner >= 0) & (images == own[np.maximum(partner, 0)])
+
+
 def _mixed(numbers):
     """Each number's bits, thrown together."""
     numbers = (numbers * 0x9E3779B1) & 0xFFFFFFFF

@@ -13,16 +13,16 @@ from .mesh_data import MeshProblem
 #: Bytes of the longest name that Blender keeps; what is longer is cut off.
 _MOST_BYTES = 63
 #: The words of the left, and those of the right in the same place.
-_LEFT, _RIGHT = ("left", "l", "左"), ("right", "r", "右")
+_LEFT, _RIGHT = ("left", "lft", "l", "左"), ("right", "rgt", "r", "右")
 
 #: How each convention writes a side; what surrounds the word tells it from the same letters elsewhere.
 _CONVENTIONS = (
     # A word or a letter between separators, or at an end. Blender: Arm.L, l_arm, arm-Right.001. Rigify:
     # DEF-upper_arm.L.001. Auto-Rig Pro: arm_stretch.l. Unreal: upperarm_l. VRM and VRoid: J_Bip_L_UpperArm.
-    # Source: ValveBiped.Bip01_L_UpperArm. 3ds Max: Bip01 L UpperArm. Daz Genesis 9: l_upperarm.
-    r"(?<![^\W_])(?i:left|right|[lr])(?![^\W_])",
+    # Source: ValveBiped.Bip01_L_UpperArm. 3ds Max: Bip01 L UpperArm. Daz Genesis 9: l_upperarm. Others: Arm_Lft.
+    r"(?<![^\W_])(?i:left|right|lft|rgt|[lr])(?![^\W_])",
     # A word with a capital. Mixamo: mixamorig:LeftArm. MotionBuilder: Character1_LeftArm. ARKit: eyeBlinkLeft.
-    r"(?<![A-Z])(?:Left|Right)(?![a-z])",
+    r"(?<![A-Z])(?:Left|Right|Lft|Rgt)(?![a-z])",
     # The beginning or the end of the whole name. Blender: leftarm, armright, ARMLEFT; not cleft, leftover, upright, Copyright.
     r"^(?i:left(?!over)|right)",
     r"(?i:(?<!c)left|(?<![bf])(?<!up)(?<!copy)right)$",
@@ -60,6 +60,12 @@ def counterpart(name, names):
         return other
     there, own = ([each for each in names if _plain(each) == _plain(given)] for given in (other, name))
     return there[0] if len(there) == len(own) == 1 else other
+
+
+def counterpart_columns(names):
+    """(names,) the number of each name's counterpart; -1 where that is not among them."""
+    number = {name: column for column, name in enumerate(names)}
+    return [number.get(counterpart(name, names), -1) for name in names]
 
 
 def is_too_long(name):

@@ -68,15 +68,19 @@ def _push(object, chosen, far):
     module("mesh_data").set_shown_positions(object, points)
 
 
-def test_positions_at_rest(mode):
+def test_positions_at_rest(mode, monkeypatch):
     bpy.ops.mesh.primitive_monkey_add()
     head = bpy.context.object
     ops.detect()
     side = attribute(head.data, "sym_side")
     chosen = np.flatnonzero(side == 1)[:5]
     _push(head, chosen, 0.1)
+    bpy.context.tool_settings.mesh_select_mode = (False, False, True)
+    assert "10 of 507 vertices" in (words := _said(monkeypatch, "select_asymmetric", threshold=0.01))
+    assert f"; {len(selected(head))} of these are selected" in words, "those of whole faces"
+    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
     enter(mode)
-    assert ops.select_asymmetric(what="POSITIONS", threshold=0.01) == {"FINISHED"}
+    assert "of these" not in _said(monkeypatch, "select_asymmetric", threshold=0.01)
     enter("OBJECT")
     partner = attribute(head.data, "sym_vertex")
     assert set(selected(head)) == set(chosen) | set(partner[chosen])
@@ -123,7 +127,7 @@ def test_a_group_without_counterpart_differs_wholly(human, truth):
     assert set(selected(human)) == set(np.flatnonzero(chosen))
 
 
-def test_a_shape_key_and_that_of_the_other_side(human, truth):
+def test_a_shape_key_and_that_of_the_other_side(human, truth, monkeypatch):
     points, side = positions(human.data), attribute(human.data, "sym_side")
     human.shape_key_add(name="Basis")
     normals = np.array([vertex.normal for vertex in human.data.vertices])
@@ -131,10 +135,11 @@ def test_a_shape_key_and_that_of_the_other_side(human, truth):
     key = human.shape_key_add(name="Puff.L")
     module("mesh_data").set_key_positions(key, points + bump[:, None] * normals)
     human.active_shape_key_index = 1
-    ops.select_asymmetric(what="KEY", threshold=0.002)
+    words = _said(monkeypatch, "select_asymmetric", what="KEY", threshold=0.002)
+    assert "are moved otherwise by Puff.L than their mirror images" in words
     assert len(selected(human)) > 1.8 * (bump > 0).sum(), "with no other key both sides differ"
     ops.mirror_shape_keys()
-    ops.select_asymmetric(what="KEY", threshold=0.002)
+    assert "by Puff.L than by Puff.R" in _said(monkeypatch, "select_asymmetric", what="KEY", threshold=0.002)
     assert len(selected(human)) < 0.02 * (bump > 0).sum()
 
 

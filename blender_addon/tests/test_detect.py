@@ -120,9 +120,11 @@ def test_the_library_s_errors_are_shown():
         detect()
 
 
-def test_preferences_reach_the_library():
+@pytest.mark.parametrize("body", ["quadruped", "human"])
+def test_preferences_reach_the_library(body):
+    """Also where the connectivity is mirrored, and no network is needed."""
     preferences = bpy.context.preferences.addons[module("preferences").__package__].preferences
-    new_object(read_example("quadruped"))
+    new_object(read_example(body))
     preferences.model = "/nowhere/network.onnx"
     try:
         with pytest.raises(RuntimeError, match="network.onnx"):

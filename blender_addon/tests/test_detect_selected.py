@@ -3,6 +3,7 @@
 
 import bpy
 import numpy as np
+import pytest
 from conftest import attribute, enter, module, new_object, positions, read_example
 
 ops = bpy.ops.intrinsic_symmetry
@@ -55,6 +56,21 @@ def test_a_map_that_is_there_is_used(quadruped, monkeypatch):
     assert np.array_equal(attribute(twin.data, "sym_side"), side)
     lines = [module("stored_map").fixed_lines(object.data) for object in (quadruped, twin)]
     assert np.array_equal(lines[0][0].edges, lines[1][0].edges)
+
+
+@pytest.mark.parametrize("type", ["FONT", None])
+def test_what_is_active_need_not_be_a_mesh(quadruped, type):
+    twin = new_object(read_example("quadruped"), "twin")
+    text = bpy.data.objects.new("text", bpy.data.curves.new("text", type)) if type else None
+    if text:
+        bpy.context.scene.collection.objects.link(text)
+    _select_all(text)
+    assert ops.detect_selected() == {"FINISHED"}
+    assert "sym_vertex" in twin.data.attributes and bpy.context.view_layer.objects.active == text
+    for object in (quadruped, twin):
+        object.select_set(False)
+    with pytest.raises(RuntimeError, match="Needs an active mesh object"):
+        ops.detect_selected()
 
 
 def test_each_by_itself(quadruped, monkeypatch):

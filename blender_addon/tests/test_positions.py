@@ -257,7 +257,7 @@ def test_an_edit_that_adds_vertices_is_said_to_be_another_tool_s(human, edit):
     edit_faces(human, near)
     bpy.ops.transform.translate(value=(0, 0, 0.03))
     edit()
-    with pytest.raises(RuntimeError, match="Vertices were added or removed in edit mode: use Symmetrize Topology"):
+    with pytest.raises(RuntimeError, match="Vertices were added or removed in edit mode: Mirror This Edit"):
         ops.mirror_edit()
     bpy.ops.transform.translate(value=(0, 0, 0.01))
     assert ops.mirror_edit() == {"FINISHED"}, "what is moved after that is mirrored"

@@ -20,10 +20,11 @@ PAIRS = {
     "MMD": [("左腕", "右腕"), ("左足ＩＫ", "右足ＩＫ"), ("腕.L", "腕.R"), ("左ひじ.L", "右ひじ.R"),
             ("まばたき左", "まばたき右")],
     "others": [("eyeBlinkLeft", "eyeBlinkRight"), ("EyeBlinkL", "EyeBlinkR"), ("LArm", "RArm"), ("left", "right"),
+               ("Arm_Lft", "Arm_Rgt"), ("lft_arm.001", "rgt_arm.001"), ("ARM LFT", "ARM RGT"), ("armLft01", "armRgt01"),
                ("Palm1L", "Palm1R"), ("f_indexFBXASC04601FBXASC046L", "f_indexFBXASC04601FBXASC046R")],
 }
 WITHOUT = ["Spine", "Eyes_L_R", "LeftRight", "左右", "chin_cleft", "Bright", "upright", "Control", "RGB", "LOD0",
-           "IKLeg", "root.x", "roll", "RealLife", "lip", "Tail", "ball", "L1", "Fur"]
+           "IKLeg", "root.x", "roll", "RealLife", "lip", "Tail", "ball", "L1", "Fur", "Lftarm", "Rgta"]
 
 
 @pytest.mark.parametrize("convention", PAIRS)

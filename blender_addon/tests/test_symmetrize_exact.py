@@ -53,6 +53,17 @@ def test_wide_asymmetry_goes_wholly_and_the_winning_side_stays(head, mode):
     assert line < 0.05, "the line goes onto the plane"
 
 
+def test_an_exchange_at_rest_twice_gives_back(head):
+    """Also vertices on the line that are off the plane."""
+    _spoil(head)
+    bent = positions(head.data) + 0.05 * np.sin(5 * positions(head.data) @ TURN)[:, 1:2] * TURN[:, 0]
+    _set(head, bent)
+    assert ops.symmetrize_exactly(about="PLANE", direction="SWAP") == {"FINISHED"}
+    assert np.abs(positions(head.data) - bent).max() > 0.05
+    ops.symmetrize_exactly(about="PLANE", direction="SWAP")
+    assert np.abs(positions(head.data) - bent).max() < 1e-5
+
+
 def test_strength_is_a_share(head):
     _spoil(head)
     before = _asymmetry(head).mean()
@@ -96,6 +107,22 @@ def test_a_longer_leg_in_a_pose_takes_the_length_of_the_other(human):
     assert np.linalg.norm(made[1] - made[0]) < 0.4 * np.linalg.norm(change)
     assert np.linalg.norm(made[0] - whole, axis=1).mean() < 0.01 * height
     assert np.abs(made[1] - whole)[side == -1].max() < 1e-5, "the winning side stays"
+
+
+def test_a_thicker_thigh_in_a_pose_changes_sides(human, capfd):
+    """Against what the tool makes of the body without the change."""
+    whole, side, partner = positions(human.data), *(attribute(human.data, f"sym_{name}") for name in ("side", "vertex"))
+    height = np.ptp(whole[:, 2])
+    up = (whole[:, 2] - whole[:, 2].min()) / height
+    thick = np.where(side == 1, 0.01 * height * np.exp(-(((up - 0.38) / 0.05) ** 2)), 0)
+    normals, made = np.array([vertex.normal for vertex in human.data.vertices]), []
+    for given in (whole, whole + thick[:, None] * normals):
+        _set(human, given)
+        assert "Exchanged in its pose: vertices moved" in said(capfd, ops.symmetrize_exactly, direction="SWAP")
+        made.append(positions(human.data))
+    out = np.einsum("vx,vx->v", made[1] - made[0], normals)
+    own, other = (out @ wanted / (thick @ thick) for wanted in (thick, thick[partner]))
+    assert own < 0.3 and other > 0.7
 
 
 def test_a_seam_of_doubled_vertices_does_not_open(head):

@@ -158,14 +158,14 @@ def test_the_copy_lies_on_the_surface_that_was_there(body):
 
 
 @pytest.mark.parametrize("direction", DIRECTIONS)
-def test_where_connectivity_is_mirrored_nothing_changes(human, mode, direction):
-    before, faces = positions(human.data), len(human.data.polygons)
+def test_where_connectivity_is_mirrored_nothing_changes(human, mode, direction, capfd):
+    before, faces = positions(human.data), [list(face.vertices) for face in human.data.polygons]
     enter(mode)
-    assert ops.symmetrize_topology(direction=direction) == {"FINISHED"}
+    assert "nothing to do" in said(capfd, ops.symmetrize_topology, direction=direction)
     enter("OBJECT")
     _assert_mirrored(human.data)
-    assert len(human.data.polygons) == faces and len(human.data.vertices) == len(before)
-    assert _nearest(before, positions(human.data))[:, 1].max() < 1e-6
+    assert [list(face.vertices) for face in human.data.polygons] == faces
+    assert np.array_equal(positions(human.data), before)
 
 
 @pytest.mark.parametrize("levels", [0, 1, 2])
@@ -193,17 +193,52 @@ def test_shells_and_open_borders():
     assert np.array_equal(np.bincount(_edge_faces(object.data)), borders)
 
 
-def test_a_shell_without_a_mirror_image_stays(human):
-    """A cube that was added since the symmetry was found."""
+def _add_cube(object, place, size):
+    """A cube that was added since the symmetry was found; its places."""
     data = bmesh.new()
-    data.from_mesh(human.data)
-    bmesh.ops.create_cube(data, size=0.05)
-    data.to_mesh(human.data)
+    data.from_mesh(object.data)
+    made = bmesh.ops.create_cube(data, size=size)["verts"]
+    bmesh.ops.translate(data, verts=made, vec=place)
+    data.to_mesh(object.data)
     data.free()
-    ops.symmetrize_topology(direction="LEFT_TO_RIGHT")
+    return positions(object.data)[-8:]
+
+
+@pytest.mark.parametrize("direction", DIRECTIONS)
+def test_a_part_across_the_line_stays_alone(human, direction, capfd):
+    places, side = positions(human.data), attribute(human.data, "sym_side")
+    _add_cube(human, places[np.where(side == 0, places[:, 2], -np.inf).argmax()], 0.02)
+    words = said(capfd, ops.symmetrize_topology, direction=direction)
+    assert "8 vertices of parts without a mirror image stay alone" in words and "nothing to do" in words
     partner = attribute(human.data, "sym_vertex")
     assert np.count_nonzero(partner < 0) == 8 and (_edge_faces(human.data) == 2).all()
     assert len(human.data.polygons) == 13378 + 6
+
+
+@pytest.mark.parametrize("at", [1, -1])
+@pytest.mark.parametrize("seed", range(4))
+def test_a_part_that_was_added_is_copied(human, at, seed, capfd):
+    """It is as far from what is around it on both sides of the posed body."""
+    places, side, partner = positions(human.data), attribute(human.data, "sym_side"), attribute(human.data, "sym_vertex")
+    foot = np.random.default_rng(seed).choice(np.flatnonzero((side == at) & (np.abs(places[:, 0]) > 0.1)))
+    human.data.update()
+    cube = _add_cube(human, places[foot] + 0.02 * np.array(human.data.vertices[foot].normal), 0.02)
+    for name in ("Own.L", "Own.R"):
+        human.vertex_groups.new(name=name)
+    human.vertex_groups["Own.L" if at > 0 else "Own.R"].add(list(range(13380, 13388)), 0.7, "ADD")
+    words = said(capfd, ops.symmetrize_topology)
+    assert ("Left to right" if at > 0 else "Right to left") in words and "stay alone" not in words
+    _assert_mirrored(human.data)
+    assert len(human.data.vertices) == 13380 + 16 and len(human.data.polygons) == 13378 + 12
+    now, images = positions(human.data), attribute(human.data, "sym_vertex")
+    own = _nearest(now, cube)[:, 0].astype(int)
+    around = np.argsort(np.linalg.norm(places - places[foot], axis=1))[:20]
+    away = [np.linalg.norm(now[one][:, None] - places[other], axis=2) for one, other in
+            ((own, around), (images[own], partner[around]))]
+    weights = module("weights").read_weights(human)[:, ::at]
+    assert np.allclose(weights[own], (0.7, 0)) and np.allclose(weights[images[own]], (0, 0.7))
+    off = np.abs(away[0] - away[1])
+    assert off.mean() < 0.1 * 0.02 and off.max() < 0.5 * 0.02
 
 
 def _decorate(object, value):
@@ -393,6 +428,7 @@ ACROSS = {
     **{name: FORMS[name] for name in ("inset", "bevel", "bevel, rounded")},
     "extrude": [lambda: bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0, 0.1, 0.1)})],
     "delete": [lambda: bpy.ops.mesh.delete(type="FACE")],
+    "merge": [lambda: bpy.ops.mesh.merge(type="COLLAPSE")],
 }
 
 

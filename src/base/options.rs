@@ -195,12 +195,17 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Refuses the first option outside its range.
+    /// Refuses the first option outside its range, and a model that cannot be read, whether or not the mesh needs one.
     ///
     /// # Errors
-    /// [`Error::Option`].
+    /// [`Error::Option`], [`Error::File`].
     pub fn validate(&self) -> Result<()> {
         OPTIONS.iter().zip(self.values()).try_for_each(|(spec, value)| spec.check(value))?;
+        if let Some(path) = self.model.as_ref().filter(|_| self.network) {
+            let failed =
+                |fault: std::io::Error| Error::File { path: path.clone(), message: fault.to_string() };
+            std::fs::File::open(path).map_err(failed)?;
+        }
         match self.known_signs.iter().find(|sign| !(-1..=1).contains(*sign)) {
             Some(sign) => Err(Error::Option {
                 name: "known_signs",
@@ -295,6 +300,14 @@ mod tests {
     #[test]
     fn every_default_is_in_range() {
         Options::default().validate().unwrap();
+    }
+
+    #[test]
+    fn a_model_that_is_not_there_is_refused() {
+        let mut options = Options { model: Some("no/such.onnx".into()), ..Options::default() };
+        assert!(options.validate().unwrap_err().to_string().contains("no/such.onnx"));
+        options.network = false;
+        options.validate().unwrap();
     }
 
     #[test]

@@ -27,7 +27,8 @@ const ROUNDS: usize = 3;
 /// the surface; every other shell is then given its partner.
 ///
 /// # Errors
-/// [`crate::Error::Option`], [`crate::Error::Limit`], [`crate::Error::TimeLimit`], [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+/// [`crate::Error::Option`], [`crate::Error::File`], [`crate::Error::Limit`], [`crate::Error::TimeLimit`], [`crate::Error::Cancelled`],
+/// [`crate::Error::Internal`].
 pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Detection> {
     options.validate()?;
     detect_by(mesh, options, &Plan::of(options), Mechanisms::default(), &progress.within(options.time_limit))

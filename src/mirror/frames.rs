@@ -6,13 +6,15 @@
 //! quaternions: B. K. P. Horn, "Closed-form solution of absolute orientation using unit quaternions", 1987).
 //! A reflection's matrices have determinant -1. We deviate in averaging the edges' covariances over a
 //! neighbourhood first: bending finer than that is shape, which a tool mirrors, and coarser bending is pose.
+//! Where two points are each other's images, one's matrix is the other's inverse: the covariances of both are one's
+//! and the other's transpose, and are added, as diagonals of faces need not be mirrored.
 
 use super::{Mirroring, at};
 use crate::base::error::Result;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::detect::correspondence::Symmetry;
 use crate::geometry::adjacency::Adjacency;
-use crate::mesh::rotation::{Matrix, nearest_rotation, scaled, turned};
+use crate::mesh::rotation::{Matrix, nearest_rotation, scaled, transposed, turned};
 use crate::mesh::vector::{Vector, subtract};
 use crate::mesh::{Mesh, NONE};
 
@@ -26,6 +28,8 @@ const RADIUS: f64 = 0.03;
 const MOST_ROUNDS: f64 = 100.0;
 /// Terms of less than this share of the first are left out of the averaging's series.
 const LEAST_TERM: f64 = 1e-3;
+/// An image is a vertex if its weight is more than this.
+const WHOLE: f32 = 0.999;
 
 /// How directions at the image of each point turn into directions at the point.
 #[derive(Debug, Clone)]
@@ -47,7 +51,7 @@ impl Frames {
         let graph = Adjacency::new(own.len(), mesh.triangles.iter().flat_map(sides));
         let covariance =
             (0..own.len()).map(|point| edges_covariance(point, graph.of(point), &own, &image)).collect();
-        let covariance = averaged(&graph, covariance, rounds(mesh));
+        let covariance = mutual(mesh, symmetry, averaged(&graph, covariance, rounds(mesh)));
         let sign = if symmetry.kind == SymmetryKind::Reflection { -1.0 } else { 1.0 };
         let fit = |matrix: Matrix| scaled(nearest_rotation(&scaled(matrix, sign)), sign);
         Frames { turn: covariance.into_iter().map(fit).collect() }
@@ -110,6 +114,24 @@ fn edges_covariance(point: usize, around: &[u32], own: &[Vector], image: &[Optio
         }
     }
     sum
+}
+
+/// The sums of each covariance and the transposed one of its image, where two points are each other's images.
+fn mutual(mesh: &Mesh, symmetry: &Symmetry, covariance: Vec<Matrix>) -> Vec<Matrix> {
+    let image = |point: usize| {
+        let there = symmetry.surface_point[mesh.vertex_of_point[point] as usize]?;
+        let corner = there.barycentric.iter().position(|&weight| weight > WHOLE)?;
+        let image = mesh.point_of_vertex[there.vertices[corner] as usize];
+        (image != NONE).then_some(image as usize)
+    };
+    let both = |(point, &own): (usize, &Matrix)| {
+        let mut sum = own;
+        if let Some(other) = image(point).filter(|&other| image(other) == Some(point)) {
+            add(&mut sum, &transposed(&covariance[other]), 1.0);
+        }
+        sum
+    };
+    covariance.iter().enumerate().map(both).collect()
 }
 
 /// Rounds of averaging that reach [`RADIUS`]: a random walk of n edges of length h goes `h sqrt(n)` far.
