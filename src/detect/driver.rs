@@ -89,7 +89,7 @@ fn of_parts(
     plans: &[Plan],
     clock: &mut Clock,
 ) -> Result<Detection> {
-    let (mut best, mut rests) = of_shells(question, &joined, plans, clock)?;
+    let (mut best, mut rests) = of_shells(question, &joined, plans, None, clock)?;
     let whole = joined.shells[0].area();
     for _ in 0..ROUNDS {
         match of_rest(question, &mut joined, rests, &best, plans, clock) {
@@ -117,7 +117,7 @@ fn of_rest(
 ) -> Result<Option<(Detection, Vec<Shell>)>> {
     for rest in rests {
         let whole = std::mem::replace(&mut joined.shells[0], rest);
-        let (found, rests) = of_shells(question, joined, &plans[..1], clock)?;
+        let (found, rests) = of_shells(question, joined, &plans[..1], Some(best), clock)?;
         if found.is_much_more_plausible(best) {
             return Ok(Some((found, rests)));
         }
@@ -136,11 +136,12 @@ fn better(earlier: Option<Detection>, later: Result<Detection>) -> Result<Detect
 }
 
 /// The answer of exact connectivity, or by the plans in turn until one leaves no doubts; and what may be left of the first shell without parts that have no
-/// counterpart.
+/// counterpart, unless the answer is not much more plausible than that of the `whole`.
 fn of_shells(
     question: &Question,
     joined: &JoinedShells,
     plans: &[Plan],
+    whole: Option<&Detection>,
     clock: &mut Clock,
 ) -> Result<(Detection, Vec<Shell>)> {
     question.progress.report("holes", 0.03)?;
@@ -185,7 +186,10 @@ fn of_shells(
     let best = best.expect("a plan");
     // A map that says little tells no parts from others.
     let may_be_partial = |found: &Symmetry| {
-        found.mean_confidence >= CONFIDENT && question.may_be_partial() && joined.twins.is_empty()
+        whole.is_none_or(|whole| best.is_much_more_plausible(whole))
+            && found.mean_confidence >= CONFIDENT
+            && question.may_be_partial()
+            && joined.twins.is_empty()
     };
     let rests = match (best.symmetries.first(), solved) {
         (Some(symmetry), Some(solved)) if may_be_partial(symmetry) => {
