@@ -167,8 +167,7 @@ fn pair_shell(
     pairing.start_again(points, APART);
     grow(pairing, &starts, points, threads, progress)?;
     let loose = count_good(pairing, points);
-    let is_better = loose > 0 && loose as f64 >= BETTER * good as f64;
-    if !is_better || !agrees_in_turn(pairing, places, regions) {
+    if loose == 0 || (loose as f64) < BETTER * good as f64 {
         pairing.start_again(points, 0.0);
         pairing.enter_all(&strict);
     }
