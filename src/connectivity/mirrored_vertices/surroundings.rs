@@ -2,7 +2,7 @@
 
 use crate::geometry::adjacency::Adjacency;
 use crate::geometry::embedded_triangles::Fans;
-use crate::mesh::vector::{Vector, cross, squared_norm, subtract};
+use crate::mesh::vector::{Vector, cross, squared_norm, subtract, summed_normals, unit};
 use crate::mesh::{Mesh, NONE};
 
 /// Triangles around a vertex from which on it is a hub, as the middle of a cap or the pole of a lathe is. Every two points near
@@ -75,22 +75,13 @@ fn across(mesh: &Mesh, fans: &Fans, triangle: u32, corner: u32) -> Option<u32> {
 
 /// Two orthonormal directions in the tangent plane of each point.
 fn tangents(mesh: &Mesh) -> Vec<[Vector; 2]> {
-    let mut normals = vec![[0.0; 3]; mesh.positions.len()];
-    for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(|point| mesh.positions[point as usize]);
-        let normal = cross(subtract(b, a), subtract(c, a));
-        for &point in triangle {
-            (0..3).for_each(|axis| normals[point as usize][axis] += normal[axis]);
-        }
-    }
-    let unit = |v: Vector| v.map(|x| x / squared_norm(v).sqrt().max(f64::MIN_POSITIVE));
     let frame = |&normal: &Vector| {
         let smallest = (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0);
         let axis = std::array::from_fn(|k| f64::from(u8::from(k == smallest)));
         let first = unit(cross(normal, axis));
         [first, unit(cross(normal, first))]
     };
-    normals.iter().map(frame).collect()
+    summed_normals(&mesh.positions, &mesh.triangles).iter().map(frame).collect()
 }
 
 #[cfg(test)]
