@@ -1,7 +1,7 @@
 //! Where images are thought to be: the estimate, and after pairing the estimate moved.
 
 use super::percolation::Pairing;
-use super::{Estimate, MirroredVertices, image_position};
+use super::{Estimate, MirroredVertices};
 use crate::geometry::adjacency::Adjacency;
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
 use crate::geometry::surface_walk::nearest_of;
@@ -23,10 +23,10 @@ pub(super) struct Places {
 
 impl Places {
     pub fn new(mesh: &Mesh, estimate: &Estimate) -> Places {
-        let position = |point: u32| image_position(mesh, estimate, point);
+        let position = |point: &TrianglePoint| point.interpolate_vectors(&mesh.triangles, &mesh.positions);
         Places {
             vertex: estimate.partner.to_vec(),
-            position: (0..estimate.image.len() as u32).map(position).collect(),
+            position: estimate.image.iter().map(position).collect(),
             moved: vec![None; estimate.image.len()],
         }
     }

@@ -9,11 +9,6 @@ use crate::mesh::{Mesh, NONE};
 /// two hubs would be a pair to vote for, and which of them belong together is seen at no hub.
 const HUB: usize = 48;
 
-/// Whether a point has so many triangles around it that it says nothing of those near it.
-pub(super) fn is_hub(triangles_around: usize) -> bool {
-    triangles_around >= HUB
-}
-
 /// What is around the points of a mesh. Hubs have nothing around them, and are around nothing.
 pub(super) struct Surroundings<'a> {
     /// The mesh.
@@ -30,7 +25,7 @@ impl<'a> Surroundings<'a> {
     /// O(points + triangles log degree).
     pub fn new(mesh: &'a Mesh, fans: &Fans) -> Self {
         let count = mesh.positions.len();
-        let is_ordinary = |point: &u32| !is_hub(fans.of(*point).len());
+        let is_ordinary = |point: &u32| fans.of(*point).len() < HUB;
         let around = |point: u32| fans.of(point).iter().filter(move |_| is_ordinary(&point));
         let edges = Adjacency::from_rows(count, |point, row| {
             for &triangle in around(point) {
