@@ -10,6 +10,7 @@ use crate::detect::correspondence::Symmetry;
 use crate::detect::detection::Detection;
 use crate::detect::domain::Domain;
 use crate::detect::excess::Excess;
+use crate::detect::finishing::Found;
 use crate::detect::joined_shells::JoinedShells;
 use crate::detect::question::Question;
 use crate::detect::spectrum::Spectrum;
@@ -151,18 +152,18 @@ fn of_shells(
         return Ok((exact, Vec::new()));
     }
     let (mut best, mut solved): (Option<Detection>, _) = (None, None);
-    // Maps finished on what is solved.
-    let mut finished = Vec::new();
+    // On what is solved.
+    let mut known = Found::default();
     for plan in plans {
         let mut follow = || {
             let spectrum = match solved.take().filter(|solved: &Spectrum| solved.serves(plan)) {
                 Some(solved) => solved,
                 None => {
-                    finished.clear();
+                    known = Found::default();
                     Spectrum::new(&domain, plan, clock)?
                 }
             };
-            let found = attempt(&domain, &spectrum, plan, &mut finished, clock);
+            let found = attempt(&domain, &spectrum, plan, &mut known, clock);
             solved = Some(spectrum);
             found
         };
