@@ -13,6 +13,9 @@ use crate::mesh::vector::{dot, summed_normals};
 
 /// Times of diffusion in units of the area: heat spreads over about 0.035 and 0.06 sqrt(area).
 const TIMES: [f64; 2] = [0.0003, 0.001];
+/// Share of the surface at either end of the curvature's range that is cut to the range of the rest: creases,
+/// tips and bad triangles.
+const TRIMMED: f64 = 0.02;
 /// Largest value of a channel, in root mean squares.
 const LARGEST: f64 = 3.0;
 
@@ -28,7 +31,8 @@ pub fn channels(shell: &Shell, stiffness: &SymmetricSparse, lumped_mass: &[f64])
     if !shell.orientable || shell.positions.is_empty() {
         return Vec::new();
     }
-    let curvature = mean_curvature(shell, stiffness, lumped_mass);
+    let mut curvature = mean_curvature(shell, stiffness, lumped_mass);
+    trim(&mut curvature);
     let diffused = TIMES.map(|time| diffuse(&curvature, time, stiffness, lumped_mass));
     diffused.into_iter().filter_map(|values| standardise(values, lumped_mass)).collect()
 }
@@ -49,6 +53,16 @@ fn mean_curvature(shell: &Shell, stiffness: &SymmetricSparse, lumped_mass: &[f64
         if inner && length > 0.0 { 0.5 * along / (length * lumped_mass[vertex]) } else { 0.0 }
     };
     (0..shell.positions.len()).map(curvature).collect()
+}
+
+/// Cuts the ends of the values' range.
+fn trim(values: &mut [f64]) {
+    let mut sorted = values.to_vec();
+    let cut = (TRIMMED * values.len() as f64) as usize;
+    let last = values.len() - 1 - cut;
+    let lowest = *sorted.select_nth_unstable_by(cut, f64::total_cmp).1;
+    let highest = *sorted.select_nth_unstable_by(last, f64::total_cmp).1;
+    values.iter_mut().for_each(|value| *value = value.clamp(lowest, highest));
 }
 
 /// One implicit step: `(mass + time * stiffness) result = mass * values`, by conjugate gradients with the
