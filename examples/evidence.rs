@@ -9,7 +9,7 @@ use intrinsym::internals::detect::proxy::Proxy;
 use intrinsym::internals::detect::shell_symmetry::{PreparedShell, candidates, finish, signs};
 use intrinsym::internals::refine::full_refinement::MatchTarget;
 use intrinsym::internals::refine::rigid_parts;
-use intrinsym::internals::search::candidates::Hints;
+use intrinsym::internals::search::candidates::{Hints, Tried};
 use intrinsym::internals::spectral::eigenbasis::Eigenbasis;
 use intrinsym::internals::spectral::laplacian::IntrinsicSurface;
 use intrinsym::internals::spectral::sampling::Samples;
@@ -45,7 +45,14 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let samples = Samples::farthest(&basis, plan.samples);
     let shell = PreparedShell::new(surface, basis, samples);
     let signs = signs(&shell.surface, &shell.basis, &options, &[])?;
-    let found = candidates(&shell, &Hints { signs: &signs, twins: None }, &plan.search, &options, &progress)?;
+    let found = candidates(
+        &shell,
+        &Hints { signs: &signs, twins: None },
+        &plan.search,
+        &options,
+        &mut Tried::default(),
+        &progress,
+    )?;
     let Some(candidate) = found.first() else { return Ok(String::new()) };
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
     let map = finish(&shell, &target, candidate, &plan, 0, &progress)?;

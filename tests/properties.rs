@@ -10,7 +10,7 @@ use intrinsym::internals::base::effort::Plan;
 use intrinsym::internals::detect::shell_symmetry;
 use intrinsym::internals::detect::shell_symmetry::PreparedShell;
 use intrinsym::internals::refine::full_refinement::MatchTarget;
-use intrinsym::internals::search::candidates::{Candidate, Hints};
+use intrinsym::internals::search::candidates::{Candidate, Hints, Tried};
 use intrinsym::internals::spectral::eigenbasis::Eigenbasis;
 use intrinsym::internals::spectral::laplacian::IntrinsicSurface;
 use intrinsym::internals::spectral::sampling::Samples;
@@ -238,6 +238,7 @@ fn with_signs(shell: &mut PreparedShell, signs: &[bool]) -> (Candidate, Vec<u32>
         &Hints { signs: &predicted, twins: None },
         &plan.search,
         &options,
+        &mut Tried::default(),
         &progress,
     )
     .unwrap()

@@ -27,7 +27,7 @@ use intrinsym::internals::mesh::Shell;
 use intrinsym::internals::mesh::half_edges::HalfEdges;
 use intrinsym::internals::refine::full_refinement::MatchTarget;
 use intrinsym::internals::refine::rigid_parts;
-use intrinsym::internals::search::candidates::Hints;
+use intrinsym::internals::search::candidates::{Hints, Tried};
 use intrinsym::internals::spectral::continuous_family::orbits;
 use intrinsym::internals::spectral::displacement::mean_displacement;
 use intrinsym::internals::spectral::eigenbasis::Eigenbasis;
@@ -180,7 +180,8 @@ fn time_search(
     let quiet = Progress::default();
     timer.time("sign network", || signs(&shell.surface, &shell.basis, options, &[]));
     let signs = signs(&shell.surface, &shell.basis, options, &[]).expect("signs");
-    let search = || candidates(shell, &Hints { signs: &signs, twins: None }, &plan.search, options, &quiet);
+    let hints = Hints { signs: &signs, twins: None };
+    let search = || candidates(shell, &hints, &plan.search, options, &mut Tried::default(), &quiet);
     timer.time("candidates", search);
     let best = &search().expect("candidates")[0];
     timer.time("refinement", || finish(shell, target, best, plan, 0, &quiet));

@@ -74,105 +74,85 @@ pub struct OptionSpec {
 /// The table all hosts read.
 pub const OPTIONS: [OptionSpec; 11] = [
     OptionSpec {
-        name: "effort",
-        default: 1,
-        minimum: 0,
-        maximum: 2,
         choices: &["fast", "default", "thorough"],
-        expert: false,
-        help: "How hard to try: fast never looks twice, default looks again where its answer leaves doubts, thorough does at once.",
+        ..spec(
+            "effort",
+            1,
+            [0, 2],
+            "How hard to try: fast never looks twice, default looks again where its answer leaves doubts, thorough does at once.",
+        )
     },
-    OptionSpec {
-        name: "symmetries",
-        default: 1,
-        minimum: 1,
-        maximum: 32,
-        choices: &[],
-        expert: false,
-        help: "Most distinct symmetries to return, best first; a square table has more than one.",
-    },
-    OptionSpec {
-        name: "plausibility",
-        default: 50,
-        minimum: 0,
-        maximum: 100,
-        choices: &[],
-        expert: false,
-        help: "Least plausibility in percent at which a map counts as a symmetry (half of it for one that mirrors vertices); 0 accepts the best map found.",
-    },
-    OptionSpec {
-        name: "threads",
-        default: 2,
-        minimum: 1,
-        maximum: 64,
-        choices: &[],
-        expert: false,
-        help: "Threads that one detection uses at most; the result does not depend on it.",
-    },
-    OptionSpec {
-        name: "memory",
-        default: 0,
-        minimum: 0,
-        maximum: 100_000_000,
-        choices: &[],
-        expert: false,
-        help: "Most memory in MB, mesh included, estimated before it is taken: a mesh that needs more is refused; 0: no limit.",
-    },
-    OptionSpec {
-        name: "time_limit",
-        default: 0,
-        minimum: 1,
-        maximum: 1_000_000,
-        choices: &[],
-        expert: false,
-        help: "Seconds after which a detection ends with the best map so far, as doubtful, or with an error if there is none; 0: no limit.",
-    },
-    OptionSpec {
-        name: "network",
-        default: 1,
-        minimum: 0,
-        maximum: 1,
-        choices: &[],
-        expert: true,
-        help: "Whether the sign network proposes even and odd eigenfunctions: 1 yes, 0 no.",
-    },
-    OptionSpec {
-        name: "eigenfunctions",
-        default: 0,
-        minimum: 12,
-        maximum: 200,
-        choices: &[],
-        expert: true,
-        help: "Laplace-Beltrami eigenfunctions of the refined map; 0: as the effort says.",
-    },
-    OptionSpec {
-        name: "samples",
-        default: 0,
-        minimum: 100,
-        maximum: 5000,
-        choices: &[],
-        expert: true,
-        help: "Surface samples on which candidate maps are refined; 0: as the effort says.",
-    },
-    OptionSpec {
-        name: "beam_width",
-        default: 0,
-        minimum: 1,
-        maximum: 256,
-        choices: &[],
-        expert: true,
-        help: "Width of the beam search over even and odd eigenfunctions; 0: as the effort says.",
-    },
-    OptionSpec {
-        name: "proxy_vertices",
-        default: 0,
-        minimum: 1000,
-        maximum: 100_000_000,
-        choices: &[],
-        expert: true,
-        help: "Vertices above which the map is found on a simplified mesh of about so many and carried back; 0: as the effort says.",
-    },
+    spec(
+        "symmetries",
+        1,
+        [1, 32],
+        "Most distinct symmetries to return, best first; a square table has more than one.",
+    ),
+    spec(
+        "plausibility",
+        50,
+        [0, 100],
+        "Least plausibility in percent at which a map counts as a symmetry (half of it for one that mirrors vertices); 0 accepts the best map found.",
+    ),
+    spec("threads", 2, [1, 64], "Threads that one detection uses at most; the result does not depend on it."),
+    spec(
+        "memory",
+        0,
+        [0, 100_000_000],
+        "Most memory in MB, mesh included, estimated before it is taken: a mesh that needs more is refused; 0: no limit.",
+    ),
+    spec(
+        "time_limit",
+        0,
+        [1, 1_000_000],
+        "Seconds after which a detection ends with the best map so far, as doubtful, or with an error if there is none; 0: no limit.",
+    ),
+    expert(
+        "network",
+        1,
+        [0, 1],
+        "Whether the sign network proposes even and odd eigenfunctions: 1 yes, 0 no.",
+    ),
+    expert(
+        "eigenfunctions",
+        0,
+        [12, 200],
+        "Laplace-Beltrami eigenfunctions of the refined map; 0: as the effort says.",
+    ),
+    expert(
+        "samples",
+        0,
+        [100, 5000],
+        "Surface samples on which candidate maps are refined; 0: as the effort says.",
+    ),
+    expert(
+        "beam_width",
+        0,
+        [1, 256],
+        "Width of the beam search over even and odd eigenfunctions; 0: as the effort says.",
+    ),
+    expert(
+        "proxy_vertices",
+        0,
+        [1000, 100_000_000],
+        "Vertices above which the map is found on a simplified mesh of about so many and carried back; 0: as the effort says.",
+    ),
 ];
+
+/// An option that everybody may need, without names of its values.
+const fn spec(
+    name: &'static str,
+    default: usize,
+    [minimum, maximum]: [usize; 2],
+    help: &'static str,
+) -> OptionSpec {
+    OptionSpec { name, default, minimum, maximum, choices: &[], expert: false, help }
+}
+
+/// The same for experts.
+const fn expert(name: &'static str, default: usize, range: [usize; 2], help: &'static str) -> OptionSpec {
+    OptionSpec { expert: true, ..spec(name, default, range, help) }
+}
 
 impl Default for Options {
     fn default() -> Self {

@@ -11,8 +11,7 @@
 //!    orientation. A shell's rarest colour gives few seeds, so the search needs no estimate.
 //! 2. Each seed is walked over its whole shell (`matching`); a walk that ends without contradiction is
 //!    an exact bijection, its own inverse. Seeds are ordered, and rival bijections judged, by the estimate.
-//! 3. Where no walk ends, one patch is grown around the defects of the main shell (`almost`), several near the estimate
-//!    on others, or where that is not nearly all of it (`partial`).
+//! 3. Where no walk ends, one patch is grown around the defects of the main shell (`almost`).
 //!
 //! Before all that a test on the polygons alone leaves out the shells that cannot be mirrored (`lookalikes`): of independent
 //! triangulations no half-edges are made. Where the only bijection changes no lengths it is the answer ([`LengthChange`]).
@@ -34,6 +33,7 @@ use crate::base::progress::Progress;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::mesh::half_edges::HalfEdges;
 use crate::mesh::{Mesh, NONE};
+pub(crate) use colours::hash;
 use colours::{Classes, Colours};
 use estimate::{Distances, Estimate};
 pub use length_change::LengthChange;
@@ -179,8 +179,7 @@ impl Connectivity {
     /// `estimate` holds the estimated partner of each point or [`NONE`], `confidence` a weight in 0..=1; both
     /// have one entry per point. A bijection of a whole shell is accepted if its mean distance from the
     /// estimate is a small number of edges; on a shell with most of the vertices also if the connectivity
-    /// admits no other and a third of the estimate agrees, or there is none. A partial one must cover half of its
-    /// shell and of the irregular vertices there. `None` if no shell has either.
+    /// admits no other and a third of the estimate agrees, or there is none; so is a pairing of nearly all of that shell. `None` if no shell has either.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
@@ -215,9 +214,11 @@ impl Connectivity {
         let matched = match_whole_shells(&mut matching, shells, &self.classes, estimate, known, progress)?;
         let bijections = matched.bijections;
         let exact: Vec<bool> = matching.vertex_image.iter().map(|&image| image != NONE).collect();
-        let unrivalled = match matched.inexact.is_empty() {
-            true => matched.unrivalled,
-            false => self.match_defective_shells(&mut matching, estimate, matched, agrees, progress)?,
+        let unrivalled = match matched.defective {
+            Some(shell) if self.match_defective(&mut matching, estimate, shell, agrees, progress)? => {
+                Some(shell)
+            }
+            _ => matched.unrivalled,
         };
         let mut found = by_points(half_edges, &matching.vertex_image, &exact);
         if let Some(found) = &mut found {
@@ -232,42 +233,29 @@ impl Connectivity {
         Ok((found, bijections))
     }
 
-    /// Pairs what it can of the shells without a bijection; gives the main shell, if what is paired of it has no rival.
-    fn match_defective_shells(
+    /// Pairs nearly all of the main shell, which has no bijection, around its defects; says whether that has no rival and may stand against the estimate.
+    fn match_defective(
         &self,
         matching: &mut Matching,
         estimate: &Estimate,
-        mut matched: WholeShells,
+        shell: usize,
         agrees: impl Fn(&Matching, &[u32]) -> bool,
         progress: &Progress,
-    ) -> Result<Option<usize>> {
+    ) -> Result<bool> {
         let shells = &self.shells;
-        let far = Context { shells, estimate, valences: &self.colours.valences, classes: &self.classes };
-        if let Some(shell) = matched.defective {
-            let mark = matching.mark();
-            if almost::match_shell(matching, &far, shell, agrees, progress)? {
-                let vertices = shells.vertices(shell);
-                if is_not_refuted(&estimate.distances(matching, vertices, vertices.len())) {
-                    matched.inexact.retain(|&other| other != shell);
-                    matched.unrivalled = Some(shell);
-                } else {
-                    matching.rollback(mark);
-                }
-            }
+        let context = Context { shells, estimate, valences: &self.colours.valences, classes: &self.classes };
+        let (mark, vertices) = (matching.mark(), shells.vertices(shell));
+        let is_only = almost::match_shell(matching, &context, shell, agrees, progress)?
+            && is_not_refuted(&estimate.distances(matching, vertices, vertices.len()));
+        if !is_only {
+            matching.rollback(mark);
         }
-        if estimate.is_any() && !matched.inexact.is_empty() {
-            let near = Classes::new(&self.colours.near);
-            let context = Context { classes: &near, ..far };
-            partial::match_shells(matching, &context, &matched.inexact, progress)?;
-        }
-        Ok(matched.unrivalled)
+        Ok(is_only)
     }
 }
 
 /// What walking whole shells gave.
 struct WholeShells {
-    /// Shells without a bijection, or with one that the estimate refutes.
-    inexact: Vec<usize>,
     /// The shell with most of the vertices, if it has no bijection.
     defective: Option<usize>,
     /// The shell with most of the vertices, if its bijection is the only one.
@@ -311,23 +299,19 @@ fn match_whole_shells(
 ) -> Result<WholeShells> {
     let budget = WALKS * matching.half_edges.count() as u64;
     let mut search = WholeShellSearch { shells, classes, estimate, budget, bijections };
-    let (mut inexact, mut defective, mut unrivalled) = (Vec::new(), None, None);
+    let (mut defective, mut unrivalled) = (None, None);
     for shell in shells.by_size() {
         progress.check()?;
         if matching.vertex_image[shells.vertices(shell)[0] as usize] != NONE {
             continue;
         }
         match search.match_whole_shell(matching, shell, progress)? {
-            Whole::None => {
-                inexact.push(shell);
-                defective = defective.or(shells.is_main(shell).then_some(shell));
-            }
-            Whole::Refused => inexact.push(shell),
-            Whole::Bijection => {}
+            Whole::None => defective = defective.or(shells.is_main(shell).then_some(shell)),
+            Whole::Refused | Whole::Bijection => {}
             Whole::OnlyBijection => unrivalled = Some(shell),
         }
     }
-    Ok(WholeShells { inexact, defective, unrivalled, bijections: search.bijections })
+    Ok(WholeShells { defective, unrivalled, bijections: search.bijections })
 }
 
 impl WholeShellSearch<'_> {

@@ -16,7 +16,6 @@
 //! three decide. The images of vertices that are not paired are moved as those around them were.
 
 mod agreement;
-mod meeting;
 mod percolation;
 mod places;
 mod starts;
@@ -29,10 +28,8 @@ use crate::base::symmetry_kind::SymmetryKind;
 use crate::base::threads;
 use crate::connectivity::automorphism::Automorphism;
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
-use crate::mesh::vector::Vector;
 use crate::mesh::{Mesh, NONE};
 use agreement::{GOOD, agrees_in_turn, count_good, has_enough};
-use meeting::meets_vertices;
 use percolation::{MISFITS, Pairing};
 use places::Places;
 use starts::{Regions, Start, starts};
@@ -81,7 +78,7 @@ pub struct MirroredVertices {
 /// Pairs mirrored vertices.
 ///
 /// Shells are left out that cannot be oriented, have fewer than 24 or more than 250,000 vertices, or of which `connectivity` pairs
-/// as many vertices; those on which the estimate meets no vertices (1 ms for 12,500); and those of which fewer than three of ten vertices fit, or whose grid fits itself at other places as well.
+/// as many vertices, and those of which fewer than three of ten vertices fit, or whose grid fits itself at other places as well.
 /// `None` if no shell is left. On at most `threads` threads. O(points log points).
 ///
 /// # Errors
@@ -108,10 +105,7 @@ pub fn find(
             && (known as f64) < MOSTLY_PAIRED * points.len() as f64;
         wanted.then_some((points, known))
     };
-    let mut shells: Vec<_> = shells.into_iter().enumerate().filter_map(open).collect();
-    let mut met =
-        meets_vertices(mesh, &estimate, shells.iter().map(|(points, _)| points.as_slice())).into_iter();
-    shells.retain(|_| met.next() == Some(true));
+    let shells: Vec<_> = shells.into_iter().enumerate().filter_map(open).collect();
     if shells.is_empty() {
         return Ok(None);
     }
@@ -143,11 +137,6 @@ pub fn find(
     Ok((!mirrored.is_empty()).then(|| places.images(&pairing, &fans, &mirrored)))
 }
 
-/// Where the image of a point that has a partner lies.
-fn image_position(mesh: &Mesh, estimate: &Estimate, point: u32) -> Vector {
-    estimate.image[point as usize].interpolate_vectors(&mesh.triangles, &mesh.positions)
-}
-
 /// Pairs what percolation reaches from the starts on a shell.
 fn pair_shell(
     pairing: &mut Pairing,
@@ -167,8 +156,7 @@ fn pair_shell(
     pairing.start_again(points, APART);
     grow(pairing, &starts, points, threads, progress)?;
     let loose = count_good(pairing, points);
-    let is_better = loose > 0 && loose as f64 >= BETTER * good as f64;
-    if !is_better || !agrees_in_turn(pairing, places, regions) {
+    if loose == 0 || (loose as f64) < BETTER * good as f64 {
         pairing.start_again(points, 0.0);
         pairing.enter_all(&strict);
     }

@@ -10,7 +10,7 @@ use crate::detect::correspondence::Symmetry;
 use crate::detect::detection::{Detection, Report};
 use crate::detect::domain::Domain;
 use crate::detect::filled_holes::FilledShell;
-use crate::detect::finishing::{Finished, finish_best};
+use crate::detect::finishing::{Found, finish_best};
 use crate::detect::judging_mesh::JudgingMesh;
 use crate::detect::question::Question;
 use crate::detect::shell_symmetry::{candidates, of_images};
@@ -31,7 +31,7 @@ struct Attempt<'a> {
     assembler: Assembler<'a>,
 }
 
-/// The answer by a plan on what is solved for it. What was `finished` there by an earlier plan is not finished again.
+/// The answer by a plan on what is solved for it. What an earlier plan has `found` there is not sought again.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
@@ -39,7 +39,7 @@ pub fn attempt<'a>(
     domain: &'a Domain<'a>,
     spectrum: &'a Spectrum<'a>,
     plan: &'a Plan,
-    finished: &mut Vec<Finished>,
+    found: &mut Found,
     clock: &mut Clock,
 ) -> Result<Detection> {
     let Question { options, progress, .. } = *domain.question;
@@ -50,7 +50,7 @@ pub fn attempt<'a>(
     let one = attempt.one_reflection()?;
     let maps = match one.as_ref().filter(|map| attempt.is_certain(map)) {
         Some(map) => vec![(attempt.with_parts(map.clone())?, SymmetryKind::Reflection)],
-        None => attempt.searched(finished, clock)?,
+        None => attempt.searched(found, clock)?,
     };
     clock.lap("refinement");
     let mirrors_vertices =
@@ -68,11 +68,11 @@ pub fn attempt<'a>(
 
 impl Attempt<'_> {
     /// Candidates found and finished.
-    fn searched(&self, finished: &mut Vec<Finished>, clock: &mut Clock) -> Result<Maps> {
+    fn searched(&self, Found { tried, finished }: &mut Found, clock: &mut Clock) -> Result<Maps> {
         let Question { options, progress, .. } = *self.domain.question;
         let Spectrum { shell, signs, twins, .. } = self.spectrum;
         let hints = Hints { signs, twins: twins.as_ref() };
-        let found = candidates(shell, &hints, &self.assembler.plan.search, options, progress)?;
+        let found = candidates(shell, &hints, &self.assembler.plan.search, options, tried, progress)?;
         clock.lap("candidates");
         finish_best(&self.assembler, &found, finished, options, progress)
     }

@@ -10,6 +10,7 @@ use crate::detect::correspondence::Symmetry;
 use crate::detect::detection::Detection;
 use crate::detect::domain::Domain;
 use crate::detect::excess::{Excess, paired_rest};
+use crate::detect::finishing::Found;
 use crate::detect::joined_shells::JoinedShells;
 use crate::detect::question::Question;
 use crate::detect::spectrum::Spectrum;
@@ -93,7 +94,7 @@ fn of_parts(
     if let Some(found) = of_paired_rest(question, &mut joined, plans, clock)? {
         return Ok(found);
     }
-    let (mut best, mut rests) = of_shells(question, &joined, plans, clock)?;
+    let (mut best, mut rests) = of_shells(question, &joined, plans, None, clock)?;
     let whole = joined.shells[0].area();
     for _ in 0..ROUNDS {
         match of_rest(question, &mut joined, rests, &best, plans, clock) {
@@ -122,7 +123,7 @@ fn of_paired_rest(
     let Some(rest) = rest else { return Ok(None) };
     let share = rest.area() / joined.shells[0].area();
     let whole = std::mem::replace(&mut joined.shells[0], rest);
-    let (found, _) = of_shells(question, joined, plans, clock)?;
+    let (found, _) = of_shells(question, joined, plans, None, clock)?;
     if found.outcome == Outcome::Found {
         return Ok(Some(found.of_rest(share)));
     }
@@ -142,7 +143,7 @@ fn of_rest(
 ) -> Result<Option<(Detection, Vec<Shell>)>> {
     for rest in rests {
         let whole = std::mem::replace(&mut joined.shells[0], rest);
-        let (found, rests) = of_shells(question, joined, &plans[..1], clock)?;
+        let (found, rests) = of_shells(question, joined, &plans[..1], Some(best), clock)?;
         if found.is_much_more_plausible(best) {
             return Ok(Some((found, rests)));
         }
@@ -161,11 +162,12 @@ fn better(earlier: Option<Detection>, later: Result<Detection>) -> Result<Detect
 }
 
 /// The answer of exact connectivity, or by the plans in turn until one leaves no doubts; and what may be left of the first shell without parts that have no
-/// counterpart.
+/// counterpart, unless the answer is not much more plausible than that of the `whole`.
 fn of_shells(
     question: &Question,
     joined: &JoinedShells,
     plans: &[Plan],
+    whole: Option<&Detection>,
     clock: &mut Clock,
 ) -> Result<(Detection, Vec<Shell>)> {
     question.progress.report("holes", 0.03)?;
@@ -175,18 +177,18 @@ fn of_shells(
         return Ok((exact, Vec::new()));
     }
     let (mut best, mut solved): (Option<Detection>, _) = (None, None);
-    // Maps finished on what is solved.
-    let mut finished = Vec::new();
+    // On what is solved.
+    let mut known = Found::default();
     for plan in plans {
         let mut follow = || {
             let spectrum = match solved.take().filter(|solved: &Spectrum| solved.serves(plan)) {
                 Some(solved) => solved,
                 None => {
-                    finished.clear();
+                    known = Found::default();
                     Spectrum::new(&domain, plan, clock)?
                 }
             };
-            let found = attempt(&domain, &spectrum, plan, &mut finished, clock);
+            let found = attempt(&domain, &spectrum, plan, &mut known, clock);
             solved = Some(spectrum);
             found
         };
@@ -210,7 +212,10 @@ fn of_shells(
     let best = best.expect("a plan");
     // A map that says little tells no parts from others.
     let may_be_partial = |found: &Symmetry| {
-        found.mean_confidence >= CONFIDENT && question.may_be_partial() && joined.twins.is_empty()
+        whole.is_none_or(|whole| best.is_much_more_plausible(whole))
+            && found.mean_confidence >= CONFIDENT
+            && question.may_be_partial()
+            && joined.twins.is_empty()
     };
     let rests = match (best.symmetries.first(), solved) {
         (Some(symmetry), Some(solved)) if may_be_partial(symmetry) => {

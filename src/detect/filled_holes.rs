@@ -4,6 +4,7 @@
 //! each closed boundary that is short is filled by triangles around the mean of its vertices, which is near enough: what is asked of the filling
 //! is that the surface goes on, not where. Nothing of it is seen in what the caller gets.
 
+use crate::connectivity::automorphism::hash;
 use crate::geometry::embedded_triangles::TrianglePoint;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
@@ -114,10 +115,11 @@ impl FilledShell {
 /// [`crate::mesh::half_edges`] go around holes, too, but around two that meet as around one, and are made only while this one's result is solved.
 fn boundaries(shell: &Shell) -> Vec<Vec<u32>> {
     let corners = || shell.triangles.iter().flat_map(|&[a, b, c]| [[a, b, c], [b, c, a], [c, a, b]]);
-    // Around a vertex inside, each neighbour is as often the end of an edge as the start of one, so that the sum of any numbers of theirs vanishes.
+    // Around a vertex inside, each neighbour is as often the end of an edge as the start of one, so that the sum of any numbers of theirs vanishes;
+    // hardly any few hashes have the same sum.
     let mut balance = vec![0u64; shell.points.len()];
     for triangle in &shell.triangles {
-        let numbers = triangle.map(scrambled);
+        let numbers = triangle.map(|corner| hash(u64::from(corner)));
         for (k, &corner) in triangle.iter().enumerate() {
             let own = &mut balance[corner as usize];
             *own = own.wrapping_add(numbers[(k + 1) % 3]).wrapping_sub(numbers[(k + 2) % 3]);
@@ -163,14 +165,6 @@ fn boundaries(shell: &Shell) -> Vec<Vec<u32>> {
         }
     }
     found
-}
-
-/// Numbers of which hardly any few have the same sum (G. Steele, D. Lea, C. Flood, "Fast Splittable Pseudorandom Number Generators", 2014).
-fn scrambled(vertex: u32) -> u64 {
-    let mut value = (u64::from(vertex) + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-    value = (value ^ (value >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    value = (value ^ (value >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    value ^ (value >> 31)
 }
 
 fn around(rim: &[u32]) -> impl Iterator<Item = (u32, u32)> + '_ {

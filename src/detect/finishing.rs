@@ -8,7 +8,7 @@ use crate::base::threads;
 use crate::detect::assembler::Assembler;
 use crate::detect::shell_symmetry::{PreparedShell, finish};
 use crate::search::candidate_score::Score;
-use crate::search::candidates::{Candidate, DISTINCT, GAP};
+use crate::search::candidates::{Candidate, DISTINCT, GAP, Tried};
 use crate::spectral::displacement::mean_displacement;
 use crate::verify::choose::{Maps, rank};
 use crate::verify::hypothesis::Hypothesis;
@@ -21,6 +21,15 @@ pub struct Finished {
     map: Hypothesis,
     partners: Vec<u32>,
     kind: SymmetryKind,
+}
+
+/// What plans on the same shell have found.
+#[derive(Default)]
+pub struct Found {
+    /// Candidates.
+    pub tried: Tried,
+    /// Maps.
+    pub finished: Vec<Finished>,
 }
 
 /// Maps that were finished, and what they say about those that are not.

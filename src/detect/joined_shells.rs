@@ -200,6 +200,8 @@ impl Contacts {
             touching.contains(&[a.min(b), a.max(b)])
         };
         let mut groups = UnionFind::new(twins.len());
+        let pairs = twins.iter().zip(0..).filter(|(twin, _)| **twin != NONE);
+        pairs.for_each(|(&twin, own)| groups.join(own, twin));
         let (kept, refused): (Vec<[usize; 2]>, Vec<_>) =
             touching.iter().copied().filter(|&pair| is_of_twins(pair)).partition(|&pair| is_kept(pair));
         kept.iter().for_each(|&[a, b]| groups.join(a as u32, b as u32));

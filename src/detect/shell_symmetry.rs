@@ -10,7 +10,7 @@ use crate::refine::full_refinement::{self, MatchTarget};
 use crate::refine::mesh_descent::Seeds;
 use crate::refine::vertex_rows::Guide;
 use crate::search::candidate_score::{Score, ScoreTerms, Scorer};
-use crate::search::candidates::{self, CANDIDATE_SIZE, Candidate, Hints, parities};
+use crate::search::candidates::{self, CANDIDATE_SIZE, Candidate, Hints, Tried, parities};
 use crate::search::compositions;
 use crate::search::functional_map::Projection;
 use crate::search::refinement::SampleRefiner;
@@ -113,11 +113,12 @@ pub fn candidates(
     hints: &Hints,
     search: &Search,
     options: &Options,
+    tried: &mut Tried,
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
     let PreparedShell { surface, basis, refiner, .. } = shell;
     let scorer = shell.scorer(parities(hints.signs));
-    let found = candidates::find(surface, refiner, &scorer, hints, search, options, progress)?;
+    let found = candidates::find(surface, &scorer, hints, search, options, tried, progress)?;
     let most = options.symmetries;
     let of_kind = |kind| {
         let found: Vec<Candidate> =

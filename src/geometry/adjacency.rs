@@ -1,6 +1,6 @@
 //! Who is next to whom: neighbours of the points of a graph, one list.
 
-use crate::mesh::NONE;
+use crate::mesh::{NONE, bucket};
 
 /// The neighbours of each point of a graph, without the point itself.
 #[derive(Debug, Clone, Default)]
@@ -14,32 +14,12 @@ impl Adjacency {
     /// O(points + edges log degree).
     pub fn new(count: usize, edges: impl Iterator<Item = (u32, u32)> + Clone) -> Adjacency {
         let edges = edges.filter(|(from, to)| from != to);
-        let mut starts = vec![0u32; count + 1];
-        for (from, _) in edges.clone() {
-            starts[from as usize + 1] += 1;
-        }
-        for i in 0..count {
-            starts[i + 1] += starts[i];
-        }
-        let mut next = starts.clone();
-        let mut all = vec![0; starts[count] as usize];
-        for (from, to) in edges {
-            all[next[from as usize] as usize] = to;
-            next[from as usize] += 1;
-        }
-        let mut distinct = Adjacency { offsets: vec![0], neighbours: Vec::with_capacity(all.len()) };
-        for i in 0..count {
-            let row = &mut all[starts[i] as usize..starts[i + 1] as usize];
-            row.sort_unstable();
-            let first = distinct.neighbours.len();
-            for &to in row.iter() {
-                if distinct.neighbours[first..].last() != Some(&to) {
-                    distinct.neighbours.push(to);
-                }
-            }
-            distinct.offsets.push(distinct.neighbours.len() as u32);
-        }
-        distinct
+        let (starts, items) = bucket(edges.clone().map(|(from, _)| from), count);
+        let ends: Vec<u32> = edges.map(|(_, to)| to).collect();
+        Adjacency::from_rows(count, |point, row| {
+            let own = starts[point as usize] as usize..starts[point as usize + 1] as usize;
+            row.extend(items[own].iter().map(|&item| ends[item as usize]));
+        })
     }
 
     /// From the neighbours of each of `count` points, which `fill` adds to an empty list; duplicates are left out.

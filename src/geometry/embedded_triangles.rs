@@ -1,7 +1,7 @@
 //! Triangles of a mesh: which are around a vertex or behind an edge, and which of their points is nearest.
 
-use crate::mesh::NONE;
 use crate::mesh::vector::Vector;
+use crate::mesh::{NONE, bucket};
 
 /// A point inside a triangle of a shell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,21 +46,8 @@ pub struct Fans {
 impl Fans {
     /// O(triangles).
     pub fn new(vertex_count: usize, triangles: &[[u32; 3]]) -> Fans {
-        let mut offsets = vec![0u32; vertex_count + 1];
-        for vertex in triangles.iter().flatten() {
-            offsets[*vertex as usize + 1] += 1;
-        }
-        for i in 0..vertex_count {
-            offsets[i + 1] += offsets[i];
-        }
-        let mut next = offsets.clone();
-        let mut around = vec![0; 3 * triangles.len()];
-        for (index, triangle) in triangles.iter().enumerate() {
-            for &vertex in triangle {
-                around[next[vertex as usize] as usize] = index as u32;
-                next[vertex as usize] += 1;
-            }
-        }
+        let (offsets, corners) = bucket(triangles.as_flattened().iter().copied(), vertex_count);
+        let around = corners.into_iter().map(|corner| corner / 3).collect();
         let mut fans = Fans { offsets, triangles: around, behind: Vec::with_capacity(triangles.len()) };
         for (index, &[a, b, c]) in (0..).zip(triangles) {
             let behind = |from: u32, to: u32| {

@@ -1,6 +1,7 @@
 //! Shortest paths along edges (E. Dijkstra, "A note on two problems in connexion with graphs", 1959).
 
 use crate::geometry::surface_walk::SurfaceWalk;
+use crate::mesh::bucket;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -84,13 +85,7 @@ impl EdgeLengths {
             .collect();
         directed.sort_unstable_by_key(|&(from, to, _)| (from, to));
         directed.dedup_by_key(|&mut (from, to, _)| (from, to));
-        let mut offsets = vec![0; count + 1];
-        for &(from, ..) in &directed {
-            offsets[from as usize + 1] += 1;
-        }
-        for vertex in 0..count {
-            offsets[vertex + 1] += offsets[vertex];
-        }
+        let (offsets, _) = bucket(directed.iter().map(|&(from, ..)| from), count);
         EdgeLengths { offsets, ends: directed.into_iter().map(|(_, to, length)| (to, length)).collect() }
     }
 

@@ -83,35 +83,19 @@ impl<'a> SurfaceWalk<'a> {
 
     /// The nearest point of the triangles around `vertex`; at a hub, of those around the neighbour to which a walk round it leads.
     pub fn nearest_beside(&self, query: Vector, vertex: u32) -> TrianglePoint {
-        let best = self.nearest_in(query, some(self.triangles_of(vertex)));
+        let best = self.nearest_around(query, vertex);
         if self.triangles_of(vertex).len() <= LOOKS {
             return best.0;
         }
         let corners = self.triangles[best.0.triangle as usize].into_iter().filter(|&corner| corner != vertex);
         let start = corners.reduce(|first, second| self.nearer(query, first, second)).unwrap_or(vertex);
         let beside = self.nearest_vertex_but(vertex, query, start);
-        let other = self.nearest_in(query, some(self.triangles_of(beside)));
+        let other = self.nearest_around(query, beside);
         if other.1 < best.1 { other.0 } else { best.0 }
     }
 
-    /// The nearest point of some triangles, the first of equals, and its squared distance.
-    fn nearest_in(&self, query: Vector, triangles: impl Iterator<Item = u32>) -> (TrianglePoint, f32) {
-        let mut best = (TrianglePoint { triangle: 0, barycentric: [1.0, 0.0, 0.0] }, f32::MAX);
-        for triangle in triangles {
-            let corners = self.triangles[triangle as usize];
-            let [a, b, c] = corners.map(|corner| self.positions[corner as usize]);
-            let [to_query, to_b, to_c] = [query, b, c].map(|place| subtract(place, a));
-            let product = |p: Vector, q: Vector| dot(p, q) as f32;
-            let (barycentric, squared) = nearest_in_triangle(TriangleProducts {
-                own: product(to_query, to_query),
-                along: [product(to_query, to_b), product(to_query, to_c)],
-                edges: [product(to_b, to_b), product(to_b, to_c), product(to_c, to_c)],
-            });
-            if squared < best.1 {
-                best = (TrianglePoint { triangle, barycentric }, squared);
-            }
-        }
-        best
+    fn nearest_around(&self, query: Vector, vertex: u32) -> (TrianglePoint, f32) {
+        nearest_of(query, self.positions, self.triangles, some(self.triangles_of(vertex)))
     }
 
     fn distance(&self, query: Vector, vertex: u32) -> f64 {
@@ -122,6 +106,30 @@ impl<'a> SurfaceWalk<'a> {
         &self.triangles_around
             [self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize]
     }
+}
+
+/// The point of some `triangles` over `positions` that is nearest to `query`, the first of equals, and its squared distance.
+pub fn nearest_of(
+    query: Vector,
+    positions: &[Vector],
+    triangles: &[[u32; 3]],
+    looked_at: impl Iterator<Item = u32>,
+) -> (TrianglePoint, f32) {
+    let mut best = (TrianglePoint { triangle: 0, barycentric: [1.0, 0.0, 0.0] }, f32::MAX);
+    for triangle in looked_at {
+        let [a, b, c] = triangles[triangle as usize].map(|corner| positions[corner as usize]);
+        let [to_query, to_b, to_c] = [query, b, c].map(|place| subtract(place, a));
+        let product = |p: Vector, q: Vector| dot(p, q) as f32;
+        let (barycentric, squared) = nearest_in_triangle(TriangleProducts {
+            own: product(to_query, to_query),
+            along: [product(to_query, to_b), product(to_query, to_c)],
+            edges: [product(to_b, to_b), product(to_b, to_c), product(to_c, to_c)],
+        });
+        if squared < best.1 {
+            best = (TrianglePoint { triangle, barycentric }, squared);
+        }
+    }
+    best
 }
 
 /// At most [`LOOKS`] of what is around a vertex.

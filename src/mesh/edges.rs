@@ -16,8 +16,12 @@ pub struct EdgeTable {
 impl EdgeTable {
     /// Groups the half-edges of `polygons`.
     pub fn new(polygons: &Polygons, vertex_count: usize) -> EdgeTable {
-        let heads = heads(polygons);
-        let tails = &polygons.corners;
+        EdgeTable::of(vertex_count, &polygons.corners, &next_corners(&polygons.offsets))
+    }
+
+    /// Groups the half-edges of faces: each has a tail, and a next one.
+    pub fn of(vertex_count: usize, tails: &[u32], next: &[u32]) -> EdgeTable {
+        let heads: Vec<u32> = next.iter().map(|&corner| tails[corner as usize]).collect();
         let lowest = tails.iter().zip(&heads).map(|(&tail, &head)| tail.min(head));
         let (buckets, mut half_edges) = bucket(lowest, vertex_count);
         let highest = |half_edge: u32| tails[half_edge as usize].max(heads[half_edge as usize]);
@@ -51,20 +55,10 @@ impl EdgeTable {
     }
 }
 
-fn heads(polygons: &Polygons) -> Vec<u32> {
-    let mut heads = Vec::with_capacity(polygons.corners.len());
-    for polygon in 0..polygons.len() {
-        let corners = polygons.corners_of(polygon);
-        heads.extend_from_slice(&corners[1..]);
-        heads.push(corners[0]);
-    }
-    heads
-}
-
 /// Number of vertices whose polygons form more than one fan (are not connected by edges at the vertex).
 pub fn non_manifold_vertex_count(polygons: &Polygons, edges: &EdgeTable, vertex_count: usize) -> usize {
     let mut fans = UnionFind::new(polygons.corners.len());
-    let next = next_corners(polygons);
+    let next = next_corners(&polygons.offsets);
     for edge in edges.edges() {
         let first = edge[0];
         for &other in &edge[1..] {
@@ -86,10 +80,11 @@ pub fn non_manifold_vertex_count(polygons: &Polygons, edges: &EdgeTable, vertex_
     non_manifold.iter().filter(|&&is| is).count()
 }
 
-fn next_corners(polygons: &Polygons) -> Vec<u32> {
-    let mut next: Vec<u32> = (1..=polygons.corners.len() as u32).collect();
-    for pair in polygons.offsets.windows(2) {
-        next[pair[1] as usize - 1] = pair[0];
+/// The corner after each one in its face; faces are between `offsets`.
+pub fn next_corners(offsets: &[u32]) -> Vec<u32> {
+    let mut next: Vec<u32> = (1..=*offsets.last().unwrap_or(&0)).collect();
+    for face in offsets.windows(2) {
+        next[face[1] as usize - 1] = face[0];
     }
     next
 }

@@ -6,7 +6,7 @@
 //! Deviation: a face that would still repeat a directed edge (a Moebius band) or that repeats a point
 //! is detached from all its neighbours. Cost O(corners), plus a sort within each vertex's edges.
 
-use super::edges::UnionFind;
+use super::edges::{EdgeTable, UnionFind, next_corners};
 
 /// Manifold polygons over new vertices, and the way back.
 pub(super) struct Fans {
@@ -36,14 +36,6 @@ pub(super) fn split(point_count: usize, offsets: &[u32], points: &[u32]) -> Fans
     }
 }
 
-fn next_corners(offsets: &[u32]) -> Vec<u32> {
-    let mut next: Vec<u32> = (1..=*offsets.last().unwrap_or(&0)).collect();
-    for face in offsets.windows(2) {
-        next[face[1] as usize - 1] = face[0];
-    }
-    next
-}
-
 /// Per corner, whether its face meets a point twice.
 fn faces_repeating_a_point(offsets: &[u32], points: &[u32]) -> Vec<bool> {
     let mut repeating = vec![false; points.len()];
@@ -62,15 +54,15 @@ fn faces_repeating_a_point(offsets: &[u32], points: &[u32]) -> Vec<bool> {
 
 fn glue(point_count: usize, points: &[u32], next: &[u32], detached: &[bool]) -> Fans {
     let mut fans = UnionFind::new(points.len());
-    for_each_edge(point_count, points, next, |corners| {
-        let &[first, second] = corners else { return };
+    for corners in EdgeTable::of(point_count, points, next).edges() {
+        let &[first, second] = corners else { continue };
         let (first, second) = (first as usize, second as usize);
         let opposite = points[first] != points[second];
         if opposite && !detached[first] && !detached[second] {
             fans.join(first as u32, next[second]);
             fans.join(next[first], second as u32);
         }
-    });
+    }
     number_by_point(points, &mut fans)
 }
 
@@ -92,40 +84,13 @@ fn number_by_point(points: &[u32], fans: &mut UnionFind) -> Fans {
 fn corners_repeating_an_edge(fans: &Fans, next: &[u32]) -> Vec<u32> {
     let mut repeating = Vec::new();
     let vertices = &fans.corner_vertex;
-    for_each_edge(fans.point_of_vertex.len(), vertices, next, |corners| {
+    for corners in EdgeTable::of(fans.point_of_vertex.len(), vertices, next).edges() {
         for (position, &corner) in corners.iter().enumerate() {
             let starts_alike = |&earlier: &u32| vertices[earlier as usize] == vertices[corner as usize];
             if corners[..position].iter().any(starts_alike) {
                 repeating.push(corner);
             }
         }
-    });
+    }
     repeating
-}
-
-/// Calls `visit` with the corners (edges from the corner to the next) of each undirected edge, rising.
-fn for_each_edge(vertex_count: usize, vertices: &[u32], next: &[u32], mut visit: impl FnMut(&[u32])) {
-    let ends = |corner: u32| {
-        let (start, end) = (vertices[corner as usize], vertices[next[corner as usize] as usize]);
-        (start.min(end), start.max(end))
-    };
-    let mut starts = vec![0u32; vertex_count + 1];
-    for corner in 0..vertices.len() as u32 {
-        starts[ends(corner).0 as usize + 1] += 1;
-    }
-    for vertex in 0..vertex_count {
-        starts[vertex + 1] += starts[vertex];
-    }
-    let mut order = vec![0u32; vertices.len()];
-    let mut cursor = starts.clone();
-    for corner in 0..vertices.len() as u32 {
-        let slot = &mut cursor[ends(corner).0 as usize];
-        order[*slot as usize] = corner;
-        *slot += 1;
-    }
-    for bucket in starts.windows(2) {
-        let bucket = &mut order[bucket[0] as usize..bucket[1] as usize];
-        bucket.sort_unstable_by_key(|&corner| (ends(corner).1, corner));
-        bucket.chunk_by(|&first, &second| ends(first) == ends(second)).for_each(&mut visit);
-    }
 }

@@ -86,7 +86,7 @@ fn leading_eigenvector(matrix: [[f64; 4]; 4]) -> [f64; 4] {
 }
 
 /// Eigenvalues of a symmetric matrix and its orthonormal eigenvectors by columns, by cyclic Jacobi rotations.
-fn eigenvectors<const N: usize>(mut matrix: [[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
+pub fn eigenvectors<const N: usize>(mut matrix: [[f64; N]; N]) -> ([f64; N], [[f64; N]; N]) {
     let mut vectors: [[f64; N]; N] =
         std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 }));
     let size = matrix.iter().flatten().fold(0.0f64, |largest, value| largest.max(value.abs()));

@@ -23,6 +23,11 @@ pub fn squared_norm(a: Vector) -> f64 {
     dot(a, a)
 }
 
+/// The vector scaled to length 1; 0 stays 0.
+pub fn unit(a: Vector) -> Vector {
+    a.map(|x| x / squared_norm(a).sqrt().max(f64::MIN_POSITIVE))
+}
+
 /// The mean of some positions; 0 of none.
 pub fn mean(positions: impl IntoIterator<Item = Vector>) -> Vector {
     let (mut sum, mut count) = ([0.0; 3], 0.0);
@@ -49,4 +54,17 @@ pub fn point_areas(positions: &[Vector], triangles: &[[u32; 3]]) -> Vec<f64> {
         triangle.iter().for_each(|&point| areas[point as usize] += triangle_area(a, b, c) / 3.0);
     }
     areas
+}
+
+/// The sum of the normals of the triangles around each point, each as long as twice the area of its triangle.
+pub fn summed_normals(positions: &[Vector], triangles: &[[u32; 3]]) -> Vec<Vector> {
+    let mut normals = vec![[0.0; 3]; positions.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|point| positions[point as usize]);
+        let normal = cross(subtract(b, a), subtract(c, a));
+        for &point in triangle {
+            (0..3).for_each(|axis| normals[point as usize][axis] += normal[axis]);
+        }
+    }
+    normals
 }

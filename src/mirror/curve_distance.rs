@@ -6,7 +6,7 @@
 
 use crate::detect::correspondence::{EdgePoint, Symmetry};
 use crate::mesh::vector::{Vector, dot, subtract};
-use crate::mesh::{Mesh, NONE};
+use crate::mesh::{Mesh, NONE, bucket};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -124,18 +124,6 @@ fn distance_to_segment(point: Vector, [start, end]: [Vector; 2]) -> f64 {
 }
 
 fn triangles_around(mesh: &Mesh) -> (Vec<u32>, Vec<u32>) {
-    let mut offsets = vec![0u32; mesh.positions.len() + 1];
-    mesh.triangles.as_flattened().iter().for_each(|&point| offsets[point as usize + 1] += 1);
-    for point in 1..offsets.len() {
-        offsets[point] += offsets[point - 1];
-    }
-    let mut next = offsets.clone();
-    let mut triangles = vec![0u32; 3 * mesh.triangles.len()];
-    for (triangle, corners) in mesh.triangles.iter().enumerate() {
-        for &point in corners {
-            triangles[next[point as usize] as usize] = triangle as u32;
-            next[point as usize] += 1;
-        }
-    }
-    (offsets, triangles)
+    let (offsets, corners) = bucket(mesh.triangles.as_flattened().iter().copied(), mesh.positions.len());
+    (offsets, corners.into_iter().map(|corner| corner / 3).collect())
 }

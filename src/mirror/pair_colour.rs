@@ -6,6 +6,7 @@
 //! so that equal steps look equally large. Confidence fades to grey.
 
 use crate::detect::correspondence::Symmetry;
+use crate::mesh::rotation::eigenvectors;
 use crate::mesh::vector::{squared_norm, subtract};
 use crate::mesh::{Mesh, NONE};
 
@@ -54,26 +55,16 @@ fn common_of_pair(mesh: &Mesh, symmetry: &Symmetry, vertex: usize) -> Option<Com
     Some([x, y, z, squared_norm(subtract(own, other)).sqrt() / 2.0])
 }
 
-/// The three directions of largest variance, by power iteration with deflation.
+/// The three directions of largest variance.
 fn principal_axes(samples: &[Common]) -> [Common; 3] {
-    let mut covariance = covariance(samples);
+    let (variances, vectors) = eigenvectors(covariance(samples));
+    let mut order = [0, 1, 2, 3];
+    order.sort_by(|&a, &b| variances[b].total_cmp(&variances[a]));
     std::array::from_fn(|k| {
-        let mut axis: Common = std::array::from_fn(|i| 1.0 + 0.1 * (i + k) as f64);
-        for _ in 0..200 {
-            let product: Common = std::array::from_fn(|i| dot(&covariance[i], &axis));
-            let length = dot(&product, &product).sqrt();
-            if length <= f64::MIN_POSITIVE {
-                break;
-            }
-            axis = product.map(|value| value / length);
-        }
-        let variance: f64 = (0..4).map(|i| axis[i] * dot(&covariance[i], &axis)).sum();
-        for i in 0..4 {
-            for j in 0..4 {
-                covariance[i][j] -= variance * axis[i] * axis[j];
-            }
-        }
-        axis
+        let axis = vectors.map(|row| row[order[k]]);
+        // Of the two ends of an axis always the same is ahead.
+        let ahead: f64 = (0..4).map(|i| (1.0 + 0.1 * (i + k) as f64) * axis[i]).sum();
+        if ahead < 0.0 { axis.map(|x| -x) } else { axis }
     })
 }
 

@@ -168,11 +168,9 @@ struct Goal {
     disagreement: f64,
 }
 
-/// Where most of each vertex's parts put its image: the mean of what they say, but for those that the others contradict, and a
-/// little of the map.
+/// Where each vertex's parts put its image: the mean of what they say, and a little of the map.
 fn agreed(mapped: &Mapped, parts: &[Part]) -> Vec<Goal> {
-    let first = mean(mapped, parts, None, |part| part.start);
-    mean(mapped, parts, Some(&first), |part| part.start)
+    mean(mapped, parts, None, |part| part.start)
 }
 
 /// The mean over each vertex's parts of where one of its motions puts it.

@@ -106,7 +106,8 @@ impl ScoreTerms {
 
 /// Scores maps of a shell.
 pub struct Scorer<'a> {
-    refiner: &'a SampleRefiner,
+    /// The samples.
+    pub(crate) refiner: &'a SampleRefiner,
     terms: &'a ScoreTerms,
     /// Predicted parity of the first eigenfunctions, P(even) - P(odd): -1 odd .. +1 even.
     predicted: Vec<f64>,

@@ -66,22 +66,33 @@ pub struct Hints<'a> {
     pub twins: Option<&'a TwinDistances>,
 }
 
-/// Refines the starts of a search and returns the maps that are no identity, best first.
+/// What searches on the same samples have found.
+#[derive(Default)]
+pub struct Tried {
+    /// How many of the network's starts were tried, from the first on: they are those of every search.
+    network_starts: usize,
+    seen: Mutex<HashSet<Passage>>,
+    candidates: Vec<Candidate>,
+}
+
+/// Refines the starts of a search and returns the maps that are no identity, those of searches before it too, best first.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`].
 pub fn find(
     surface: &IntrinsicSurface,
-    refiner: &SampleRefiner,
     scorer: &Scorer,
     hints: &Hints,
     search: &Search,
     options: &Options,
+    tried: &mut Tried,
     progress: &Progress,
 ) -> Result<Vec<Candidate>> {
-    let (samples, eigenvalues, token) = (&refiner.samples, scorer.eigenvalues(), progress.token());
+    let (refiner, eigenvalues, token) = (scorer.refiner, scorer.eigenvalues(), progress.token());
+    let samples = &refiner.samples;
     let mut starts = propose_signs(hints.signs);
     starts.truncate(search.network_starts);
+    let of_network = starts.len();
     // Without a network the beam search stands alone.
     let beam_width = if starts.is_empty() { search.beam_width.max(LEAST_BEAM) } else { search.beam_width };
     let few = if beam_width > 0 { usize::MAX } else { FEW };
@@ -95,19 +106,23 @@ pub fn find(
         starts.extend(extrema_starts::starts(surface, refiner, options.threads, token)?);
     }
     progress.report("candidates", 0.45)?;
-    let seen = Mutex::default();
-    let mut candidates = of_twins(refiner, scorer, hints.twins, &seen)?;
-    for starts in starts.chunks(few) {
-        let tried = threads::map(options.threads, starts.iter().collect(), |start| {
+    if tried.seen.get_mut().unwrap_or_else(PoisonError::into_inner).is_empty() {
+        tried.candidates = of_twins(refiner, scorer, hints.twins, &tried.seen)?;
+    }
+    let (known, others) = starts.split_at(of_network);
+    for group in known[tried.network_starts.min(of_network)..].chunks(few).chain(others.chunks(few)) {
+        let found = threads::map(options.threads, group.iter().collect(), |start| {
             token.check()?;
-            try_start(refiner, scorer, start, &seen)
+            try_start(refiner, scorer, start, &tried.seen)
         });
-        let tried = tried.into_iter().collect::<Result<Vec<_>>>()?;
-        candidates.extend(tried.into_iter().flatten());
-        if candidates.iter().any(convinces) {
+        let found = found.into_iter().collect::<Result<Vec<_>>>()?;
+        tried.candidates.extend(found.into_iter().flatten());
+        tried.network_starts = (tried.network_starts + group.len()).min(of_network);
+        if few == FEW && tried.candidates.iter().any(convinces) {
             break;
         }
     }
+    let mut candidates = tried.candidates.clone();
     if search.turned_over {
         let turned = turned_over(samples, scorer, eigenvalues, &candidates)?;
         candidates.extend(turned);

@@ -188,8 +188,8 @@ impl WithSimd for ExtendedEnergy<'_> {
         for (source, row) in self.beam.distances.chunks_exact(targets).enumerate().take(self.sources) {
             let image = self.step.image(source);
             total += match self.step.columns {
-                [single] => smallest(row, single, image[0]),
-                [first, second] => smallest_of_pair(row, first, second, image),
+                [single] => smallest(row, [single], [image[0]]),
+                [first, second] => smallest(row, [first, second], image),
                 _ => unreachable!("a block has one or two columns"),
             };
             // Sums only grow, so the rounded mean does too.
@@ -201,40 +201,25 @@ impl WithSimd for ExtendedEnergy<'_> {
     }
 }
 
-/// `min over y of row[y] + (value - column[y])^2`, in lanes that the compiler vectorises.
+/// `min over y of row[y] + |image - columns[y]|^2`, in lanes that the compiler vectorises.
 #[inline(always)]
-fn smallest(row: &[f32], column: &[f32], value: f32) -> f32 {
+fn smallest<const N: usize>(row: &[f32], columns: [&[f32]; N], image: [f32; N]) -> f32 {
     const LANES: usize = 16;
+    let extended = |distance: f32, entry: [f32; N]| {
+        (0..N).fold(distance, |sum, k| sum + (image[k] - entry[k]) * (image[k] - entry[k]))
+    };
     let mut lanes = [f32::MAX; LANES];
-    let (row_chunks, row_rest) = row.as_chunks::<LANES>();
-    let (column_chunks, column_rest) = column.as_chunks::<LANES>();
-    for (distances, entries) in row_chunks.iter().zip(column_chunks) {
+    let (chunks, rest) = row.as_chunks::<LANES>();
+    for (index, distances) in chunks.iter().enumerate() {
+        let entries = columns.map(|column| &column.as_chunks::<LANES>().0[index]);
         for lane in 0..LANES {
-            let difference = value - entries[lane];
-            let candidate = difference * difference + distances[lane];
+            let candidate = extended(distances[lane], entries.map(|entries| entries[lane]));
             lanes[lane] = if candidate < lanes[lane] { candidate } else { lanes[lane] };
         }
     }
-    let rest = row_rest.iter().zip(column_rest).map(|(distance, entry)| distance + (value - entry).powi(2));
-    lanes.into_iter().chain(rest).fold(f32::MAX, f32::min)
-}
-
-/// The same for two columns.
-#[inline(always)]
-fn smallest_of_pair(row: &[f32], first: &[f32], second: &[f32], image: [f32; 2]) -> f32 {
-    const LANES: usize = 16;
-    let mut lanes = [f32::MAX; LANES];
-    let (row_chunks, row_rest) = row.as_chunks::<LANES>();
-    let ((a_chunks, a_rest), (b_chunks, b_rest)) = (first.as_chunks::<LANES>(), second.as_chunks::<LANES>());
-    for ((distances, a), b) in row_chunks.iter().zip(a_chunks).zip(b_chunks) {
-        for lane in 0..LANES {
-            let (u, v) = (image[0] - a[lane], image[1] - b[lane]);
-            let candidate = u * u + v * v + distances[lane];
-            lanes[lane] = if candidate < lanes[lane] { candidate } else { lanes[lane] };
-        }
-    }
-    let rest = row_rest.iter().zip(a_rest).zip(b_rest);
-    let rest = rest.map(|((distance, a), b)| distance + (image[0] - a).powi(2) + (image[1] - b).powi(2));
+    let first = row.len() - rest.len();
+    let rest =
+        rest.iter().enumerate().map(|(i, distance)| extended(*distance, columns.map(|c| c[first + i])));
     lanes.into_iter().chain(rest).fold(f32::MAX, f32::min)
 }
 

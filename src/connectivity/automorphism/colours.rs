@@ -5,16 +5,13 @@
 use crate::mesh::NONE;
 use crate::mesh::half_edges::HalfEdges;
 
-/// Rounds after which colours are kept: vertices alike within as many rings share a colour.
-const NEAR: usize = 2;
+/// Rounds of colours, beside the first: vertices alike within as many rings share a colour.
 const FAR: usize = 6;
 
-/// Colours of all vertices at three ranges.
+/// Colours of all vertices at two ranges.
 pub(super) struct Colours {
     /// Valence, face degrees and boundary.
     pub valences: Vec<u64>,
-    /// The surroundings that a few defects elsewhere leave as they are.
-    pub near: Vec<u64>,
     /// The surroundings that tell most irregular vertices apart.
     pub far: Vec<u64>,
 }
@@ -23,16 +20,9 @@ impl Colours {
     /// Refines round by round; cost O(half-edges) each.
     pub fn new(half_edges: &HalfEdges) -> Self {
         let sides = hashed_sides(half_edges);
-        let mut rounds = vec![refined(half_edges, &sides, &vec![0; half_edges.vertex_count()])];
-        for wanted in [NEAR, FAR - NEAR] {
-            let mut colours = refined(half_edges, &sides, &rounds[rounds.len() - 1]);
-            for _ in 1..wanted {
-                colours = refined(half_edges, &sides, &colours);
-            }
-            rounds.push(colours);
-        }
-        let [valences, near, far] = rounds.try_into().expect("three ranges");
-        Colours { valences, near, far }
+        let valences = refined(half_edges, &sides, &vec![0; half_edges.vertex_count()]);
+        let far = (0..FAR).fold(valences.clone(), |colours, _| refined(half_edges, &sides, &colours));
+        Colours { valences, far }
     }
 }
 
@@ -68,7 +58,7 @@ fn face_degrees(half_edges: &HalfEdges) -> Vec<u32> {
 }
 
 /// The finaliser of SplitMix64 (Steele, Lea and Flood 2014).
-pub(super) fn hash(value: u64) -> u64 {
+pub fn hash(value: u64) -> u64 {
     let value = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let value = (value ^ (value >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let value = (value ^ (value >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

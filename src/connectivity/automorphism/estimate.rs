@@ -58,7 +58,7 @@ impl Estimate {
         }
     }
 
-    /// Whether any vertex has an estimate: partial pairings are judged by it alone.
+    /// Whether any vertex has an estimate.
     pub fn is_any(&self) -> bool {
         self.partner.iter().any(|&partner| partner != NONE)
     }

@@ -11,9 +11,8 @@ use crate::mesh::Mesh;
 /// Rounds of colours: three leave lookalikes to half of an independent triangulation of 50,000 vertices, five to a thirtieth.
 const ROUNDS: usize = 5;
 
-/// Which shells have as many lookalikes as [`super::almost`] asks for. Others have no bijection, no pairing but for a few
-/// defects, and hardly one of half of the shell: that asks for lookalikes of half of its vertices within three rings.
-/// O(corners + points log points).
+/// Which shells have as many lookalikes as [`super::almost`] asks for. Others have no bijection, and no pairing but for a few
+/// defects. O(corners + points log points).
 pub(super) fn shells_with_lookalikes(mesh: &Mesh) -> Vec<bool> {
     let mut of_shell = coloured(mesh);
     of_shell.sort_unstable();

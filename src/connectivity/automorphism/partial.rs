@@ -1,13 +1,10 @@
-//! Pairings of shells whose connectivity is mirrored except at defects: a split edge, a few flipped triangles.
+//! Patches of a shell whose connectivity is mirrored except at defects: a split edge, a few flipped triangles.
 //!
 //! Patches grow from the seeds whose surroundings fit best, over all pairs of faces with equal degrees and
-//! equal valences at their corners. A false match is easy inside a regular grid, so a patch must pair
-//! irregular vertices, must not stop at many contradictions, and must lie near the estimate; all
-//! patches together must cover half of the shell and half of its irregular vertices. The ring of
-//! faces at each contradiction is dropped.
+//! equal valences at their corners. The ring of faces at each contradiction is dropped.
 
 use super::colours::Classes;
-use super::estimate::{self, Estimate};
+use super::estimate::Estimate;
 use super::matching::{Mark, Matching};
 use super::shells::Shells;
 use crate::base::error::Result;
@@ -25,18 +22,8 @@ const SEED_IMAGES: usize = 8;
 const MOST_TURNS: usize = 64;
 /// Faces of the trial around a seed.
 pub(super) const TRIAL_FACES: usize = 200;
-/// A patch as large as this is compared with the estimate before it grows on.
-const EARLY_FACES: usize = 50_000;
-/// Failed full growths per shell before giving up.
+/// Failed full growths of a shell before giving up.
 pub(super) const FAILURES: usize = 8;
-/// Least number of irregular vertices paired by a patch.
-const IRREGULAR: usize = 4;
-/// Most contradictions of a patch per paired face.
-const CONTRADICTIONS: f64 = 0.25;
-/// Least share of a shell and of its irregular vertices to be covered, and of samples near the estimate.
-const COVERED: f64 = 0.5;
-const NEAR: f64 = 0.7;
-
 /// What the growth reads.
 pub(super) struct Context<'a> {
     pub shells: &'a Shells,
@@ -45,54 +32,6 @@ pub(super) struct Context<'a> {
     pub valences: &'a [u64],
     /// Classes by surroundings: lookalikes are each other's possible images.
     pub classes: &'a Classes,
-}
-
-/// Pairs what it can of the shells in `which`; adds to what `matching` holds.
-pub(super) fn match_shells(
-    matching: &mut Matching,
-    context: &Context,
-    which: &[usize],
-    progress: &Progress,
-) -> Result<()> {
-    let is_large = |shell: &&usize| context.shells.vertices(**shell).len() >= SMALLEST_SHELL;
-    for &shell in which.iter().filter(is_large) {
-        match_shell(matching, context, shell, progress)?;
-    }
-    Ok(())
-}
-
-fn match_shell(matching: &mut Matching, context: &Context, shell: usize, progress: &Progress) -> Result<()> {
-    let vertices = context.shells.vertices(shell);
-    if !is_repeated(context.classes, vertices, COVERED) {
-        return Ok(());
-    }
-    let regular = most_common_valence(context, vertices);
-    let before = matching.mark();
-    let mut failures = 0;
-    for (vertex, start, target) in seeds(matching, context, vertices, progress)? {
-        progress.check()?;
-        if failures == FAILURES {
-            break;
-        }
-        if matching.vertex_image[vertex as usize] != NONE {
-            continue;
-        }
-        let mark = matching.mark();
-        let mut faces = matching.grow(start, target, context.valences, EARLY_FACES);
-        if faces == EARLY_FACES && is_patch_near(matching, context, mark, vertices.len()) {
-            matching.rollback(mark);
-            faces = matching.grow(start, target, context.valences, usize::MAX);
-        }
-        if !is_patch_sound(matching, context, mark, faces, regular, vertices.len()) {
-            matching.rollback(mark);
-            failures += 1;
-        }
-    }
-    drop_rings_at_contradictions(matching, before);
-    if !is_shell_covered(matching, context, vertices, regular) {
-        matching.rollback(before);
-    }
-    Ok(())
 }
 
 /// Whether at least such a share of vertices has a lookalike at all; on meshes without mirrored connectivity few do.
@@ -176,28 +115,6 @@ pub(super) fn contradicted_faces(matching: &Matching, mark: Mark) -> usize {
     faces.len()
 }
 
-/// Whether the patch lies near the estimate.
-fn is_patch_near(matching: &Matching, context: &Context, mark: Mark, shell_size: usize) -> bool {
-    let paired = matching.paired_since(mark);
-    context.estimate.distances(matching, &paired, shell_size).mean <= estimate::tolerance(shell_size)
-}
-
-fn is_patch_sound(
-    matching: &Matching,
-    context: &Context,
-    mark: Mark,
-    faces: usize,
-    regular: u64,
-    shell_size: usize,
-) -> bool {
-    let paired = matching.paired_since(mark);
-    let irregular = paired.iter().filter(|&&vertex| context.valences[vertex as usize] != regular).count();
-    let contradictions = contradicted_faces(matching, mark) as f64;
-    irregular >= IRREGULAR
-        && contradictions <= CONTRADICTIONS * faces as f64
-        && is_patch_near(matching, context, mark, shell_size)
-}
-
 /// Unpairs the corners of faces where growing stopped, and their partners.
 pub(super) fn drop_rings_at_contradictions(matching: &mut Matching, since: Mark) {
     for (half_edge, image) in matching.refused_since(since).to_vec() {
@@ -211,20 +128,4 @@ pub(super) fn drop_rings_at_contradictions(matching: &mut Matching, since: Mark)
             }
         }
     }
-}
-
-fn is_shell_covered(matching: &Matching, context: &Context, vertices: &[u32], regular: u64) -> bool {
-    let is_paired = |vertex: u32| matching.vertex_image[vertex as usize] != NONE;
-    let is_irregular = |vertex: u32| context.valences[vertex as usize] != regular;
-    let paired = vertices.iter().filter(|&&vertex| is_paired(vertex)).count();
-    let irregular = vertices.iter().filter(|&&vertex| is_irregular(vertex)).count();
-    let both = vertices.iter().filter(|&&vertex| is_paired(vertex) && is_irregular(vertex)).count();
-    paired as f64 >= COVERED * vertices.len() as f64
-        && both >= IRREGULAR
-        && both as f64 >= COVERED * irregular as f64
-        && context
-            .estimate
-            .distances(matching, vertices, vertices.len())
-            .share_within
-            .is_some_and(|share| share >= NEAR)
 }

@@ -1,14 +1,14 @@
 //! Percolation: pairs vote for the pairs around them, and the one with the most votes is next.
 //!
 //! A vote counts less the more the two lengths differ. A pair is entered only if it keeps the edges to paired neighbours close, all or some of
-//! them, and if nothing else that is free fits better to where these neighbours lie. Where all must be close contradictions never arise but from
-//! the pairs of a start: where two growths do not fit together vertices between them stay free.
+//! them. Where all must be close contradictions never arise but from the pairs of a start: where two growths do not fit together vertices
+//! between them stay free.
 
 use super::surroundings::Surroundings;
 use super::votes::Votes;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::mesh::NONE;
-use crate::mesh::vector::{Vector, dot, subtract};
+use crate::mesh::vector::dot;
 use std::collections::BinaryHeap;
 
 /// Largest misfits of pairs to those around them, in the order in which they are let in. A turn by a right angle has 1, a stretch
@@ -44,22 +44,8 @@ pub(super) struct Pairing<'a> {
     queue: BinaryHeap<Ballot>,
     /// Those that did not fit.
     deferred: Vec<Ballot>,
-    /// Searches for rivals so far, and the last one that came upon each point.
-    searches: u32,
-    seen: Vec<u32>,
-    /// What is around the points at hand; lists that keep their room.
+    /// What is around the point at hand; a list that keeps its room.
     open_near: Vec<OpenNear>,
-    paired_near: Vec<PairedNear>,
-}
-
-/// A paired point close to another one.
-#[derive(Clone, Copy)]
-struct PairedNear {
-    /// Where it lies in the tangent plane of the other, and the square of its distance there.
-    place: [f64; 2],
-    square: f64,
-    /// The position of its image.
-    image: Vector,
 }
 
 /// An open point close to another one.
@@ -84,10 +70,7 @@ impl<'a> Pairing<'a> {
             votes: Votes::new(count),
             queue: BinaryHeap::new(),
             deferred: Vec::new(),
-            searches: 0,
-            seen: vec![0; count],
             open_near: Vec::new(),
-            paired_near: Vec::new(),
         }
     }
 
@@ -233,21 +216,9 @@ impl<'a> Pairing<'a> {
         entered
     }
 
-    /// Whether a pair has a misfit up to `limit`, keeps edges, and nothing open fits better.
-    fn fits(&mut self, a: u32, b: u32, limit: f64) -> bool {
-        let mut near = std::mem::take(&mut self.paired_near);
-        near.clear();
-        near.extend(self.paired_around(a));
-        let misfit = self.misfit_of(near.iter().copied(), b);
-        let mut fits = misfit <= limit && self.keeps_edges(a, b) && self.keeps_edges(b, a);
-        fits = fits && !self.has_rival(a, &near, b, misfit);
-        if fits {
-            near.clear();
-            near.extend(self.paired_around(b));
-            fits = !self.has_rival(b, &near, a, misfit);
-        }
-        self.paired_near = near;
-        fits
+    /// Whether a pair has a misfit up to `limit` and keeps edges.
+    fn fits(&self, a: u32, b: u32, limit: f64) -> bool {
+        self.misfit(a, b) <= limit && self.keeps_edges(a, b) && self.keeps_edges(b, a)
     }
 
     /// Whether the images of all paired neighbours of `point`, but for a share `apart`, are close to `image`.
@@ -258,66 +229,29 @@ impl<'a> Pairing<'a> {
         lost.nth(most as usize).is_none()
     }
 
-    /// Whether another open point fits better as the image of `point`, which has these around it.
-    fn has_rival(&mut self, point: u32, near: &[PairedNear], image: u32, misfit: f64) -> bool {
-        self.searches += 1;
-        let around = self.around;
-        for &neighbour in around.edges.of(point as usize) {
-            let other = self.image[neighbour as usize];
-            if other == NONE {
-                continue;
-            }
-            for &rival in around.close.of(other as usize) {
-                if !self.is_open(rival) || rival == image {
-                    continue;
-                }
-                let last_search = std::mem::replace(&mut self.seen[rival as usize], self.searches);
-                if last_search < self.searches && self.misfit_of(near.iter().copied(), rival) < misfit {
-                    return true;
-                }
-            }
-        }
-        false
-    }
-
     /// Images of the paired neighbours of `point`.
     fn images_around(&self, point: u32) -> impl Iterator<Item = u32> + '_ {
         let images = self.around.edges.of(point as usize).iter().map(|&near| self.image[near as usize]);
         images.filter(|&image| image != NONE)
     }
 
-    /// Paired points close to one.
-    fn paired_around(&self, point: u32) -> impl Iterator<Item = PairedNear> + '_ {
-        let axes = self.around.tangents[point as usize];
-        let paired = move |near: u32, image: u32| {
-            let offset = self.around.offset(point, near);
-            let [x, y] = axes.map(|axis| dot(axis, offset));
-            let image = self.around.mesh.positions[image as usize];
-            PairedNear { place: [x, y], square: x * x + y * y, image }
-        };
-        let pairs =
-            self.around.close.of(point as usize).iter().map(|&near| (near, self.image[near as usize]));
-        pairs.filter(|&(_, image)| image != NONE).map(move |(near, image)| paired(near, image))
-    }
-
-    /// How badly the paired points close to `a` lie as their images do around `b`, turned at will, and mirrored if that is the
+    /// How badly the paired points close to `point` lie as their images do around `image`, turned at will, and mirrored if that is the
     /// kind: 0 for exactly so, 1 for no resemblance.
-    pub fn misfit(&self, a: u32, b: u32) -> f64 {
-        self.misfit_of(self.paired_around(a), b)
-    }
-
-    /// The misfit of `image` to what is paired around a point.
-    fn misfit_of(&self, around: impl Iterator<Item = PairedNear>, image: u32) -> f64 {
-        let position = self.around.mesh.positions[image as usize];
-        let axes = self.around.tangents[image as usize];
+    pub fn misfit(&self, point: u32, image: u32) -> f64 {
+        let [own_axes, axes] = [point, image].map(|at| self.around.tangents[at as usize]);
         let (mut squares, mut products) = (0.0, [0.0, 0.0]);
-        for near in around {
-            let offset = subtract(near.image, position);
-            let ([x, y], [u, mut v]) = (near.place, axes.map(|axis| dot(axis, offset)));
+        for &near in self.around.close.of(point as usize) {
+            let near_image = self.image[near as usize];
+            if near_image == NONE {
+                continue;
+            }
+            let [own, other] = [self.around.offset(point, near), self.around.offset(image, near_image)];
+            let ([x, y], [u, mut v]) =
+                (own_axes.map(|axis| dot(axis, own)), axes.map(|axis| dot(axis, other)));
             if self.kind == SymmetryKind::Reflection {
                 v = -v;
             }
-            squares += near.square + u * u + v * v;
+            squares += x * x + y * y + u * u + v * v;
             products[0] += x * u + y * v;
             products[1] += y * u - x * v;
         }

@@ -1,10 +1,11 @@
 //! Where images are thought to be: the estimate, and after pairing the estimate moved.
 
 use super::percolation::Pairing;
-use super::{Estimate, MirroredVertices, image_position};
+use super::{Estimate, MirroredVertices};
 use crate::geometry::adjacency::Adjacency;
-use crate::geometry::embedded_triangles::{Fans, TrianglePoint, TriangleProducts, nearest_in_triangle};
-use crate::mesh::vector::{Vector, dot, squared_norm, subtract};
+use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
+use crate::geometry::surface_walk::nearest_of;
+use crate::mesh::vector::{Vector, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE};
 
 /// What is left of a correction one edge farther from a pair.
@@ -22,10 +23,10 @@ pub(super) struct Places {
 
 impl Places {
     pub fn new(mesh: &Mesh, estimate: &Estimate) -> Places {
-        let position = |point: u32| image_position(mesh, estimate, point);
+        let position = |point: &TrianglePoint| point.interpolate_vectors(&mesh.triangles, &mesh.positions);
         Places {
             vertex: estimate.partner.to_vec(),
-            position: (0..estimate.image.len() as u32).map(position).collect(),
+            position: estimate.image.iter().map(position).collect(),
             moved: vec![None; estimate.image.len()],
         }
     }
@@ -67,7 +68,7 @@ impl Places {
 
     /// The images of `points`, those that are not paired inside triangles.
     pub fn images(&self, pairing: &Pairing, fans: &Fans, points: &[u32]) -> MirroredVertices {
-        let count = self.vertex.len();
+        let (count, mesh) = (self.vertex.len(), pairing.around.mesh);
         let nowhere = TrianglePoint { triangle: 0, barycentric: [1.0, 0.0, 0.0] };
         let mut found = MirroredVertices {
             partner: vec![NONE; count],
@@ -78,10 +79,13 @@ impl Places {
             let vertex = self.vertex[point as usize];
             let paired = pairing.image[point as usize] != NONE;
             let image = match paired {
-                true => at_vertex(pairing.around.mesh, fans, vertex),
-                false => nearest_around(pairing.around.mesh, fans, vertex, self.position[point as usize]),
+                true => at_vertex(mesh, fans, vertex),
+                false => {
+                    let around = fans.of(vertex).iter().copied();
+                    nearest_of(self.position[point as usize], &mesh.positions, &mesh.triangles, around).0
+                }
             };
-            let corners = pairing.around.mesh.triangles[image.triangle as usize];
+            let corners = mesh.triangles[image.triangle as usize];
             found.partner[point as usize] = corners[image.heaviest()];
             found.image[point as usize] = image;
             found.paired[point as usize] = paired;
@@ -125,21 +129,4 @@ fn at_vertex(mesh: &Mesh, fans: &Fans, vertex: u32) -> TrianglePoint {
     let triangle = fans.of(vertex)[0];
     let corners = mesh.triangles[triangle as usize];
     TrianglePoint { triangle, barycentric: corners.map(|corner| f32::from(u8::from(corner == vertex))) }
-}
-
-/// The point nearest to a position in the triangles around `vertex`.
-fn nearest_around(mesh: &Mesh, fans: &Fans, vertex: u32, position: Vector) -> TrianglePoint {
-    let in_triangle = |&triangle: &u32| {
-        let [a, b, c] = mesh.triangles[triangle as usize].map(|corner| mesh.positions[corner as usize]);
-        let (ab, ac, query) = (subtract(b, a), subtract(c, a), subtract(position, a));
-        let products = TriangleProducts {
-            own: squared_norm(query) as f32,
-            along: [dot(query, ab) as f32, dot(query, ac) as f32],
-            edges: [squared_norm(ab) as f32, dot(ab, ac) as f32, squared_norm(ac) as f32],
-        };
-        let (barycentric, distance) = nearest_in_triangle(products);
-        (TrianglePoint { triangle, barycentric }, distance)
-    };
-    let nearest = fans.of(vertex).iter().map(in_triangle).min_by(|x, y| x.1.total_cmp(&y.1));
-    nearest.expect("every vertex has a triangle").0
 }

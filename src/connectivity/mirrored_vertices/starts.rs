@@ -12,7 +12,7 @@ const REGIONS: usize = 80;
 const LOOKS: usize = 16;
 const STARTS: usize = 4;
 /// Largest mean distance between the moved estimate and vertices, in edges, at a start, and of a vertex that it pairs.
-pub(super) const START_MISS: f64 = 0.2;
+const START_MISS: f64 = 0.2;
 const VERTEX_MISS: f64 = 0.3;
 /// What moving the estimate by an edge costs a start, in miss: on a grid all fit, and the nearer are likelier.
 const SHIFT: f64 = 0.02;

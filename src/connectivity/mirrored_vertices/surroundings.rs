@@ -2,17 +2,12 @@
 
 use crate::geometry::adjacency::Adjacency;
 use crate::geometry::embedded_triangles::Fans;
-use crate::mesh::vector::{Vector, cross, squared_norm, subtract};
+use crate::mesh::vector::{Vector, cross, squared_norm, subtract, summed_normals, unit};
 use crate::mesh::{Mesh, NONE};
 
 /// Triangles around a vertex from which on it is a hub, as the middle of a cap or the pole of a lathe is. Every two points near
 /// two hubs would be a pair to vote for, and which of them belong together is seen at no hub.
 const HUB: usize = 48;
-
-/// Whether a point has so many triangles around it that it says nothing of those near it.
-pub(super) fn is_hub(triangles_around: usize) -> bool {
-    triangles_around >= HUB
-}
 
 /// What is around the points of a mesh. Hubs have nothing around them, and are around nothing.
 pub(super) struct Surroundings<'a> {
@@ -30,7 +25,7 @@ impl<'a> Surroundings<'a> {
     /// O(points + triangles log degree).
     pub fn new(mesh: &'a Mesh, fans: &Fans) -> Self {
         let count = mesh.positions.len();
-        let is_ordinary = |point: &u32| !is_hub(fans.of(*point).len());
+        let is_ordinary = |point: &u32| fans.of(*point).len() < HUB;
         let around = |point: u32| fans.of(point).iter().filter(move |_| is_ordinary(&point));
         let edges = Adjacency::from_rows(count, |point, row| {
             for &triangle in around(point) {
@@ -75,22 +70,13 @@ fn across(mesh: &Mesh, fans: &Fans, triangle: u32, corner: u32) -> Option<u32> {
 
 /// Two orthonormal directions in the tangent plane of each point.
 fn tangents(mesh: &Mesh) -> Vec<[Vector; 2]> {
-    let mut normals = vec![[0.0; 3]; mesh.positions.len()];
-    for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(|point| mesh.positions[point as usize]);
-        let normal = cross(subtract(b, a), subtract(c, a));
-        for &point in triangle {
-            (0..3).for_each(|axis| normals[point as usize][axis] += normal[axis]);
-        }
-    }
-    let unit = |v: Vector| v.map(|x| x / squared_norm(v).sqrt().max(f64::MIN_POSITIVE));
     let frame = |&normal: &Vector| {
         let smallest = (0..3).min_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs())).unwrap_or(0);
         let axis = std::array::from_fn(|k| f64::from(u8::from(k == smallest)));
         let first = unit(cross(normal, axis));
         [first, unit(cross(normal, first))]
     };
-    normals.iter().map(frame).collect()
+    summed_normals(&mesh.positions, &mesh.triangles).iter().map(frame).collect()
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use crate::geometry::shortest_paths::{EdgeLengths, PathSearch};
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::Shell;
-use crate::mesh::vector::{Vector, cross, dot, point_areas, squared_norm, subtract};
+use crate::mesh::vector::{Vector, cross, dot, point_areas, squared_norm, subtract, summed_normals, unit};
 use crate::search::refinement::nearest;
 use crate::spectral::sampling::{area_weighted_vertices, farthest_points};
 use faer::Mat;
@@ -52,7 +52,8 @@ pub(super) struct Sought {
 
 impl<'a> Mapped<'a> {
     pub fn new(shell: &'a Shell, found: &VertexMap) -> Mapped<'a> {
-        let normals = normals(shell);
+        let normals: Vec<Vector> =
+            summed_normals(&shell.positions, &shell.triangles).into_iter().map(unit).collect();
         let oriented = shell.positions.iter().zip(&normals);
         let walk = SurfaceWalk::new(&shell.positions, &shell.triangles);
         Mapped {
@@ -300,23 +301,6 @@ fn squared_distance(a: &Feature, b: &Feature) -> f32 {
     let square = |i: usize| (a[i] - b[i]) * (a[i] - b[i]);
     let sums: [f32; 4] = std::array::from_fn(|i| square(i) + square(i + 4));
     (sums[0] + sums[2]) + (sums[1] + sums[3])
-}
-
-/// Unit normals of the vertices, triangles weighted by area.
-fn normals(shell: &Shell) -> Vec<Vector> {
-    let mut normals = vec![[0.0; 3]; shell.positions.len()];
-    for triangle in &shell.triangles {
-        let [a, b, c] = triangle.map(|corner| shell.positions[corner as usize]);
-        let normal = cross(subtract(b, a), subtract(c, a));
-        for &corner in triangle {
-            (0..3).for_each(|axis| normals[corner as usize][axis] += normal[axis]);
-        }
-    }
-    normals.into_iter().map(unit).collect()
-}
-
-fn unit(vector: Vector) -> Vector {
-    vector.map(|x| x / squared_norm(vector).sqrt().max(f64::MIN_POSITIVE))
 }
 
 #[cfg(test)]

@@ -33,8 +33,6 @@ const MISFITTING: f64 = 0.3;
 /// A part fits badly from this many times what is usual, and never below this, in sqrt(area).
 const BAD: f64 = 2.0;
 const LEAST_BAD: f64 = 0.01;
-/// Turned motions that leave up to this many times the least are as good as it: the one that turns least is taken.
-const AS_GOOD: f64 = 1.3;
 /// A turned motion must leave no more than this share of what the map's leaves.
 const BETTER: f64 = 0.85;
 
@@ -150,11 +148,8 @@ fn turned(mapped: &Mapped, part: &TurnedPart, effort: &TurnedEffort, mirrored: b
         }
     }
     let own = as_mapped(mapped, &part.picked, mirrored, WHOLLY);
-    let fitted: Vec<Settled> = apart.into_iter().map(|motion| from(motion, &places, WHOLLY)).collect();
-    let least = fitted.iter().fold(f64::INFINITY, |least, fit| least.min(fit.unlike));
-    let turn = |fit: &Settled| start.turn_to(&fit.motion).1;
-    let as_good = fitted.into_iter().filter(|fit| fit.unlike <= AS_GOOD * least);
-    let best = as_good.min_by(|a, b| turn(a).total_cmp(&turn(b)))?;
+    let fitted = apart.into_iter().map(|motion| from(motion, &places, WHOLLY));
+    let best = fitted.min_by(|a, b| a.unlike.total_cmp(&b.unlike))?;
     let best = from(best.motion, &places, FINELY);
     (best.unlike < BETTER * own.unlike).then_some(best)
 }

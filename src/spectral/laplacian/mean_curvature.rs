@@ -9,7 +9,7 @@
 
 use super::SymmetricSparse;
 use crate::mesh::Shell;
-use crate::mesh::vector::{cross, dot, subtract};
+use crate::mesh::vector::{dot, summed_normals};
 
 /// Times of diffusion in units of the area: heat spreads over about 0.035 and 0.06 sqrt(area).
 const TIMES: [f64; 2] = [0.0003, 0.001];
@@ -40,16 +40,9 @@ pub fn channels(shell: &Shell, stiffness: &SymmetricSparse, lumped_mass: &[f64])
 /// Signed mean curvature of every vertex, positive where the surface is convex; 0 on boundaries and where the
 /// surface is no manifold.
 fn mean_curvature(shell: &Shell, stiffness: &SymmetricSparse, lumped_mass: &[f64]) -> Vec<f64> {
-    let mut normals = vec![[0.0; 3]; shell.positions.len()];
+    let normals = summed_normals(&shell.positions, &shell.triangles);
     let mut triangles_around = vec![0; shell.positions.len()];
-    for triangle in &shell.triangles {
-        let [p, q, r] = triangle.map(|vertex| shell.positions[vertex as usize]);
-        let normal = cross(subtract(q, p), subtract(r, p));
-        for &vertex in triangle {
-            (0..3).for_each(|axis| normals[vertex as usize][axis] += normal[axis]);
-            triangles_around[vertex as usize] += 1;
-        }
-    }
+    shell.triangles.as_flattened().iter().for_each(|&vertex| triangles_around[vertex as usize] += 1);
     let curvature = |vertex: usize| {
         // An inner vertex has as many neighbours as triangles; a row holds the vertex itself, too.
         let inner = stiffness.neighbours(vertex).len() == triangles_around[vertex] + 1;
