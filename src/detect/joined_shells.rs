@@ -191,19 +191,19 @@ impl Contacts {
         largest
     }
 
-    /// Takes their twins from shells that touch others only where the twins of both do not touch, as a sword that is its own mirror image touches one hand.
+    /// Takes their twins from shells that touch others only where the twins of both are not near each other, as a sword that is its own mirror image touches one hand.
     fn drop_held(&self, twins: &mut [u32]) {
-        let touching = self.touching();
+        let near: HashSet<[usize; 2]> = self.near.iter().map(|contact| contact.shells).collect();
         let is_of_twins = |[a, b]: [usize; 2]| twins[a] != NONE && twins[b] != NONE;
         let is_kept = |[a, b]: [usize; 2]| {
             let [a, b] = [twins[a] as usize, twins[b] as usize];
-            touching.contains(&[a.min(b), a.max(b)])
+            a == b || near.contains(&[a.min(b), a.max(b)])
         };
         let mut groups = UnionFind::new(twins.len());
         let pairs = twins.iter().zip(0..).filter(|(twin, _)| **twin != NONE);
         pairs.for_each(|(&twin, own)| groups.join(own, twin));
         let (kept, refused): (Vec<[usize; 2]>, Vec<_>) =
-            touching.iter().copied().filter(|&pair| is_of_twins(pair)).partition(|&pair| is_kept(pair));
+            self.touching().into_iter().filter(|&pair| is_of_twins(pair)).partition(|&pair| is_kept(pair));
         kept.iter().for_each(|&[a, b]| groups.join(a as u32, b as u32));
         // Shells come by falling area.
         let main =
