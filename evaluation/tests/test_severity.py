@@ -121,5 +121,5 @@ def test_what_is_not_answered_has_no_error(tmp_path):
 
 def test_accepted_is_the_default_of_the_program():
     options = (Path(__file__).parents[2] / "src" / "base" / "options.rs").read_text()
-    default = re.search(r'name: "plausibility",\s*default: (\d+)', options)[1]
+    default = re.search(r'"plausibility",\s*(\d+)', options)[1]
     assert int(default) / 100 == robustness.ACCEPTED
