@@ -374,6 +374,35 @@ fn of_several_pairings_the_one_that_agrees_is_taken() {
 }
 
 #[test]
+fn a_cut_that_parts_the_halves_leaves_both_parts_paired() {
+    let mut figure = Figure::of_voxels(&person(), 3).triangulated();
+    let truth = figure.truth();
+    // The neck's left half is gone: no patch comes from the body to the head.
+    let is_of_neck = |&point: &u32| {
+        let [x, y, _] = figure.places[point as usize];
+        x >= 0 && (3 * 4..=3 * 5).contains(&y)
+    };
+    let kept = figure.faces.iter().filter(|face| !face.iter().all(is_of_neck)).cloned().collect();
+    figure.faces = kept;
+    let is_true = |found: &Automorphism| {
+        found.partner.iter().zip(&truth).all(|(image, truth)| *image == NONE || image == truth)
+    };
+    let find = |agrees: &dyn Fn(&Automorphism) -> bool| {
+        Connectivity::new(figure.half_edges(), 0).find_unrivalled(agrees, &Progress::default()).unwrap()
+    };
+    let found = find(&is_true).expect("both parts");
+    let is_paired = |low: i32, high: i32| {
+        let points = (0..truth.len()).filter(|&point| (low..high).contains(&figure.places[point][1]));
+        let (all, paired) = points.fold((0, 0), |(all, paired), point| {
+            (all + 1, paired + usize::from(found.partner[point] != NONE))
+        });
+        paired * 10 > all * 9
+    };
+    assert!(is_true(&found) && is_paired(-9, 9) && is_paired(17, 19));
+    assert_eq!(find(&|_| false), None, "patches apart from each other need the shape's word");
+}
+
+#[test]
 fn what_has_no_mirror_image_is_left_out() {
     let sword: Vec<Cell> = (4..12).flat_map(|y| [[4, y, 0], [4, y, 1]]).collect();
     let cells: Vec<Cell> = person().into_iter().chain(sword).collect();

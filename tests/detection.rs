@@ -178,6 +178,35 @@ fn every_shell_of_the_human_maps_to_one_shell_and_back() {
 }
 
 #[test]
+fn an_eye_whose_twin_is_missing_is_no_image_of_itself() {
+    let polygons = example("human_shells");
+    let (mesh, truth) = (validated(&polygons), example_truth("human_shells"));
+    let shell_of = |vertex: u32| mesh.shell_of_point[mesh.point_of_vertex[vertex as usize] as usize];
+    // Eyes are the largest shells that go to another one.
+    let eye = (0..truth.len() as u32)
+        .filter(|&v| shell_of(v) != shell_of(truth[v as usize]))
+        .map(shell_of)
+        .min()
+        .unwrap();
+    let faces = polygons
+        .face_offsets
+        .windows(2)
+        .map(|ends| &polygons.face_vertices[ends[0] as usize..ends[1] as usize]);
+    let kept: Vec<Vec<u32>> = faces.filter(|face| shell_of(face[0]) != eye).map(<[u32]>::to_vec).collect();
+    let found = detect(
+        &validated(&polygon_mesh(&polygons.positions, &kept)),
+        &Options::default(),
+        &Progress::default(),
+    );
+    let partner = &found.unwrap().symmetries[0].partner;
+    let other: Vec<usize> = (0..truth.len()).filter(|&v| shell_of(truth[v]) == eye).collect();
+    assert!(other.len() > 50 && other.iter().all(|&v| partner[v] < 0));
+    let wrong =
+        (0..truth.len()).filter(|&v| shell_of(v as u32) == 0 && partner[v] as u32 != truth[v]).count();
+    assert_eq!(wrong, 0, "the body");
+}
+
+#[test]
 fn small_shells_go_with_the_surface_that_they_sit_on() {
     // Nothing is mirrored exactly: other diagonals left and right, and every vertex off by up to a twentieth of an edge.
     let mut polygons = with_random_diagonals(&example("human_shells"));

@@ -83,7 +83,7 @@ def test_poison_takes_nothing_with_it(batch, meshes, tmp_path):
     (meshes / "broken.off").write_text("OFF\n3 1 0\n0 0 0\n")
     (tmp_path / "list.txt").write_text("\n".join(map(str, [*meshes.iterdir(), meshes / "missing.ply"])))
     output = tmp_path / "out"
-    batch(tmp_path / "list.txt", "--output", output, "--timeout", 3, "--memory", 300)
+    batch(tmp_path / "list.txt", "--output", output, "--timeout", 8, "--memory", 300)
     rows = rows_in(output)
     kinds = {name: row["error_kind"] for name, row in rows.items() if row["outcome"] == "error"}
     assert kinds == {
@@ -96,7 +96,7 @@ def test_poison_takes_nothing_with_it(batch, meshes, tmp_path):
     assert len(rows) == 12 + 5
     summary = json.loads((output / "summary.json").read_text())
     assert summary["outcomes"]["error"] == 5 and summary["errors"]["Crash"] == 1
-    again = batch(tmp_path / "list.txt", "--output", output, "--timeout", 3, "--memory", 300)
+    again = batch(tmp_path / "list.txt", "--output", output, "--timeout", 8, "--memory", 300)
     assert "1 new rows" in again.stdout, "only the file that could not be read is looked at again"
     batch(tmp_path / "list.txt", "--output", output, "--timeout", 4, "--again", "Timeout")
     assert rows_in(output)["hang-1.ply"]["error"] == "no answer within 4 s"

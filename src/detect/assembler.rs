@@ -6,7 +6,7 @@ use crate::base::error::Result;
 use crate::base::options::Options;
 use crate::base::progress::{CancelToken, Progress};
 use crate::base::symmetry_kind::SymmetryKind;
-use crate::connectivity::automorphism::{Automorphism, Connectivity};
+use crate::connectivity::automorphism::{Automorphism, Connectivity, LengthChange};
 use crate::connectivity::mirrored_vertices;
 use crate::detect::assembly::{PointMap, Summary, symmetry};
 use crate::detect::companions::{self, Companion, Primary};
@@ -133,7 +133,9 @@ impl<'a> Gatherer<'a> {
         }
         map.odd = odd;
         let summary = Summary { kind: SymmetryKind::Reflection, score: 0.0, plausibility: share };
-        Ok(Some((self.finished(map, summary, threads, progress)?, share)))
+        let keeps_lengths =
+            |found: &Automorphism| LengthChange::of(mesh, found).is_some_and(|change| change.agrees());
+        Ok(Some((self.finished(map, summary, keeps_lengths, threads, progress)?, share)))
     }
 
     /// The symmetry of all shells, from a `map` that holds the largest one's.
@@ -147,14 +149,15 @@ impl<'a> Gatherer<'a> {
         if self.shells.len() > 1 {
             self.add_companions(&mut map, &known, progress)?;
         }
-        self.finished(map, known.summary, threads, progress)
+        self.finished(map, known.summary, |_| true, threads, progress)
     }
 
-    /// The symmetry that a `map` of all shells is, with what connectivity and vertices say of it.
+    /// The symmetry that a `map` of all shells is, with what vertices say of it, and connectivity whose pairing `may_be` it.
     fn finished(
         &self,
         mut map: PointMap,
         summary: Summary,
+        may_be: impl Fn(&Automorphism) -> bool,
         threads: usize,
         progress: &Progress,
     ) -> Result<Symmetry> {
@@ -164,6 +167,7 @@ impl<'a> Gatherer<'a> {
             Some(connectivity) => connectivity.find(&map.partner, &map.confidence, kind, progress)?,
             None => None,
         };
+        let exact = exact.filter(may_be);
         let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
         let mirrored = match self.mirrored_vertices {
             true => mirrored_vertices::find(self.mesh, estimate, exact.as_ref(), kind, threads, progress)?,

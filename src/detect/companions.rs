@@ -27,6 +27,8 @@ const PAIRING_POINTS: usize = 64;
 const FARTHEST: f32 = 0.06;
 /// Share of the confidence in what they sit on that is left to partners so far apart.
 const LEAST_TRUST: f32 = 0.65;
+/// A shell that lies farther from its mirrored place than this part of its own sqrt(area) is not its own image, if that is more than the map is worth.
+const BESIDE: f32 = 0.5;
 /// How much of what others around differ from a shell in size counts against it as its own image: its own size says nothing for that.
 const UNLIKE_ITSELF: f64 = 0.5;
 /// Natural logarithm of the largest ratio of two partners' areas.
@@ -237,9 +239,12 @@ fn pair_shells(
         let own = UNLIKE_ITSELF * others.iter().sum::<f64>() / others.len().max(1) as f64;
         for &target in near.iter().filter(|target| !any_other || same(target)) {
             let gap = 0.5 * (places.mismatch(source, target) + places.mismatch(target, source));
-            let unlike = if target == source { own } else { similar.differ(source, target) };
+            let unlike =
+                if target == source { own.min(f64::from(gap)) } else { similar.differ(source, target) };
             let both = gap.hypot(unlike as f32);
-            if both < FARTHEST {
+            // An eye whose twin is missing lies beside its mirrored place.
+            let is_beside = target == source && gap > BESIDE * shells[source].area().sqrt() as f32;
+            if both < FARTHEST && !is_beside {
                 options.insert((source.min(target), source.max(target)), both);
             }
         }

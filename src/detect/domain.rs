@@ -56,7 +56,9 @@ impl<'a> Domain<'a> {
         let Domain { shells, question: Question { mesh, options, progress, .. }, .. } = *self;
         let wanted = options.asks_for_one();
         let Some(found) = self.question.unrivalled.as_ref().filter(|_| wanted) else { return Ok(None) };
-        let found = found.within(&shells[0].points);
+        // A pairing of all of them that has no rival, and to which lengths agree, is as good as a bijection, though defects or a part be left out.
+        let mut found = found.within(&shells[0].points);
+        found.exact.iter_mut().zip(&found.partner).for_each(|(exact, partner)| *exact = *partner != NONE);
         progress.report("lengths", 0.03)?;
         let (Some(partners), Some(change)) =
             (shells[0].numbered(&found.partner), LengthChange::of(mesh, &found))

@@ -37,6 +37,8 @@ const GAIN: f64 = 0.01;
 const ALIKE: f64 = 0.035;
 /// Most limbs that are shortened.
 const LIMBS: usize = 2;
+/// Rings of vertices around a defect that a pairing leaves out, though they have counterparts.
+const RINGS: usize = 3;
 /// Least area of a part, and least of the rest, by their share of the shell.
 const LEAST: f64 = 0.01;
 const REST: f64 = 0.5;
@@ -94,35 +96,51 @@ impl<'a> Excess<'a> {
 
     /// The rest of the shell without what `is_part`.
     fn without(&self, is_part: &[bool]) -> Option<Shell> {
-        rest(self.shell, |own| is_part[self.coarse_vertex(own)])
+        let is_large = |piece: &[u32]| area(self.shell, piece) >= LEAST;
+        rest(self.shell, |own| is_part[self.coarse_vertex(own)], is_large)
     }
 }
 
-/// What is left of a shell without the parts whose vertices a pairing by connectivity leaves out.
+/// What is left of a shell without the parts whose vertices a pairing by connectivity leaves out. Around a defect a few rings are left out: these stay.
 pub fn paired_rest(shell: &Shell, partner: &[u32]) -> Option<Shell> {
-    rest(shell, |own| partner[shell.points[own] as usize] == NONE)
+    let is_left_out: Vec<bool> = shell.points.iter().map(|&point| partner[point as usize] == NONE).collect();
+    let mut is_deep = is_left_out.clone();
+    for _ in 0..RINGS {
+        let before = is_deep.clone();
+        for triangle in &shell.triangles {
+            if triangle.iter().any(|&corner| !before[corner as usize]) {
+                triangle.iter().for_each(|&corner| is_deep[corner as usize] = false);
+            }
+        }
+    }
+    let holds = |pieces: &[u32]| {
+        pieces.iter().any(|&own| shell.triangles[own as usize].iter().any(|&corner| is_deep[corner as usize]))
+    };
+    rest(shell, |own| is_left_out[own], holds)
 }
 
-/// The largest connected rest of a shell without what `is_part`, of which small pieces stay; `None` if none goes, or too much.
-fn rest(shell: &Shell, is_part: impl Fn(usize) -> bool) -> Option<Shell> {
-    let Shell { triangles, positions, .. } = shell;
+/// The largest connected rest of a shell without the pieces of what `is_part` that may go; `None` if none goes, or too much.
+fn rest(shell: &Shell, is_part: impl Fn(usize) -> bool, goes: impl Fn(&[u32]) -> bool) -> Option<Shell> {
+    let triangles = &shell.triangles;
     let touches = |own: &u32| triangles[*own as usize].iter().any(|&at| is_part(at as usize));
     let (parts, mut kept): (Vec<u32>, Vec<u32>) = (0..triangles.len() as u32).partition(touches);
-    let area = |pieces: &[u32]| -> f64 {
-        let corners = pieces.iter().map(|&own| triangles[own as usize].map(|at| positions[at as usize]));
-        corners.map(|[a, b, c]| triangle_area(a, b, c)).sum()
-    };
-    let (gone, stay): (Vec<_>, Vec<_>) =
-        connected(shell, parts).into_iter().partition(|piece| area(piece) >= LEAST);
+    let (gone, stay): (Vec<_>, Vec<_>) = connected(shell, parts).into_iter().partition(|piece| goes(piece));
     kept.extend(stay.into_iter().flatten());
     kept.sort_unstable();
-    let rest = connected(shell, kept).into_iter().next().filter(|rest| area(rest) >= REST)?;
+    let rest = connected(shell, kept).into_iter().next().filter(|rest| area(shell, rest) >= REST)?;
     if gone.is_empty() {
         return None;
     }
     let corners: Vec<[u32; 3]> = rest.iter().map(|&own| triangles[own as usize]).collect();
     let triangle_of_local = rest.iter().map(|&own| shell.triangle_of_local[own as usize]).collect();
     Some(Shell { triangle_of_local, ..shell.with_triangles(&corners).0 })
+}
+
+/// The area of some triangles of a shell.
+fn area(shell: &Shell, triangles: &[u32]) -> f64 {
+    let corners =
+        triangles.iter().map(|&own| shell.triangles[own as usize].map(|at| shell.positions[at as usize]));
+    corners.map(|[a, b, c]| triangle_area(a, b, c)).sum()
 }
 
 /// The connected pieces of some triangles of a shell, by falling area.

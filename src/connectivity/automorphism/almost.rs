@@ -18,6 +18,8 @@ const COVERED: f64 = 0.6;
 const COVERED_IRREGULAR: f64 = 0.3;
 /// Vertices that each contradicted face counts for.
 const CONTRADICTION: f64 = 4.0;
+/// Fewest faces of a patch for each that contradicts it.
+const FEW: usize = 8;
 /// Most pairings that are looked at.
 const MOST_PAIRINGS: usize = 4;
 /// Fewest irregular vertices of a shell of which defects may leave some unpaired.
@@ -30,6 +32,9 @@ const RIVAL_SEEDS: usize = 4;
 /// Votes of the vertices that are paired by their neighbours: from the first on down to the second.
 const MOST_VOTES: usize = 6;
 const LEAST_VOTES: usize = 2;
+
+/// A pairing, and the pairs of half-edges at which its patches start.
+type Pairing<'a> = (Matching<'a>, Vec<(u32, u32)>);
 
 /// A shell, and which of its vertices are irregular.
 struct Shell<'a> {
@@ -59,12 +64,13 @@ pub(super) fn match_shell(
     }
     let seeds = seeds(matching, context, vertices, progress)?;
     let mut found = shell.pairings(matching, &seeds, progress)?;
-    if found.len() > 1 {
-        found.retain(|(pairing, ..)| agrees(pairing, vertices));
-    }
-    let [(_, from, to)] = found[..] else { return Ok(false) };
+    let is_sure = found.len() == 1 && found[0].1.len() == 1;
+    found.retain(|(pairing, _)| is_sure || agrees(pairing, vertices));
+    let [(_, starts)] = &found[..] else { return Ok(false) };
     let before = matching.mark();
-    matching.grow(from, to, context.valences, usize::MAX);
+    for &(from, to) in starts {
+        matching.grow(from, to, context.valences, usize::MAX);
+    }
     drop_rings_at_contradictions(matching, before);
     pair_by_neighbours(matching, vertices);
     Ok(true)
@@ -89,26 +95,40 @@ impl<'a> Shell<'a> {
             && irregular as f64 >= COVERED_IRREGULAR * self.irregular as f64
     }
 
-    /// The first pairing of nearly all of the shell that starts at one of the seeds, and those that send most vertices elsewhere; each with its start.
+    /// The first pairing of nearly all of the shell that starts at one of the seeds, or at several where a cut parts it, and those that send most vertices elsewhere; each with its starts.
     fn pairings<'m>(
         &self,
         matching: &Matching<'m>,
         seeds: &[(u32, u32, u32)],
         progress: &Progress,
-    ) -> Result<Vec<(Matching<'m>, u32, u32)>> {
-        let mut found: Vec<(Matching, u32, u32)> = Vec::new();
+    ) -> Result<Vec<Pairing<'m>>> {
+        let mut found: Vec<Pairing> = Vec::new();
         let empty = || Matching::new(matching.half_edges, matching.kind());
         let mut trial = empty();
         let start = trial.mark();
-        for &(_, from, to) in seeds.iter().take(FAILURES) {
+        let (mut starts, mut failures) = (Vec::new(), 0);
+        for &(vertex, from, to) in seeds {
             progress.check()?;
-            trial.grow(from, to, self.context.valences, usize::MAX);
-            if self.is_nearly_paired(&trial, start) {
-                found.push((std::mem::replace(&mut trial, empty()), from, to));
+            if failures == FAILURES {
                 break;
             }
-            trial.rollback(start);
+            if trial.vertex_image[vertex as usize] != NONE {
+                continue;
+            }
+            let mark = trial.mark();
+            let faces = trial.grow(from, to, self.context.valences, usize::MAX);
+            if FEW * contradicted_faces(&trial, mark) > faces {
+                trial.rollback(mark);
+                failures += 1;
+                continue;
+            }
+            starts.push((from, to));
+            if self.is_nearly_paired(&trial, start) {
+                found.push((std::mem::replace(&mut trial, empty()), std::mem::take(&mut starts)));
+                break;
+            }
         }
+        trial.rollback(start);
         if found.is_empty() {
             return Ok(found);
         }
@@ -130,7 +150,7 @@ impl<'a> Shell<'a> {
                     let is_new = self.is_nearly_paired(&trial, start)
                         && found.iter().all(|known| self.is_elsewhere(&trial, start, &known.0));
                     if is_new {
-                        found.push((std::mem::replace(&mut trial, empty()), from, to));
+                        found.push((std::mem::replace(&mut trial, empty()), vec![(from, to)]));
                     }
                     trial.rollback(start);
                 }
