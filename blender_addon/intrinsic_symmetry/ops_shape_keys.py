@@ -77,20 +77,25 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
         keys = object.data.shape_keys
         present = [keys.key_blocks.get(name) for name in pair]
         if None in present:
-            source = 1 - present.index(None)
+            # An exchange leaves what is not there yet: both change.
+            source = None if self.merge == Merge.SWAP else 1 - present.index(None)
         else:
             sizes = np.stack([np.linalg.norm(_displacement(key)[1], axis=1) for key in present], axis=1)
             source = counterparts.source_of_keys(sizes, self.merge)
         targets = (0, 1) if source is None else (1 - source,)
-        if self.merge == Merge.SWAP and any(present[target] and present[target].lock_shape for target in targets):
+        if self.merge == Merge.SWAP and any(key and key.lock_shape for key in present):
             self.leave(pair, "exchange with a locked one")
             return 0
         share = self.trust(symmetry) * free * (0.5 if source is None and self.merge == Merge.AVERAGE else 1)
+        for name, key, other in zip(pair, present, present[::-1]):
+            if key is None:
+                self._made(object, symmetry, name, other)
+        present = [keys.key_blocks[name] for name in pair]
         new = []
         for target in targets:
             base, moved = _displacement(present[1 - target])
             carried = symmetry.carry_displacement(base, moved, Merge.SWAP)
-            key = present[target] or self._made(object, symmetry, pair[target], present[1 - target])
+            key = present[target]
             base, own = _displacement(key)
             new.append((key, base + blend(own, carried, share)))
         return sum(self._write(keys, key, values) for key, values in new)

@@ -104,6 +104,15 @@ def test_the_direction_counts_for_pairs(human, swelling, direction, left, right)
         assert np.abs(_moved(human, name) - wanted).max() < 0.15 * 0.01 * 3
 
 
+def test_an_exchange_with_a_key_that_is_not_there_empties_its_own(human, swelling):
+    _key(human, "Smile.L", swelling)
+    ops.mirror_shape_keys(direction="SWAP")
+    assert _size(human, "Smile.L") < 1e-6 and _size(human, "Smile.R") > 0.005
+    human.active_shape_key_index = human.data.shape_keys.key_blocks.find("Smile.L")
+    ops.mirror_shape_keys(direction="SWAP")
+    assert np.abs(_moved(human, "Smile.L") - swelling).max() < 1e-6 and _size(human, "Smile.R") < 1e-6
+
+
 def test_keys_without_a_known_side_are_left_alone(human, swelling, capfd):
     _key(human, "Sonrisa_izq", swelling)
     ops.mirror_shape_keys(direction="SWAP", exchange_names=False)
