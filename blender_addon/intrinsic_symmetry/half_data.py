@@ -36,14 +36,14 @@ def vertex_mix(source, halves, symmetry):
     return Mix(rows, weights).at(np.where(source >= 0, source, old + len(shares) - 1 - source))
 
 
-def _make_missing_groups(object, added):
-    """Makes the counterparts of the groups that added vertices, (vertices,) bool, are in."""
+def _make_missing_groups(object, weights):
+    """Makes the counterparts of the groups in which there are any of the weights, (vertices, groups); how many."""
     names = [group.name for group in object.vertex_groups]
-    filled = read_weights(object)[added].any(axis=0)
-    others = [side_names.counterpart(name, names) for name, is_so in zip(names, filled) if is_so]
-    for name in dict.fromkeys(others):
-        if name not in names and not side_names.is_too_long(name):
-            object.vertex_groups.new(name=name)
+    others = [side_names.counterpart(name, names) for name, is_so in zip(names, weights.any(axis=0)) if is_so]
+    missing = [name for name in dict.fromkeys(others) if name not in names and not side_names.is_too_long(name)]
+    for name in missing:
+        object.vertex_groups.new(name=name)
+    return len(missing)
 
 
 class Old:
@@ -86,9 +86,9 @@ class Old:
             now[taking] = mix.at(taking).of(values)
             mesh_data.update_attribute(attribute, now)
         if self.weights is not None:
-            _make_missing_groups(object, added)
             now = read_weights(object)
-            self.weights = np.pad(self.weights, ((0, 0), (0, now.shape[1] - self.weights.shape[1])))
+            made = ((0, 0), (0, _make_missing_groups(object, now[added])))
+            now, self.weights = np.pad(now, made), np.pad(self.weights, made)
             new = now.copy()
             new[taking] = mix.at(taking).of(self.weights)
             flipped = side_names.counterpart_columns([group.name for group in object.vertex_groups])

@@ -11,7 +11,7 @@
 //!    orientation. A shell's rarest colour gives few seeds, so the search needs no estimate.
 //! 2. Each seed is walked over its whole shell (`matching`); a walk that ends without contradiction is
 //!    an exact bijection, its own inverse. Seeds are ordered, and rival bijections judged, by the estimate.
-//! 3. Where no walk ends, one patch is grown around the defects of the main shell (`almost`).
+//! 3. Where no walk ends, patches are grown around the defects of the main shell, without its parts that have no counterpart (`almost`).
 //!
 //! Before all that a test on the polygons alone leaves out the shells that cannot be mirrored (`lookalikes`): of independent
 //! triangulations no half-edges are made. Where the only bijection changes no lengths it is the answer ([`LengthChange`]).
@@ -25,7 +25,6 @@ mod estimate;
 mod length_change;
 mod lookalikes;
 mod matching;
-mod partial;
 mod shells;
 
 use crate::base::error::Result;
@@ -33,13 +32,13 @@ use crate::base::progress::Progress;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::mesh::half_edges::HalfEdges;
 use crate::mesh::{Mesh, NONE};
+use almost::Context;
 pub(crate) use colours::hash;
 use colours::{Classes, Colours};
 use estimate::{Distances, Estimate};
 pub use length_change::LengthChange;
 pub use lookalikes::{Signature, shell_signatures};
 use matching::{Mark, Matching};
-use partial::Context;
 use shells::Shells;
 
 /// Most vertices tried as the image of one pivot.
@@ -73,6 +72,11 @@ pub struct Automorphism {
 }
 
 impl Automorphism {
+    /// Whether the pairing changes the lengths of edges as little as an isometry does. O(1) beyond some thousand faces.
+    pub fn keeps_lengths(&self, mesh: &Mesh) -> bool {
+        LengthChange::of(mesh, self).is_some_and(|change| change.agrees())
+    }
+
     /// What it says of some `points`, without the others.
     pub fn within(&self, points: &[u32]) -> Automorphism {
         let none = self.partner.len();
@@ -179,7 +183,7 @@ impl Connectivity {
     /// `estimate` holds the estimated partner of each point or [`NONE`], `confidence` a weight in 0..=1; both
     /// have one entry per point. A bijection of a whole shell is accepted if its mean distance from the
     /// estimate is a small number of edges; on a shell with most of the vertices also if the connectivity
-    /// admits no other and a third of the estimate agrees, or there is none; so is a pairing of nearly all of that shell. `None` if no shell has either.
+    /// admits no other and a third of the estimate agrees, or there is none; so is a pairing of most of that shell. `None` if no shell has either.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
@@ -233,7 +237,7 @@ impl Connectivity {
         Ok((found, bijections))
     }
 
-    /// Pairs nearly all of the main shell, which has no bijection, around its defects; says whether that has no rival and may stand against the estimate.
+    /// Pairs most of the main shell, which has no bijection, around its defects; says whether that has no rival and may stand against the estimate.
     fn match_defective(
         &self,
         matching: &mut Matching,

@@ -6,7 +6,7 @@ use crate::base::error::Result;
 use crate::base::options::Options;
 use crate::base::progress::{CancelToken, Progress};
 use crate::base::symmetry_kind::SymmetryKind;
-use crate::connectivity::automorphism::{Automorphism, Connectivity, LengthChange};
+use crate::connectivity::automorphism::{Automorphism, Connectivity};
 use crate::connectivity::mirrored_vertices;
 use crate::detect::assembly::{PointMap, Summary, symmetry};
 use crate::detect::companions::{self, Companion, Primary};
@@ -133,9 +133,8 @@ impl<'a> Gatherer<'a> {
         }
         map.odd = odd;
         let summary = Summary { kind: SymmetryKind::Reflection, score: 0.0, plausibility: share };
-        let keeps_lengths =
-            |found: &Automorphism| LengthChange::of(mesh, found).is_some_and(|change| change.agrees());
-        Ok(Some((self.finished(map, summary, keeps_lengths, threads, progress)?, share)))
+        let may_be = |found: &Automorphism| found.keeps_lengths(mesh);
+        Ok(Some((self.finished(map, summary, may_be, threads, progress)?, share)))
     }
 
     /// The symmetry of all shells, from a `map` that holds the largest one's.

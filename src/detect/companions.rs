@@ -27,9 +27,10 @@ const PAIRING_POINTS: usize = 64;
 const FARTHEST: f32 = 0.06;
 /// Share of the confidence in what they sit on that is left to partners so far apart.
 const LEAST_TRUST: f32 = 0.65;
-/// A shell that lies farther from its mirrored place than this part of its own sqrt(area) is not its own image, if that is more than the map is worth.
+/// A shell that lies farther from its mirrored place than this part of its own sqrt(area) is not its own image: its twin may be missing.
 const BESIDE: f32 = 0.5;
-/// How much of what others around differ from a shell in size counts against it as its own image: its own size says nothing for that.
+/// As its own image a shell counts as different in size by this part of the mean difference of the shells around it, but by no more than it lies beside its
+/// mirrored place: its own size says nothing.
 const UNLIKE_ITSELF: f64 = 0.5;
 /// Natural logarithm of the largest ratio of two partners' areas.
 const AREA_TOLERANCE: f64 = 0.3;
@@ -242,7 +243,6 @@ fn pair_shells(
             let unlike =
                 if target == source { own.min(f64::from(gap)) } else { similar.differ(source, target) };
             let both = gap.hypot(unlike as f32);
-            // An eye whose twin is missing lies beside its mirrored place.
             let is_beside = target == source && gap > BESIDE * shells[source].area().sqrt() as f32;
             if both < FARTHEST && !is_beside {
                 options.insert((source.min(target), source.max(target)), both);

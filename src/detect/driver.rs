@@ -91,13 +91,16 @@ fn of_parts(
     plans: &[Plan],
     clock: &mut Clock,
 ) -> Result<Detection> {
-    if let Some(found) = of_paired_rest(question, &mut joined, plans, clock)? {
-        return Ok(found);
+    let whole = joined.shells[0].area();
+    let paired =
+        question.unrivalled.as_ref().filter(|_| question.may_be_partial() && joined.twins.is_empty());
+    let rest = paired.and_then(|found| paired_rest(&joined.shells[0], &found.partner));
+    if let Some((found, _)) = of_rest(question, &mut joined, Vec::from_iter(rest), None, plans, clock)? {
+        return Ok(found.of_rest(joined.shells[0].area() / whole));
     }
     let (mut best, mut rests) = of_shells(question, &joined, plans, None, clock)?;
-    let whole = joined.shells[0].area();
     for _ in 0..ROUNDS {
-        match of_rest(question, &mut joined, rests, &best, plans, clock) {
+        match of_rest(question, &mut joined, rests, Some(&best), &plans[..1], clock) {
             Ok(Some((found, smaller))) => {
                 best = found.of_rest(joined.shells[0].area() / whole);
                 rests = smaller;
@@ -110,41 +113,20 @@ fn of_parts(
     Ok(best)
 }
 
-/// The answer without the parts of the first shell that the only pairing by connectivity leaves out, if there are some and it leaves no doubts.
-fn of_paired_rest(
-    question: &Question,
-    joined: &mut JoinedShells,
-    plans: &[Plan],
-    clock: &mut Clock,
-) -> Result<Option<Detection>> {
-    let wanted = question.mechanisms.excess && question.options.asks_for_one() && joined.twins.is_empty();
-    let unrivalled = question.unrivalled.as_ref().filter(|_| wanted);
-    let rest = unrivalled.and_then(|found| paired_rest(&joined.shells[0], &found.partner));
-    let Some(rest) = rest else { return Ok(None) };
-    let share = rest.area() / joined.shells[0].area();
-    let whole = std::mem::replace(&mut joined.shells[0], rest);
-    let (found, _) = of_shells(question, joined, plans, None, clock)?;
-    if found.outcome == Outcome::Found {
-        return Ok(Some(found.of_rest(share)));
-    }
-    joined.shells[0] = whole;
-    Ok(None)
-}
-
 /// The answer of one of the `rests` of the first of some shells, which takes its place there, and the rests of that, if it is much more plausible
-/// than the `best` yet.
+/// than the `best` yet, or leaves no doubts where there is none.
 fn of_rest(
     question: &Question,
     joined: &mut JoinedShells,
     rests: Vec<Shell>,
-    best: &Detection,
+    best: Option<&Detection>,
     plans: &[Plan],
     clock: &mut Clock,
 ) -> Result<Option<(Detection, Vec<Shell>)>> {
     for rest in rests {
         let whole = std::mem::replace(&mut joined.shells[0], rest);
-        let (found, rests) = of_shells(question, joined, &plans[..1], Some(best), clock)?;
-        if found.is_much_more_plausible(best) {
+        let (found, rests) = of_shells(question, joined, plans, best, clock)?;
+        if best.map_or(found.outcome == Outcome::Found, |best| found.is_much_more_plausible(best)) {
             return Ok(Some((found, rests)));
         }
         joined.shells[0] = whole;
@@ -214,7 +196,7 @@ fn of_shells(
     let may_be_partial = |found: &Symmetry| {
         whole.is_none_or(|whole| best.is_much_more_plausible(whole))
             && found.mean_confidence >= CONFIDENT
-            && question.may_be_partial()
+            && question.guesses_parts()
             && joined.twins.is_empty()
     };
     let rests = match (best.symmetries.first(), solved) {

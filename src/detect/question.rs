@@ -4,7 +4,7 @@ use crate::base::effort::Mechanisms;
 use crate::base::error::Result;
 use crate::base::options::{Effort, Options};
 use crate::base::progress::Progress;
-use crate::connectivity::automorphism::{Automorphism, Connectivity, LengthChange};
+use crate::connectivity::automorphism::{Automorphism, Connectivity};
 use crate::detect::assembler::Gatherer;
 use crate::detect::clock::Clock;
 use crate::detect::companions;
@@ -48,20 +48,24 @@ impl<'a> Question<'a> {
     ) -> Result<Question<'a>> {
         progress.report("connectivity", 0.01)?;
         let mut connectivity = if mechanisms.connectivity { Connectivity::of(mesh)? } else { None };
-        let keeps_lengths =
-            |found: &Automorphism| LengthChange::of(mesh, found).is_some_and(|change| change.agrees());
         let unrivalled = match &mut connectivity {
-            Some(connectivity) => connectivity.find_unrivalled(keeps_lengths, progress)?,
+            Some(connectivity) => {
+                connectivity.find_unrivalled(|found| found.keeps_lengths(mesh), progress)?
+            }
             None => None,
         };
         clock.lap("connectivity");
         Ok(Question { given, mesh, given_points, options, mechanisms, progress, connectivity, unrivalled })
     }
 
-    /// Whether parts may be left out that have no counterpart: not where connectivity, or signs of the whole surface, say more.
+    /// Whether parts may be left out that have no counterpart: not where signs are those of the whole surface.
     pub fn may_be_partial(&self) -> bool {
-        let Question { options, mechanisms, unrivalled, .. } = self;
-        mechanisms.excess && options.asks_for_one() && options.effort != Effort::Fast && unrivalled.is_none()
+        self.mechanisms.excess && self.options.asks_for_one()
+    }
+
+    /// Whether such parts are guessed: not where connectivity tells them.
+    pub fn guesses_parts(&self) -> bool {
+        self.may_be_partial() && self.options.effort != Effort::Fast && self.unrivalled.is_none()
     }
 
     /// The answer where a plane in space mirrors the mesh, as it does what is not posed yet: nothing is solved then.

@@ -1,18 +1,31 @@
-//! The only pairing of a shell whose connectivity is mirrored but for a few defects, where no estimate helps.
+//! The only pairing of most of a shell: its connectivity is mirrored but for defects, a split edge or some flipped triangles, and for parts without a counterpart.
 //!
-//! Seeds are those of [`super::partial`], in classes of at most three vertices. The first patch that holds most
-//! vertices of the shell, and meets few contradictions, is the pairing; a part without a counterpart is left out. Where the same vertices can be sent elsewhere and most
-//! of the shell follows, too, as in a box with two mirror planes, or in a body whose front is its back but for the nose, shape decides.
+//! Patches grow from the seeds whose surroundings fit best, over all pairs of faces with equal degrees and equal valences at their corners. The ring of faces at each
+//! contradiction is dropped. The first patch that holds most vertices of the shell, and meets few contradictions, is the pairing; several together are where a cut parts the
+//! shell. Where the same vertices can be sent elsewhere and most of the shell follows, too, as in a box with two mirror planes, or in a body whose front is its back but
+//! for the nose, shape decides.
 
+use super::colours::Classes;
+use super::estimate::Estimate;
 use super::matching::{Mark, Matching};
-use super::partial::{
-    Context, FAILURES, SMALLEST_SHELL, TRIAL_FACES, contradicted_faces, drop_rings_at_contradictions,
-    is_repeated, most_common_valence, score_of_trial, seeds,
-};
+use super::shells::Shells;
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::mesh::NONE;
+use std::collections::HashMap;
 
+/// Smaller shells have too little to tell a pairing from chance.
+const SMALLEST_SHELL: usize = 24;
+/// Seeds per shell.
+const SEEDS: usize = 64;
+/// Most images tried per seed.
+const SEED_IMAGES: usize = 8;
+/// Most edges of a vertex at which a patch may start: each is a way to turn it onto its image.
+const MOST_TURNS: usize = 64;
+/// Faces of the trial around a seed.
+const TRIAL_FACES: usize = 200;
+/// Failed full growths of a shell before giving up.
+const FAILURES: usize = 8;
 /// Least share of a shell, and of its irregular vertices, to be paired: a defect makes some of these, a missing hand leaves many.
 const COVERED: f64 = 0.6;
 const COVERED_IRREGULAR: f64 = 0.3;
@@ -32,6 +45,16 @@ const RIVAL_SEEDS: usize = 4;
 /// Votes of the vertices that are paired by their neighbours: from the first on down to the second.
 const MOST_VOTES: usize = 6;
 const LEAST_VOTES: usize = 2;
+
+/// What the growth reads.
+pub(super) struct Context<'a> {
+    pub shells: &'a Shells,
+    pub estimate: &'a Estimate,
+    /// Colours by valence, face degrees and boundary.
+    pub valences: &'a [u64],
+    /// Classes by surroundings: lookalikes are each other's possible images.
+    pub classes: &'a Classes,
+}
 
 /// A pairing, and the pairs of half-edges at which its patches start.
 type Pairing<'a> = (Matching<'a>, Vec<(u32, u32)>);
@@ -205,4 +228,100 @@ fn most_voted(matching: &Matching, vertex: u32, least: usize) -> Option<u32> {
     // One that a defect adds near the fixed curve is next to the images of half of its neighbours.
     let by_most = partner != vertex || 2 * most > around(vertex).count();
     (is_free(vertex) && most >= least && next < most && by_most).then_some(partner)
+}
+
+/// Whether at least such a share of vertices has a lookalike at all; on meshes without mirrored connectivity few do.
+fn is_repeated(classes: &Classes, vertices: &[u32], share: f64) -> bool {
+    let repeated = vertices.iter().filter(|&&vertex| classes.members(vertex).len() > 1).count();
+    repeated as f64 >= share * vertices.len() as f64
+}
+
+fn most_common_valence(context: &Context, vertices: &[u32]) -> u64 {
+    let mut counts = HashMap::new();
+    for &vertex in vertices {
+        *counts.entry(context.valences[vertex as usize]).or_insert(0usize) += 1;
+    }
+    let (valence, _) = counts.into_iter().max_by_key(|&(valence, count)| (count, valence)).expect("vertices");
+    valence
+}
+
+/// Vertices with the half-edge pair whose trial growth fits best, best first.
+fn seeds(
+    matching: &mut Matching,
+    context: &Context,
+    vertices: &[u32],
+    progress: &Progress,
+) -> Result<Vec<(u32, u32, u32)>> {
+    let mut seeds = Vec::new();
+    for region in vertices.chunks(vertices.len().div_ceil(SEEDS)) {
+        progress.check()?;
+        let key = |vertex: u32| {
+            let size = context.classes.members(vertex).len();
+            (context.estimate.weight(vertex) == 0.0, size == 1, size, -context.estimate.weight(vertex))
+        };
+        let lower = |&first: &u32, &second: &u32| key(first).partial_cmp(&key(second)).unwrap();
+        let half_edges = matching.half_edges;
+        let is_hub = |&vertex: &u32| half_edges.outgoing_of(vertex).nth(MOST_TURNS).is_some();
+        let vertex = region.iter().copied().filter(|vertex| !is_hub(vertex)).min_by(lower);
+        seeds.extend(vertex.and_then(|vertex| best_trial(matching, context, vertex, vertices.len())));
+    }
+    seeds.sort_by_key(|&(score, ..)| std::cmp::Reverse(score));
+    Ok(seeds.into_iter().map(|(_, vertex, start, target)| (vertex, start, target)).collect())
+}
+
+fn best_trial(
+    matching: &mut Matching,
+    context: &Context,
+    vertex: u32,
+    shell_size: usize,
+) -> Option<(usize, u32, u32, u32)> {
+    let members = context.classes.members(vertex);
+    let near = context.estimate.near(matching.half_edges, vertex, shell_size).into_iter();
+    let mut images: Vec<u32> =
+        near.filter(|&image| context.classes.same(image, vertex)).take(SEED_IMAGES).collect();
+    images.extend(members.iter().copied().filter(|_| members.len() <= 3));
+    let mut best: Option<(usize, u32, u32, u32)> = None;
+    for (start, target) in images.iter().flat_map(|&image| matching.seeds(vertex, image)).collect::<Vec<_>>()
+    {
+        let mark = matching.mark();
+        let faces = matching.grow(start, target, context.valences, TRIAL_FACES);
+        let score = score_of_trial(matching, mark, faces);
+        matching.rollback(mark);
+        if score > best.map_or(8, |(least, ..)| least) {
+            best = Some((score, vertex, start, target));
+        }
+    }
+    best
+}
+
+/// What the growth of a number of `faces` since `mark` is worth: those, less two for each that did not fit.
+fn score_of_trial(matching: &Matching, mark: Mark, faces: usize) -> usize {
+    faces.saturating_sub(2 * contradicted_faces(matching, mark))
+}
+
+/// Faces at which growth since `mark` stopped.
+fn contradicted_faces(matching: &Matching, mark: Mark) -> usize {
+    let mut faces: Vec<u32> = matching
+        .refused_since(mark)
+        .iter()
+        .map(|&(half_edge, _)| matching.half_edges.face[half_edge as usize])
+        .collect();
+    faces.sort_unstable();
+    faces.dedup();
+    faces.len()
+}
+
+/// Unpairs the corners of faces where growing stopped, and their partners.
+fn drop_rings_at_contradictions(matching: &mut Matching, since: Mark) {
+    for (half_edge, image) in matching.refused_since(since).to_vec() {
+        for side in [half_edge, image] {
+            let whole = matching.half_edges.face[side as usize] != NONE;
+            let length = if whole { usize::MAX } else { 1 };
+            let corners: Vec<u32> = matching.half_edges.loop_of(side).take(length).collect();
+            for corner in corners {
+                matching.unpair(matching.half_edges.to_vertex[corner as usize]);
+                matching.unpair(matching.half_edges.start_vertex(corner));
+            }
+        }
+    }
 }
