@@ -6,6 +6,7 @@ use crate::base::error::Result;
 use crate::base::options::Options;
 use crate::base::progress::{CancelToken, Progress};
 use crate::base::symmetry_kind::SymmetryKind;
+use crate::base::threads;
 use crate::connectivity::automorphism::{Automorphism, Connectivity};
 use crate::connectivity::mirrored_vertices;
 use crate::detect::assembly::{PointMap, Summary, symmetry};
@@ -18,7 +19,7 @@ use crate::detect::mirror_plane::{MIRRORED, MOSTLY, MirrorPlane};
 use crate::detect::proxy::Proxy;
 use crate::detect::shell_symmetry::PreparedShell;
 use crate::geometry::adjacency::nearest_seeds;
-use crate::geometry::embedded_triangles::Fans;
+use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{dot, point_areas, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell, anchors};
@@ -27,9 +28,14 @@ use crate::refine::rigid_parts::{self, Carrier, Fitted};
 use crate::spectral::displacement::mean_displacement;
 use crate::verify::confidence::Evidence;
 use crate::verify::hypothesis::{Hypothesis, exchanges_sheets};
+use std::collections::HashMap;
 
 /// Distance of a plane's image from the surface, in sqrt(area), from which on a point has no partner.
 const LOST: f64 = 0.03;
+
+/// Shares of the surface of shells whose own form is asked how they are turned: the least, and the most, since larger ones are bodies, which a pose bends.
+const LEAST: f64 = 0.001;
+const MOST: f64 = 0.5;
 
 /// What completing the map of the searched shell to all shells needs.
 pub struct Gatherer<'a> {
@@ -42,12 +48,11 @@ pub struct Gatherer<'a> {
     mirrored_vertices: bool,
 }
 
-/// A map of the searched shell, or of its proxy, with what is known of each of its vertices.
+/// A map of the searched shell, or of its proxy.
 struct Known<'a> {
-    shell: &'a Shell,
+    searched: &'a Shell,
+    proxy: Option<&'a Proxy<'a>>,
     images: &'a VertexMap,
-    trust: &'a [f32],
-    odd: &'a [f64],
     summary: Summary,
 }
 
@@ -86,9 +91,8 @@ impl<'a> Gatherer<'a> {
         let trust = vec![1.0; images.partners.len()];
         map.insert(shell, shell, &images, &trust);
         map.replace_by_connectivity(self.mesh, found);
-        let odd: Vec<f64> = shell.points.iter().map(|&point| map.odd[point as usize]).collect();
         let summary = Summary { kind: SymmetryKind::Reflection, score: 0.0, plausibility: 1.0 };
-        let known = Known { shell, images: &images, trust: &trust, odd: &odd, summary };
+        let known = Known { searched: shell, proxy: None, images: &images, summary };
         self.complete(map, known, threads, progress)
     }
 
@@ -145,10 +149,21 @@ impl<'a> Gatherer<'a> {
         threads: usize,
         progress: &Progress,
     ) -> Result<Symmetry> {
+        let Known { searched, proxy, images, summary } = known;
+        let is_moved = self.settle_whole_shells(&mut map, summary.kind, threads, progress)?;
         if self.shells.len() > 1 {
-            self.add_companions(&mut map, &known, progress)?;
+            // The others follow what whole shells and vertices say of this one, if they say something.
+            let by_vertices =
+                match is_moved | self.settle(&mut map, summary.kind, |_| true, threads, progress)? {
+                    true => images_by(searched, proxy, self.mesh, |point| map.partner[point as usize]),
+                    false => None,
+                };
+            let solved = proxy.map_or(searched, |proxy| &proxy.shell);
+            let images = by_vertices.as_ref().unwrap_or(images);
+            self.add_companions(&mut map, solved, images, summary.kind, progress)?;
+            self.settle_whole_shells(&mut map, summary.kind, threads, progress)?;
         }
-        self.finished(map, known.summary, |_| true, threads, progress)
+        self.finished(map, summary, |_| true, threads, progress)
     }
 
     /// The symmetry that a `map` of all shells is, with what vertices say of it, and connectivity whose pairing `may_be` it.
@@ -161,23 +176,7 @@ impl<'a> Gatherer<'a> {
         progress: &Progress,
     ) -> Result<Symmetry> {
         let kind = summary.kind;
-        progress.report("connectivity", 0.97)?;
-        let exact = match self.connectivity {
-            Some(connectivity) => connectivity.find(&map.partner, &map.confidence, kind, progress)?,
-            None => None,
-        };
-        let exact = exact.filter(may_be);
-        let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
-        let mirrored = match self.mirrored_vertices {
-            true => mirrored_vertices::find(self.mesh, estimate, exact.as_ref(), kind, threads, progress)?,
-            false => None,
-        };
-        if let Some(found) = exact {
-            map.replace_by_connectivity(self.mesh, &found);
-        }
-        if let Some(found) = mirrored {
-            map.replace_by_vertices(self.mesh, &found);
-        }
+        self.settle(&mut map, kind, may_be, threads, progress)?;
         progress.report("fixed curve", 0.98)?;
         let curve = match kind {
             SymmetryKind::Reflection => zero_set(&self.mesh.triangles, &map.odd),
@@ -186,18 +185,120 @@ impl<'a> Gatherer<'a> {
         Ok(symmetry(self.mesh, &map, curve, summary))
     }
 
-    fn add_companions(&self, map: &mut PointMap, known: &Known, progress: &Progress) -> Result<()> {
-        let carrier = Carrier::new(known.shell, known.images, known.summary.kind);
-        let primary = Primary { index: 0, shell: known.shell, carrier };
+    /// Replaces images of shells that are not settled yet, and that a rigid motion puts onto the shell to which most of their points go. Says whether there was any.
+    fn settle_whole_shells(
+        &self,
+        map: &mut PointMap,
+        kind: SymmetryKind,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<bool> {
+        if self.mesh.shell_count < 2 {
+            return Ok(false);
+        }
+        progress.report("whole shells", 0.96)?;
+        let token = progress.token();
+        let shells = self.mesh.shells();
+        let total: f64 = shells.iter().map(Shell::area).sum();
+        let place = places_of_shells(self.mesh, &shells);
+        let partner = |shell: &Shell| {
+            let is_open = |&&point: &&u32| {
+                let point = point as usize;
+                map.partner[point] != NONE && !map.settled[point] && !map.exact[point]
+            };
+            let partners = shell.points.iter().filter(is_open).map(|&point| map.partner[point as usize]);
+            let mut counts = HashMap::new();
+            partners.for_each(|partner| {
+                *counts.entry(place[self.mesh.shell_of_point[partner as usize] as usize]).or_insert(0) += 1
+            });
+            let (target, count) = counts.into_iter().max_by_key(|&(target, count)| (count, target))?;
+            let is_part = (LEAST..MOST).contains(&(shell.area() / total));
+            (is_part && 2 * count > shell.points.len()).then_some(target)
+        };
+        let fit = |shell: &Shell| -> Result<Option<(usize, VertexMap)>> {
+            token.check()?;
+            let Some(place) = partner(shell) else { return Ok(None) };
+            let target = &shells[place];
+            let on_target = |&point: &u32| {
+                let image = map.image[point as usize];
+                let triangle = target.triangle_of_local.binary_search(&image.triangle).ok()?;
+                (map.partner[point as usize] != NONE)
+                    .then_some(TrianglePoint { triangle: triangle as u32, ..image })
+            };
+            let images: Vec<Option<TrianglePoint>> = shell.points.iter().map(on_target).collect();
+            Ok(rigid_parts::onto(shell, target, &images, kind).map(|images| (place, images)))
+        };
+        let found: Result<Vec<_>> = threads::map(threads, shells.iter().collect(), fit).into_iter().collect();
+        let mut is_moved = false;
+        for (own, found) in found?.into_iter().enumerate() {
+            if let Some((target, images)) = found {
+                map.move_shell(self.mesh, &shells[own], &shells[target], &images, own == target);
+                is_moved = true;
+            }
+        }
+        Ok(is_moved)
+    }
+
+    /// Replaces images of points that are not settled yet by what vertices say of them, and by connectivity whose pairing `may_be` the symmetry. Says
+    /// whether there was any.
+    fn settle(
+        &self,
+        map: &mut PointMap,
+        kind: SymmetryKind,
+        may_be: impl Fn(&Automorphism) -> bool,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<bool> {
+        progress.report("connectivity", 0.97)?;
+        let is_open = |&point: &u32| map.partner[point as usize] != NONE && !map.settled[point as usize];
+        let open: Vec<u32> = (0..map.partner.len() as u32).filter(is_open).collect();
+        let exact = match self.connectivity {
+            Some(connectivity) => connectivity.find(&map.partner, &map.confidence, kind, progress)?,
+            None => None,
+        };
+        let exact = exact.filter(may_be).map(|found| found.within(&open));
+        let mirrored = match self.mirrored_vertices {
+            true => {
+                let mut partner = vec![NONE; map.partner.len()];
+                open.iter().for_each(|&point| partner[point as usize] = map.partner[point as usize]);
+                let estimate = mirrored_vertices::Estimate { partner: &partner, image: &map.image };
+                mirrored_vertices::find(self.mesh, estimate, exact.as_ref(), kind, threads, progress)?
+            }
+            false => None,
+        };
+        if let Some(found) = &exact {
+            map.replace_by_connectivity(self.mesh, found);
+        }
+        if let Some(found) = &mirrored {
+            map.replace_by_vertices(self.mesh, found);
+        }
+        open.iter().for_each(|&point| map.settled[point as usize] = true);
+        Ok(mirrored.is_some() || exact.is_some_and(|found| found.covered > 0))
+    }
+
+    /// `images` are those of the `solved` shell's vertices.
+    fn add_companions(
+        &self,
+        map: &mut PointMap,
+        solved: &Shell,
+        images: &VertexMap,
+        kind: SymmetryKind,
+        progress: &Progress,
+    ) -> Result<()> {
+        let primary = Primary { index: 0, shell: solved, carrier: Carrier::new(solved, images, kind) };
         let companions = companions::find(self.mesh, self.shells, &self.anchors, &primary, progress)?;
         for (own, companion) in companions.iter().enumerate() {
             let Some(companion) = companion else { continue };
-            let anchors = &self.anchors[own];
+            // What fills a hole says nothing.
+            let at = |&anchor: &u32| {
+                Some(solved.points[anchor as usize] as usize).filter(|&at| at != NONE as usize)
+            };
+            let anchors: Vec<Option<usize>> = self.anchors[own].iter().map(at).collect();
             let share = companion.trust();
             let trust: Vec<f32> =
-                anchors.iter().map(|&anchor| share * known.trust[anchor as usize]).collect();
+                anchors.iter().map(|at| at.map_or(0.0, |at| share * map.confidence[at])).collect();
+            let odd: Vec<f64> = anchors.iter().map(|at| at.map_or(0.0, |at| map.odd[at])).collect();
             map.insert(&self.shells[own], &self.shells[companion.target], &companion.images, &trust);
-            let odd: Vec<f64> = anchors.iter().map(|&anchor| known.odd[anchor as usize]).collect();
             map.insert_sides(&self.shells[own], own, companion, &odd);
         }
         Ok(())
@@ -251,7 +352,7 @@ impl<'a> Assembler<'a> {
         self.insert_searched(&mut map, &found.images, &trust, &odd);
         let (score, plausibility) = (found.score.total(), found.judged.plausibility);
         let summary = Summary { kind, score, plausibility };
-        let known = Known { shell: self.solved(), images: &found.images, trust: &trust, odd: &odd, summary };
+        let known = Known { searched: self.searched(), proxy: self.proxy, images: &found.images, summary };
         self.gatherer.complete(map, known, threads, progress)
     }
 
@@ -346,31 +447,51 @@ impl<'a> Assembler<'a> {
         map.insert_odd(shell, &odd);
     }
 
-    /// Images under the only pairing of the searched shell that the connectivity admits; a vertex that it leaves out goes where one
-    /// beside it goes. `None` if it pairs less than half of the shell.
+    /// Images under the only pairing of the searched shell that the connectivity admits; `None` if it pairs less than half of the shell.
     pub fn images_of_all(&self, found: &Automorphism) -> Option<VertexMap> {
-        let shell = self.searched();
-        let mut local = vec![NONE; self.gatherer.mesh.positions.len()];
-        for (index, &point) in shell.points.iter().enumerate().filter(|(_, point)| **point != NONE) {
-            local[point as usize] = index as u32;
-        }
-        let partner = |&point: &u32| match point != NONE && found.unrivalled[point as usize] {
-            true => local[found.partner[point as usize] as usize],
-            false => NONE,
-        };
-        let mut partners: Vec<u32> = shell.points.iter().map(partner).collect();
-        let left_out = partners.iter().filter(|&&partner| partner == NONE).count();
-        if 2 * left_out > partners.len() {
-            return None;
-        }
-        if left_out > 0 {
-            fill_from_neighbours(&mut partners, &shell.triangles);
-        }
-        Some(match self.proxy {
-            Some(proxy) => proxy.restrict(&partners),
-            None => VertexMap::at_vertices(&shell.triangles, partners),
-        })
+        let partner =
+            |point: u32| if found.unrivalled[point as usize] { found.partner[point as usize] } else { NONE };
+        images_by(self.searched(), self.proxy, self.gatherer.mesh, partner)
     }
+}
+
+/// Images of a shell's vertices, or of its proxy's, where the mesh's points have a `partner`; a vertex without one goes where one beside it goes. `None` if
+/// less than half of the shell has one.
+fn images_by(
+    shell: &Shell,
+    proxy: Option<&Proxy>,
+    mesh: &Mesh,
+    partner: impl Fn(u32) -> u32,
+) -> Option<VertexMap> {
+    let mut local = vec![NONE; mesh.positions.len()];
+    for (index, &point) in shell.points.iter().enumerate().filter(|(_, point)| **point != NONE) {
+        local[point as usize] = index as u32;
+    }
+    let image = |&point: &u32| match point {
+        NONE => NONE,
+        point => local.get(partner(point) as usize).copied().unwrap_or(NONE),
+    };
+    let mut partners: Vec<u32> = shell.points.iter().map(image).collect();
+    let left_out = partners.iter().filter(|&&partner| partner == NONE).count();
+    if 2 * left_out > partners.len() {
+        return None;
+    }
+    if left_out > 0 {
+        fill_from_neighbours(&mut partners, &shell.triangles);
+    }
+    Some(match proxy {
+        Some(proxy) => proxy.restrict(&partners),
+        None => VertexMap::at_vertices(&shell.triangles, partners),
+    })
+}
+
+/// Where the shell that the mesh gives each number stands among its `shells`.
+fn places_of_shells(mesh: &Mesh, shells: &[Shell]) -> Vec<usize> {
+    let mut places = vec![0; mesh.shell_count];
+    for (place, shell) in shells.iter().enumerate() {
+        places[mesh.shell_of_point[shell.points[0] as usize] as usize] = place;
+    }
+    places
 }
 
 /// Gives vertices without a partner that of the nearest vertex with one, counted in edges.

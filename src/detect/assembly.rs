@@ -9,7 +9,7 @@ use crate::detect::coverage::Coverage;
 use crate::detect::fixed_curve::{EdgeCrossing, dissolve_specks};
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
 use crate::geometry::vertex_map::VertexMap;
-use crate::mesh::vector::point_areas;
+use crate::mesh::vector::{Vector, dot, point_areas, squared_norm, subtract, unit};
 use crate::mesh::{Mesh, NONE, Shell};
 
 /// Largest mean of `|ln(length of an edge / length of its image)|`, weighted by length, on a shell whose
@@ -36,6 +36,8 @@ pub struct PointMap {
     pub odd: Vec<f64>,
     /// Whether the partner comes from mirrored connectivity.
     pub exact: Vec<bool>,
+    /// Whether the vertices there were asked.
+    pub settled: Vec<bool>,
 }
 
 impl PointMap {
@@ -49,6 +51,7 @@ impl PointMap {
             confidence: vec![0.0; count],
             odd: vec![0.0; count],
             exact: vec![false; count],
+            settled: vec![false; count],
         }
     }
 
@@ -62,6 +65,34 @@ impl PointMap {
             self.image[point] = TrianglePoint { triangle, ..inside };
             self.confidence[point] = confidence[local];
         }
+    }
+
+    /// Gives a shell's points other images, with what confidence they have. What mirrors onto itself has its sides by where it moves.
+    pub fn move_shell(
+        &mut self,
+        mesh: &Mesh,
+        source: &Shell,
+        target: &Shell,
+        images: &VertexMap,
+        is_own: bool,
+    ) {
+        let confidence: Vec<f32> =
+            source.points.iter().map(|&point| self.confidence[point as usize]).collect();
+        self.insert(source, target, images, &confidence);
+        if !is_own {
+            return;
+        }
+        let moved = |&point: &u32| {
+            let image = self.image[point as usize].interpolate_vectors(&mesh.triangles, &mesh.positions);
+            subtract(mesh.positions[point as usize], image)
+        };
+        let moved: Vec<Vector> = source.points.iter().map(moved).collect();
+        let farthest = moved.iter().copied().max_by(|a, b| squared_norm(*a).total_cmp(&squared_norm(*b)));
+        let axis = unit(farthest.unwrap_or_default());
+        let former = source.points.iter().map(|&point| self.odd[point as usize]);
+        let agrees: f64 = former.zip(&moved).map(|(odd, &moved)| odd * dot(axis, moved)).sum();
+        let odd: Vec<f64> = moved.iter().map(|&moved| agrees.signum() * dot(axis, moved)).collect();
+        self.insert_odd(source, &odd);
     }
 
     /// Enters the odd function of a shell's points.

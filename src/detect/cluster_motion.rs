@@ -15,15 +15,15 @@ const FEWEST: usize = 4;
 /// Points of each shell, and of a whole cluster, that are compared.
 const POINTS: usize = 24;
 const MOST_POINTS: usize = 200;
-/// Turns, in radians, about each axis that are tried, of which so many are followed to the end.
-const TURNS: [f64; 4] = [-0.4, -0.2, 0.2, 0.4];
-const FOLLOWED: usize = 3;
-/// Rounds of the registration, on a quarter of the points and on all.
-const ROUNDS: [usize; 2] = [4, 8];
+/// Turns, in radians, about each axis that are tried.
+const TURNS: [f64; 8] = [-0.8, -0.6, -0.4, -0.2, 0.2, 0.4, 0.6, 0.8];
+/// Rounds of the registration.
+const ROUNDS: usize = 12;
 /// No point counts as farther than this, in sqrt(area), from the shells.
 const FARTHEST: f64 = 0.03;
-/// A motion must leave this share of the distances that the map leaves.
+/// A motion must leave this share of the distances that the map leaves; one from a turn lies on the shells but for this distance, in sqrt(area).
 const BETTER: f64 = 0.7;
+const LIES_ON: f64 = 0.006;
 
 /// A turn about a point, and then a shift.
 #[derive(Clone, Copy)]
@@ -42,7 +42,7 @@ impl Motion {
 
 /// Moves where shells should be, `mirrored`, to where they fit on what there is, `own`; both are points by shell, in one unit. O(shells log shells).
 pub fn settle(mirrored: &mut [Vec<Vector>], own: &[Vec<Vector>]) {
-    let tree = RTree::bulk_load(own.iter().flat_map(|points| some(points, POINTS)).collect());
+    let tree = RTree::bulk_load(own.iter().flatten().copied().collect());
     for cluster in clusters(mirrored) {
         let sought: Vec<Vector> = cluster.iter().flat_map(|&shell| some(&mirrored[shell], POINTS)).collect();
         let sought: Vec<Vector> = some(&sought, MOST_POINTS).collect();
@@ -86,14 +86,10 @@ fn best(points: &[Vector], tree: &RTree<Vector>) -> Option<Motion> {
     let still = Motion { turn: rotation(axes[0], 0.0), from: middle, to: middle };
     let turns =
         axes.iter().flat_map(|&axis| TURNS.map(|angle| Motion { turn: rotation(axis, angle), ..still }));
-    let few: Vec<Vector> = some(points, MOST_POINTS / 4).collect();
-    let starts = std::iter::once(still).chain(turns);
-    let mut tried: Vec<(f64, Motion)> =
-        starts.map(|motion| registered(motion, &few, tree, ROUNDS[0])).collect();
-    tried.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let followed = tried.into_iter().take(FOLLOWED);
-    let ended = followed.map(|(_, motion)| registered(motion, points, tree, ROUNDS[1]));
-    let (left, motion) = ended.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let ended = turns.map(|motion| registered(motion, points, tree, ROUNDS));
+    let turned = ended.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let near = registered(still, points, tree, ROUNDS);
+    let (left, motion) = if turned.0 < near.0.min(LIES_ON) { turned } else { near };
     (left < BETTER * registered(still, points, tree, 0).0).then_some(motion)
 }
 

@@ -17,8 +17,10 @@ mod motion;
 mod scatter;
 mod takeover;
 mod turned_parts;
+mod whole_shells;
 
 pub use carrier::Carrier;
+pub use whole_shells::onto;
 
 use crate::base::effort::PartsEffort;
 use crate::base::error::Result;
@@ -137,8 +139,9 @@ fn parts<'a>(
         let places = mapped.places(&mapped.by_area(&disc.members));
         let start = Motion::between(&places, mirrored);
         let mut near: Vec<u32> = places.iter().map(|place| place.partner).collect();
-        let motion = start.settled(mapped, &places, &mut near, approach);
-        let trust = 1.0 / (1.0 + (motion.left(mapped, &places, &near) / TRUSTED).powi(4));
+        let mut nearest = mapped.most_alike(&mut near);
+        let motion = start.settled(&places, &mut nearest, approach);
+        let trust = 1.0 / (1.0 + (motion.left(&places, nearest) / TRUSTED).powi(4));
         Ok(Part { disc, start, motion, trust })
     };
     threads::map(threads, discs.iter().collect(), part).into_iter().collect()

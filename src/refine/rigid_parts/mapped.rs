@@ -209,6 +209,14 @@ impl<'a> Mapped<'a> {
         }
     }
 
+    /// The vertex most like a goal, for each place sought from the one that is `near`, as the surface that a motion is brought to.
+    pub fn most_alike<'n>(&'n self, near: &'n mut [u32]) -> impl FnMut(usize, Oriented) -> Oriented + 'n {
+        |index, goal| {
+            near[index] = self.alike(goal, near[index]).0;
+            self.oriented(near[index])
+        }
+    }
+
     /// Squared: how unlike `goal` the surface is beside a vertex, between vertices too.
     pub fn unlike_beside(&self, goal: Oriented, vertex: u32) -> f64 {
         let point = self.walk.nearest_beside(goal.position, vertex);

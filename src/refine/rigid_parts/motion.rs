@@ -1,6 +1,5 @@
 //! A rigid motion, with reflection or without, fitted to how points are mapped and then to the surface they are mapped to.
 
-use super::mapped::Mapped;
 use crate::mesh::rotation::{
     Matrix, axis_and_angle, nearest_rotation, product, rotation, scaled, transposed, turned,
 };
@@ -95,17 +94,16 @@ impl Motion {
         Oriented { position: self.of(own.position), normal: turned(&self.turn, own.normal) }
     }
 
-    /// Brings the motion to the surface, where the vertices most like the places are sought from those `near`.
+    /// Brings the motion to the surface, which is `nearest` to where it puts each place.
     pub fn settled(
         self,
-        mapped: &Mapped,
         places: &[Place],
-        near: &mut [u32],
+        nearest: &mut impl FnMut(usize, Oriented) -> Oriented,
         Approach { rounds, noise, held, free }: Approach,
     ) -> Motion {
         let (spread, mut motion, mut start) = (Spread::of(places), self, self);
         for _ in 0..rounds {
-            motion = motion.towards(&start, mapped, places, &spread, near, [noise, held]);
+            motion = motion.towards(&start, places, &spread, nearest, [noise, held]);
             if free {
                 start = motion;
             }
@@ -113,13 +111,13 @@ impl Motion {
         motion
     }
 
-    /// Root mean square distance of the places from the tangent planes of the vertices most like them, in sqrt(area); none counts as more
+    /// Root mean square distance of the places from the tangent planes of the surface `nearest` to them, in sqrt(area); none counts as more
     /// than [`ROBUST`].
-    pub fn left(&self, mapped: &Mapped, places: &[Place], near: &[u32]) -> f64 {
+    pub fn left(&self, places: &[Place], mut nearest: impl FnMut(usize, Oriented) -> Oriented) -> f64 {
         let (mut squares, mut weights) = (0.0, 0.0);
-        for (place, &near) in places.iter().zip(near) {
+        for (index, place) in places.iter().enumerate() {
             let goal = self.of_oriented(place.own);
-            let gap = gap(goal.position, mapped.oriented(mapped.alike(goal, near).0)).abs().min(ROBUST);
+            let gap = gap(goal.position, nearest(index, goal)).abs().min(ROBUST);
             squares += place.weight * gap * gap;
             weights += place.weight;
         }
@@ -153,22 +151,20 @@ impl Motion {
         axis_and_angle(&product(&other.turn, &transposed(&self.turn)))
     }
 
-    /// One Gauss-Newton step to the tangent planes of the vertices most like the points, held back towards `start`.
+    /// One Gauss-Newton step to the tangent planes of the surface `nearest` to the places, held back towards `start`.
     fn towards(
         &self,
         start: &Motion,
-        mapped: &Mapped,
         places: &[Place],
         spread: &Spread,
-        near: &mut [u32],
+        nearest: &mut impl FnMut(usize, Oriented) -> Oriented,
         [noise, held]: [f64; 2],
     ) -> Motion {
         let about = self.of(spread.middle);
         let mut step = Step::default();
-        for (place, near) in places.iter().zip(near) {
+        for (index, place) in places.iter().enumerate() {
             let goal = self.of_oriented(place.own);
-            *near = mapped.alike(goal, *near).0;
-            let there = mapped.oriented(*near);
+            let there = nearest(index, goal);
             let (offset, gap) = (subtract(goal.position, about), gap(goal.position, there));
             let facing = dot(there.normal, goal.normal).clamp(0.0, 1.0);
             let outlier = gap / (OUTLIER * noise);
@@ -189,14 +185,14 @@ impl Motion {
 }
 
 /// How some places lie: their weight in all, weighted mean, and second moments about it.
-struct Spread {
+pub(super) struct Spread {
     weight: f64,
-    middle: Vector,
-    moments: Matrix,
+    pub middle: Vector,
+    pub moments: Matrix,
 }
 
 impl Spread {
-    fn of(places: &[Place]) -> Spread {
+    pub fn of(places: &[Place]) -> Spread {
         let own = || places.iter().map(|place| (place.own.position, place.weight));
         let (weight, middle) = (own().map(|(_, weight)| weight).sum(), mean(own()));
         let mut moments = Matrix::default();
