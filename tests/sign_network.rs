@@ -3,8 +3,8 @@
 
 use std::path::PathBuf;
 
-use intrinsym::Error;
 use intrinsym::internals::search::sign_network::{SIGNS, SignNetwork, SignPrediction};
+use intrinsym::{Error, Limits, Mesh, Options, Progress, detect, detect_again, io};
 use proptest::prelude::*;
 use sha2::{Digest, Sha256};
 
@@ -105,6 +105,28 @@ proptest! {
         let before = network.predict(&rows, 64, K).unwrap();
         let after = network.predict(&flipped, 64, K).unwrap();
         prop_assert!(largest_difference(&before, &after) <= 1e-5);
+    }
+}
+
+/// Its connectivity is mirrored, so that its detection needs no network.
+#[test]
+fn what_is_no_model_is_refused_where_none_is_needed() {
+    let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    let file = io::read(&root.join("examples/human.ply"), &Limits::default()).unwrap();
+    let mesh = Mesh::new(&file.polygons, &Limits::default()).unwrap();
+    let found = detect(&mesh, &Options::default(), &Progress::default()).unwrap();
+    for path in [root.join("README.md"), root.join("examples")] {
+        let options = Options { model: Some(path.clone()), ..Options::default() };
+        let answers = [
+            detect(&mesh, &options, &Progress::default()),
+            detect_again(&mesh, &found, &options, &Progress::default()),
+        ];
+        for answer in answers {
+            let message = answer.err().expect("it is an error").to_string();
+            assert!(message.contains(path.to_str().unwrap()), "{message}");
+        }
+        let options = Options { network: false, ..options };
+        detect(&mesh, &options, &Progress::default()).unwrap();
     }
 }
 

@@ -3,9 +3,10 @@
 
 Old vertices keep their images, as long as the vertices around these are there. Else the image is where the surface is
 nearest to its old place; if that is farther away than half an edge, what held it is gone, and so is the image.
-Duplicates, as an extrusion makes them, have the images of their originals. Other new vertices have theirs where the
-surface was that they were made on (`image_surface`), or else where a rigid piece of the surface that fits around them has
-it (`rigid_pieces`). Where both sides got the same edit, new vertices are paired (`carried_walk`).
+What an edit has made or moved has its images where the one rigid motion of all that is around it brings it, if there is one
+(`rigid_pieces`). Else duplicates, as an extrusion makes them, have the images of their originals, and other new vertices
+have theirs where the surface was that they were made on (`image_surface`), or where a rigid piece that fits around them
+has it. Where both sides got the same edit, new vertices are paired (`carried_walk`).
 """
 
 import intrinsym
@@ -16,13 +17,11 @@ from . import mesh_data, rigid_pieces, stored_map, vertex_map
 from .carried_walk import pairs
 from .image_surface import CLOSE, ON, ImageSurface
 from .neighbour_means import between, filled, longest_edges, shortest_edges
-from .regions import around, components, mirrored
+from .regions import around, components, mirrored, parts
 from .surface import Mix, Surface
 
 #: By how much the confidence of what is carried is lowered.
 _LOWERED = 0.5
-#: An image is a vertex if its weight is more than this.
-_WHOLE = 0.999
 #: Distance below which a vertex is at an image, as a share of the size.
 _SAME = 1e-5
 #: A mean of sides below this is on the line.
@@ -34,6 +33,8 @@ _SIGN = {intrinsym.SymmetryKind.REFLECTION: -1, intrinsym.SymmetryKind.HALF_TURN
 _SHORT, _USUAL = 0.5, 5
 #: A vertex that others were merged into has at least this share of edges that its image does not have.
 _APART = 0.5
+#: Where more than this share of the vertices has not moved since the map was stored, the others were moved by the edit.
+_STILL = 0.5
 #: An image is gone if the surface is farther from its old place than this share of the vertex' longest edge.
 _NEAR = 0.5
 
@@ -47,15 +48,18 @@ class CarriedMap:
         self._places, self._ends = mesh_data.positions(mesh).astype(float), mesh_data.edges(mesh).astype(np.int64)
         self._reach = longest_edges(self._ends, self._places)
         self._read(original)
-        if (merged := self._merged()).any():
+        if (merged := self._merged() | self._off_line(original)).any():
             self._new_of = np.where(np.isin(np.arange(len(new_of)), original[merged]), -1, new_of)
             original = np.where(merged, -1, original)
             self._read(original)
         self._lift, self._cuts = np.zeros_like(self._places), self.new
         if self.new.any():
             self._lay()
-        self._relocate(self._known, ours)
+        off = np.linalg.norm(self._lift, axis=1) > ON * self._reach
+        self._off = off & (self.new | self._enclosed(self.new & self._cuts))
         self._edited = self._with_other_faces(original)
+        self._made = self.new | self._off | self._edited & ~self._still
+        self._relocate(self._known, ours)
 
     def _read(self, original):
         """What the old vertices and their duplicates have."""
@@ -69,7 +73,7 @@ class CarriedMap:
         self._corners = self._renumbered(np.stack([values[name] for name in stored_map.CORNERS], axis=1))
         self._weights = values[stored_map.BARY].astype(float)
         there = known & (self._corners >= 0).all(axis=1)
-        self._exact = ~self.new & (self.partner >= 0) & (self._weights.max(axis=1) > _WHOLE)
+        self._exact = ~self.new & (self.partner >= 0) & (self._weights.max(axis=1) > vertex_map.WHOLE)
         self._faces = np.where(there & ~self.new, self._holding(there), -1)
         images = np.einsum("vk,vkx->vx", self._weights, self._places[self._corners])
         self._target = np.where(there[:, None], images, np.nan)
@@ -84,6 +88,8 @@ class CarriedMap:
             mesh_data.read_attribute(self._mesh.attributes[name]).astype(float)
             for name in (stored_map.PLACE, stored_map.IMAGE)
         )
+        still = known & (np.linalg.norm(self._were - self._places, axis=1) <= ON * self._reach)
+        self._still = still if still.mean() > _STILL else known
 
     def _merged(self):
         """(vertices,) bool: old ones that others were merged into: half of their edges or more lead to vertices whose images
@@ -101,6 +107,12 @@ class CarriedMap:
         apart = [pair not in together for pair in zip(images.tolist(), others.tolist())]
         edges = np.bincount(own, minlength=count)
         return (edges > 0) & (np.bincount(own, apart, count) >= _APART * edges)
+
+    def _off_line(self, original):
+        """(vertices,) bool: those on the line that the edit has moved, and given other faces, and that are no extrusion."""
+        alone = self._known & (np.bincount(original[self._known], minlength=len(self._new_of))[original] == 1)
+        itself = self._exact & (self.partner == np.arange(len(original)))
+        return itself & alone & ~self._still & self._with_other_faces(original)
 
     def _lay(self):
         """Gives new vertices their images on the surface that they were made on, and notes how far they, and what they
@@ -139,7 +151,8 @@ class CarriedMap:
         return best
 
     def _relocate(self, known, ours):
-        """Puts images whose faces are gone onto the surface, all as it was when the map was stored."""
+        """Puts images whose faces are gone onto the surface, all as it was when the map was stored; not those of a
+        shell all of whose images were deleted."""
         places, images = self._were, self._images
         self._gone = known & ~self._had
         rows = np.flatnonzero(known & self._had & ~self._exact & (self._faces < 0))
@@ -150,7 +163,9 @@ class CarriedMap:
         triangle, weights = surface.feet(images[rows])
         mix = Mix(surface.vertices[triangle], weights)
         away, reach = np.linalg.norm(mix.of(places) - images[rows], axis=1), longest_edges(self._ends, places)[rows]
-        self._gone[rows] = away > _NEAR * reach
+        shell = components(len(known), self._ends)
+        alone = ~np.isin(shell, shell[known & (self._corners >= 0).any(axis=1)])
+        self._gone[rows] = (away > _NEAR * reach) | alone[rows]
         there = ~(self._gone | self.new)[rows]
         rows, triangle, mix = rows[there], triangle[there], mix.at(there)
         self._faces[rows], self._corners[rows], self._weights[rows] = surface.faces[triangle], mix.rows, mix.weights
@@ -187,9 +202,11 @@ class CarriedMap:
 
     def found(self, kind):
         """The `intrinsym.Symmetry`."""
+        self._mirror(kind)
         self._fill(kind)
         self._walk()
         self._meet()
+        self._match_added(_SIGN[kind])
         self._land()
         self._confidence *= np.where(self._kept | self._exact, 1, _LOWERED)
         exact, has = vertex_map.at_vertices(self._core_mesh, self.partner), self.partner >= 0
@@ -218,13 +235,26 @@ class CarriedMap:
     def lifted(self):
         """(vertices, 3) how far new vertices without a partner of their own, and what they enclose, stand off the surface
         that was there; and what stood off it before. After `found`."""
-        off = np.linalg.norm(self._lift, axis=1) > ON * self._reach
-        off &= self.new | self._enclosed(self.new & self._cuts)
-        lift, before = np.where(off[:, None], self._lift, 0), self._mesh.attributes.get(stored_map.LIFT)
+        lift, before = np.where(self._off[:, None], self._lift, 0), self._mesh.attributes.get(stored_map.LIFT)
         if before is not None:
             values = np.where(self.new[:, None], np.nan, mesh_data.read_attribute(before))
             lift += np.nan_to_num(filled(values, self._ends, self._places))
         return lift
+
+    def edit(self):
+        """(vertices,) what this edit, or one before, did: `stored_map.MADE`, or moved, or `LOST`. After `found`."""
+        before = np.where(self.new, 0, stored_map.read_edit(self._mesh))
+        lost = self._had & ~self.new & (self.partner < 0)
+        return np.select([lost, self._made], [stored_map.LOST, stored_map.MADE], before)
+
+    def _mirror(self, kind):
+        """Gives what was made or moved its images and its sides where all that is around it has one rigid motion."""
+        fitted = self._exact & ~self._made & self._still & self._still[self.partner]
+        target, found = rigid_pieces.exact(
+            self._target, self._places, self._made, fitted, self._ends, sign=_SIGN[kind]
+        )
+        self._target, self._found, self._mirrored = target, self._found | found, found
+        self._side[found & self._made & ~(self._duplicates & (self._side == 0))] = np.nan
 
     def _fill(self, kind):
         """Gives the vertices without images those of a piece of the surface that fits around, and the other values the
@@ -239,7 +269,7 @@ class CarriedMap:
         values = filled(values, self._ends, self._places, along_lines=True)
         self._confidence, self._gone = values[:, 0], values[:, 1] > 0.5
         way = np.einsum("vx,vx->v", values[:, 2:], across)
-        least = _BETWEEN * self._reach * np.linalg.norm(values[:, 2:], axis=1)
+        least = np.where(self._mirrored, ON, _BETWEEN) * self._reach * np.linalg.norm(values[:, 2:], axis=1)
         side = np.where(np.abs(way) <= least, 0, np.sign(way))
         self._side = np.where(np.isnan(self._side), side, self._side)
         self._target[self._gone] = np.nan
@@ -248,10 +278,32 @@ class CarriedMap:
     def _take_sides(self):
         """Gives shells that are new all over, and have no images, the side of the surface nearest to them."""
         shell = components(len(self.new), self._ends)
-        added = ~np.isin(shell, shell[~self.new])
-        surface = Surface(self._mesh, self._places, ~added, np.all) if added.any() else None
+        self._added = ~np.isin(shell, shell[~self.new])
+        surface = Surface(self._mesh, self._places, ~self._added, np.all) if self._added.any() else None
         if surface is not None and len(surface.faces):
-            self._side[added] = np.sign(surface.vertex_mix(self._places[added]).of(self._side))
+            self._side[self._added] = np.sign(surface.vertex_mix(self._places[self._added]).of(self._side))
+
+    def _match_added(self, sign):
+        """Pairs shells that were added on both sides, as far as one is nearly where the other has its mirror image."""
+        added = parts(self._added, self._ends)
+        mine, others = ([each for each in added if (self._side[each] == at).all()] for at in (1, -1))
+        if not mine or not others:
+            return
+        surface = Surface(self._mesh, self._places, ~self._added, np.all)
+        fitted = ~self._added & ~np.isnan(self._target).any(axis=1)
+        tree, near = KDTree(len(self.new)), _SHORT * shortest_edges(self._ends, self._places)
+        for vertex in np.concatenate(others).tolist():
+            tree.insert(self._places[vertex], vertex)
+        tree.balance()
+        for shell in mine:
+            there = rigid_pieces.beside(shell, self._target, self._places, surface, fitted, self._ends, sign=sign)
+            if np.isnan(there).any():
+                continue
+            twins, away = zip(*(tree.find(place)[1:] for place in there.tolist()))
+            is_other = any(np.array_equal(np.sort(twins), other) for other in others)
+            if is_other and not self._exact[list(twins)].any() and (np.array(away) <= near[shell]).all():
+                self._pair({**dict(zip(shell.tolist(), twins)), **dict(zip(twins, shell.tolist()))})
+                self._confidence[[*shell, *twins]] = 1
 
     def _walk(self):
         """Pairs new vertices where both sides got the same edit: on extrusions, or where an image is expected, as well as
@@ -260,6 +312,8 @@ class CarriedMap:
 
         def may_pair(one, other):
             off = self._places[other] - self._target[one]
+            if one == other and self._side[one] != 0:
+                return False
             return self._duplicates[[one, other]].all() or off @ off <= near[other] ** 2
 
         for _ in range(2):

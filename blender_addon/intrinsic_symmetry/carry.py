@@ -37,7 +37,7 @@ def _bring(mesh):
     new_of, original, ours = _identities(mesh, record)
     carried = CarriedMap(mesh, core_mesh, new_of, original, ours)
     symmetry = carried.found(intrinsym.SymmetryKind(record["kind"]))
-    symmetry.fixed_curve, lift = _lines(mesh, new_of), carried.lifted()
+    symmetry.fixed_curve, lift, edit = _lines(mesh, new_of), carried.lifted(), carried.edit()
     left = (1, record["left_from"])
     stored_map.store(mesh, core_mesh, symmetry, record.get("doubtful", False), left, record["exact_share"])
     edits = np.array(carried.edits)
@@ -45,6 +45,8 @@ def _bring(mesh):
     mesh[stored_map.RECORD].update({"edited": (edits + record.get("edited", (0, 0))).tolist(), "edited_side": side})
     if lift.any():
         mesh_data.write_attribute(mesh, stored_map.LIFT, "FLOAT_VECTOR", lift)
+    if edit.any():
+        mesh_data.write_attribute(mesh, stored_map.EDIT, "INT", edit)
     lost = f", {carried.lost:,} have lost their mirror image" if carried.lost else ""
     return f"The symmetry was carried through an edit: {np.count_nonzero(carried.new):,} vertices are new{lost}"
 

@@ -12,7 +12,8 @@ from mathutils.kdtree import KDTree
 from . import mesh_data, side_names, stored_map
 from .half_line import LOSES
 from .neighbour_means import filled
-from .regions import uv_islands
+from .regions import parts, uv_islands
+from .rigid_pieces import brought
 from .surface import Mix, Surface
 from .weights import read_weights, write_weights
 
@@ -66,14 +67,21 @@ class Old:
         self.uvs = {layer.name for layer in mesh.uv_layers}
         self.surface = Surface(mesh, self.positions - self.lift, halves.labels == LOSES)
 
-    def give_positions(self, object, mix, places, lift):
+    def give_positions(self, object, mix, places, lift, model, added):
         """Base shape and shape keys: the vertices are at `places`, `lift` off the surface, both (vertices, 3); `lift` is a
-        function of the old vertices' lift."""
+        function of the old vertices' lift. Those that were added move as their models do on the other side."""
         mesh, keys = object.data, object.data.shape_keys
-        moved = places - mix.of(self.positions)
-        for key, points, missing in zip(keys.key_blocks if keys else [], self.keys, self._left_out):
+        moved, models = places - mix.of(self.positions), model.of(self.positions)
+        keys = list(keys.key_blocks) if keys else []
+        others = side_names.counterpart_columns([key.name for key in keys])
+        shells = parts(added, mesh_data.edges(mesh).astype(np.int64))
+        for key, points, missing, other in zip(keys, self.keys, self._left_out, others):
             left_out = mix.of(missing) - lift(missing) if missing.any() else 0
-            mesh_data.set_key_positions(key, mix.of(points) + moved + left_out)
+            there = mix.of(points) + moved + left_out
+            wanted = model.of(self.keys[other]) if other >= 0 else models
+            for shell in shells:
+                there[shell] = brought(models[shell], places[shell], wanted[shell], -1)
+            mesh_data.set_key_positions(key, there)
         mesh.vertices.foreach_set("co", np.ascontiguousarray(places, np.float32).ravel())
 
     def give_points(self, object, mix, copies, added):

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Places a copied half where the surface that was there cannot say it alone.
 
-What stands a little off the surface, as a bevel, stands as far off its image. What stands off farther, as an extrusion,
+What an edit has made is moved by the one rigid motion that moves all that is around it, if there is one. Else, what stands a
+little off the surface, as a bevel, stands as far off its image; what stands off farther, as an extrusion,
 is moved as a rigid mirrored piece to where the copied vertices around it are. Regions that are folded, since the map's
 images of neighbouring vertices change places or fall together, are drawn smooth on the surface; or moved as a piece,
 too, where that leaves more folds, or little of the region, as of a fingertip.
@@ -11,7 +12,7 @@ import numpy as np
 
 from . import mesh_data, rigid_pieces
 from .neighbour_means import filled, longest_edges
-from .regions import components
+from .regions import components, parts
 from .surface import Surface
 
 #: What is farther off the surface than this share of its longest edge is moved as a piece.
@@ -35,34 +36,45 @@ _STILL = 1e-4
 class Form:
     """A mesh of which copies, (vertices,) bool, are like their models, (vertices, 3), and lie on the `surface` as `mix`
     says. `fitted` are the copies and the line; `whole`, (vertices,) bool, lie at old vertices, and what is creased
-    between them was so; `added`, (vertices,) bool, are copies of shells without images, which go with what is nearest."""
+    between them was so; `kept`, (vertices,) bool, are those of them that are exact, and stay there; `added`,
+    (vertices,) bool, are copies of shells without images, which go with what is nearest."""
 
-    def __init__(self, mesh, surface, mix, models, copies, fitted, whole, added):
-        self._surface, self._mix, self._models, self._copies, self._fitted = surface, mix, models, copies, fitted
+    def __init__(self, mesh, surface, mix, models, copies, fitted, whole, kept, added):
+        self._mesh, self._surface, self._mix, self._models = mesh, surface, mix, models
+        self._copies, self._fitted, self._kept, self._added = copies, fitted, kept, added
         self._ends = mesh_data.edges(mesh).astype(np.int64)
         self._faces = _Faces(mesh, whole, models)
-        self._links = self._ends
-        if added.any():
-            beside = Surface(mesh, models, copies & ~added).vertex_mix(models[added]).rows
-            links = np.stack([np.repeat(np.flatnonzero(added), 3), beside.ravel()], axis=1)
-            self._links = np.vstack([self._ends, links])
 
-    def placed(self, lift, beside, without):
-        """(vertices, 3) the places of all vertices: off the surface by `lift`, (vertices, 3). Otherwise where that is far, or
-        its foot is not at the place that the mix says, but `beside` it, (vertices,), where the models have no images,
-        `without`, (vertices,) bool, or where they are folded. Of those that are drawn smooth the mix is changed."""
+    def placed(self, lift, beside, without, made):
+        """(vertices, 3) the places of all vertices: off the surface by `lift`, (vertices, 3). Otherwise where an edit has
+        `made` it, (vertices,) bool, that is far, or its foot is not at the place that the mix says, but `beside` it,
+        (vertices,), where the models have no images, `without`, (vertices,) bool, or where they are folded. Of those that
+        are drawn smooth the mix is changed."""
         reach = longest_edges(self._ends, self._models)
         far = (np.linalg.norm(lift, axis=1) > _FAR * reach) | lift.any(axis=1) & (beside > _BESIDE * reach)
         places = self._mix.of(self._surface.positions) + np.where((self._copies & far)[:, None], 0, lift)
-        inside = (far | without) & self._copies
+        made = (made | without | lift.any(axis=1)) & self._copies & ~self._added
+        places, exact = rigid_pieces.exact(places, self._models, made, self._kept, self._ends, sign=-1)
+        free = self._copies & ~(self._kept | self._added | exact)
+        inside = (far | without) & free
         if inside.any():
             places = self._as_pieces(places, inside)
         for rings in range(1, _ROUNDS + 1):
             folded = np.zeros(len(places), bool)
             folded[self._faces.corners_of(self._faces.folded(places))] = True
-            if not (folded & self._copies).any():
+            if not (folded & free).any():
                 break
-            places = self._unfolded(places, rigid_pieces.grown(folded & self._copies, self._ends, rings) & self._copies)
+            places = self._unfolded(places, rigid_pieces.grown(folded & free, self._ends, rings) & free)
+        return self._with_added(places)
+
+    def _with_added(self, places):
+        """Places of which each shell that was added is moved by one rigid motion, that of what is nearest to it."""
+        if not self._added.any():
+            return places
+        others = self._copies & ~self._added
+        surface = Surface(self._mesh, self._models, others)
+        for shell in parts(self._added, self._ends):
+            places[shell] = rigid_pieces.beside(shell, places, self._models, surface, others, self._ends, sign=-1)
         return places
 
     def _unfolded(self, places, inside):
@@ -89,7 +101,7 @@ class Form:
 
     def _as_pieces(self, places, inside):
         """Places whose regions, `inside`, have the form of the models."""
-        return rigid_pieces.moved(places, self._models, inside, self._fitted, self._links, sign=-1, still=_STILL)
+        return rigid_pieces.moved(places, self._models, inside, self._fitted, self._ends, sign=-1, still=_STILL)
 
 
 class _Faces:

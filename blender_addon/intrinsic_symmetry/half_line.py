@@ -12,16 +12,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import mesh_data
-from .regions import components
+from . import mesh_data, rigid_pieces, stored_map, vertex_map
+from .regions import components, mirrored
 
 #: Labels of vertices: of the half that stays, of the half that is replaced, on the line between them, and of shells
 #: that stay as they are.
 WINS, LOSES, LINE, STAYS = 1, -1, 0, 2
-#: The line goes through a vertex if it crosses one of its edges in this first share of the edge.
-_NEAR = 0.3
-#: Where it crosses an edge at a vertex that it cannot go through.
-_LEAST = 0.1
+#: The line goes through a vertex if it crosses one of its edges in this first share of the edge: a vertex of which is
+#: known exactly where it has its image, or which was made by an edit, and another one.
+_NEAR = 0.02, 0.3
+#: Where it crosses an edge at a vertex that it cannot go through: one of the first, and another one.
+_LEAST = 0.02, 0.1
 
 
 @dataclass(frozen=True)
@@ -41,20 +42,28 @@ def halves(bm, mesh, symmetry, winner):
     edges, positions = mesh_data.edges(mesh).astype(np.int64), mesh_data.positions(mesh).astype(float)
     labels = _labels(mesh, symmetry, winner, edges)
     labels = np.where(_stray(labels, edges), -labels, labels)
-    labels[_deserted(labels, edges, symmetry.side == 0)] = LOSES
+    labels[_deserted(mesh, labels, symmetry.side == 0)] = LOSES
     bm.verts.ensure_lookup_table()
     labels[_drawn(bm, labels, edges, symmetry.side == 0)] = LINE
-    images = symmetry.surface_points.positions(positions)
+    changed = stored_map.is_changed(mesh, symmetry.partner)
+    exact = vertex_map.pairs(symmetry) & ~changed
+    images, known = rigid_pieces.exact(
+        symmetry.surface_points.positions(positions), positions, ~exact, exact, edges, sign=-1
+    )
+    known |= exact | changed
     distance = np.where(symmetry.side == 0, 0.0, np.linalg.norm(images - positions, axis=1))
     winning, losing, shares, _ = _crossings(labels, edges, distance)
     near = np.full(len(labels), 1.0)
     np.minimum.at(near, winning, shares)
     np.minimum.at(near, losing, 1 - shares)
-    for vertex in np.argsort(near, kind="stable")[: np.count_nonzero(near < _NEAR)].tolist():
-        if _may_lie_on_line(bm.verts[vertex], labels):
+    within = near < np.where(known, *_NEAR)
+    for vertex in np.argsort(near, kind="stable")[: np.count_nonzero(near < _NEAR[1])].tolist():
+        if within[vertex] and _may_lie_on_line(bm.verts[vertex], labels):
             labels[vertex] = LINE
+    _refuse_moved(mesh, np.where(exact, symmetry.partner.astype(np.int64), -1), labels)
     winning, losing, shares, crossed = _crossings(labels, edges, distance)
-    return Halves(labels, crossed, winning, losing, np.clip(shares, _LEAST, 1 - _LEAST))
+    least = np.where(known[winning] & known[losing], *_LEAST)
+    return Halves(labels, crossed, winning, losing, np.clip(shares, least, 1 - least))
 
 
 def _labels(mesh, symmetry, winner, edges):
@@ -74,6 +83,8 @@ def _labels(mesh, symmetry, winner, edges):
     apart = np.where((balance == balance[image]) & (np.arange(count) > image), LOSES, apart)
     of_shell = np.where(paired, apart, STAYS)
     of_shell[(image < 0) & (balance == 1)] = WINS  # it was added, or its image was deleted
+    deserted = np.bincount(shell, stored_map.read_edit(mesh) == stored_map.LOST, count) > 0
+    of_shell[(image < 0) & (balance == -1) & deserted] = LOSES
     split = (image >= 0) & ~whole & ~paired  # off a shell that has a mirror image, or is its own
     of_shell[split & crossed[image]] = np.where(balance > 0, WINS, LOSES)[split & crossed[image]]
     of_shell[split & paired[image]] = -of_shell[image[split & paired[image]]]
@@ -99,6 +110,19 @@ def _refuse_holes(known, image, mesh):
         )
 
 
+def _refuse_moved(mesh, partner, labels):
+    """Raises MeshProblem where vertices with mirrored faces would not keep the place of their partner, (vertices,), -1 for
+    none."""
+    offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
+    itself, image = partner == np.arange(len(labels)), labels[partner]
+    as_it_was = (labels == STAYS) | np.where(itself, labels == LINE, (labels == -image) & (labels != LINE))
+    if moved := np.count_nonzero(mirrored(offsets, corners, partner) & ~as_it_was):
+        raise mesh_data.MeshProblem(
+            f"{moved:,} vertices that are mirrored already would not stay as they are: the line between left and right "
+            "cannot go through the edit. Nothing is changed. Make the edit in smaller steps, or on both sides"
+        )
+
+
 def _stray(labels, edges):
     """(vertices,) bool: all but the largest winning and the largest losing region of each shell."""
     shell = components(len(labels), edges)
@@ -113,13 +137,13 @@ def _stray(labels, edges):
     return ~np.isin(region, list(largest.values())) & (np.abs(labels) == 1)
 
 
-def _deserted(labels, edges, on_line):
-    """(vertices,) bool: those that the map has on the line, but with nothing of the winning side beside them any more."""
-    beside = {}
-    for label in (WINS, LOSES):
-        of = (labels == label) & ~on_line
-        beside[label] = np.bincount(edges.ravel(), of[edges[:, ::-1]].ravel(), len(labels)) > 0
-    return on_line & (labels == WINS) & ~beside[WINS] & beside[LOSES]
+def _deserted(mesh, labels, on_line):
+    """(vertices,) bool: those that the map has on the line, but with nothing of the winning side in their faces any more."""
+    offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
+    wins = np.logical_or.reduceat(((labels == WINS) & ~on_line)[corners], offsets[:-1])
+    deserted = on_line & (labels == WINS)
+    deserted[corners[np.repeat(wins, np.diff(offsets))]] = False
+    return deserted
 
 
 def _drawn(bm, labels, edges, on_line):

@@ -4,22 +4,29 @@
 import intrinsym
 import numpy as np
 
-from . import mesh_data, vertex_map
+from . import mesh_data, stored_map, vertex_map
 from .half_line import LINE, STAYS, WINS
 from .regions import components, mirrored
 
 
+def alone(mesh, symmetry):
+    """(vertices,) bool: those of shells without mirror images."""
+    shell = components(len(symmetry.partner), mesh_data.edges(mesh).astype(np.int64))
+    return ~np.isin(shell, shell[symmetry.partner >= 0])
+
+
 def is_mirrored(mesh, symmetry, winner):
     """Whether all shells that have images have mirrored faces already, with the partners of the map, and none is to be
-    copied from the side that wins, 1 or -1."""
+    copied from the side that wins, 1 or -1, or deleted on the other one."""
     offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
     partner = symmetry.partner.astype(np.int64)
     alike = mirrored(offsets, corners, partner) & (partner[partner] == np.arange(len(partner)))
     alike &= symmetry.side[partner] == -symmetry.side
     shell = components(len(partner), mesh_data.edges(mesh).astype(np.int64))
-    found = np.isin(shell, shell[partner >= 0])
     stays = np.isin(shell, shell[symmetry.side != winner])
-    return np.where(found, alike, stays).all()
+    stays &= (stored_map.read_edit(mesh) != stored_map.LOST) | (symmetry.side != -winner)
+    has_faces = np.bincount(corners, minlength=len(partner)) > 0
+    return np.where(alone(mesh, symmetry), stays | ~has_faces, alike).all()
 
 
 def known(mesh, core_mesh, halves, source, winner, sides):

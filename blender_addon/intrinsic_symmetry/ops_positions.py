@@ -8,7 +8,7 @@ import numpy as np
 from intrinsym import Merge
 
 from . import assembly, entered, mesh_data
-from .asymmetry import size
+from .asymmetry import reference, size
 from .mirroring import DIRECTIONS, MERGE, ConfidenceProperties, MirrorProperties, blend
 from .operator_base import MapOperator, MeshOperator
 
@@ -55,11 +55,19 @@ class INTRINSIC_SYMMETRY_OT_symmetrize(MirrorProperties, MapOperator, bpy.types.
 
     def run_with(self, symmetry, _context, object, mode):
         positions, free = mesh_data.shown_positions(object), self.may_change(object, mode, symmetry)
-        symmetry, how = self.held(object.data, symmetry, free)
-        moved = blend(positions, symmetry.symmetrize_positions(positions, self.merge, **how), free)
+        moved = blend(positions, self._symmetric(symmetry, object.data, positions, free), free)
         mesh_data.set_shown_positions(object, moved)
         away = np.linalg.norm(moved - positions.astype(float), axis=1)[assembly.shown(object, self.members)]
         return f"Vertices moved by up to {away.max(initial=0) / size(positions):.2%} of the object's size"
+
+    def _symmetric(self, symmetry, mesh, positions, free):
+        """An exchange at rest is that of mirrored places, so that another one gives them back."""
+        if self.merge == Merge.SWAP:
+            at = reference("AUTO", symmetry, mesh, positions)
+            if at.plane is not None:
+                return blend(positions.astype(float), at.images(symmetry, positions), self.shares(symmetry))
+        symmetry, how = self.held(mesh, symmetry, free)
+        return symmetry.symmetrize_positions(positions, self.merge, **how)
 
 
 class INTRINSIC_SYMMETRY_OT_remember(MeshOperator, bpy.types.Operator):

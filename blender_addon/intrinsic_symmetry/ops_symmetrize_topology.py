@@ -17,9 +17,6 @@ from .operator_base import MapOperator
 from .ops_positions import forget
 from .regions import components
 
-#: A mirror image is a vertex if its weight is more than this.
-_WHOLE = 0.999
-
 
 class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator):
     """Replace one half of the mesh by a mirrored copy of the other half's faces, in any pose. The copy lies on the
@@ -46,7 +43,7 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         before, left_from = len(mesh.polygons), mesh[stored_map.RECORD]["left_from"]
         if half_map.is_mirrored(mesh, symmetry, winner):
             return self._keep(object, symmetry, direction)
-        self._say_what_is_replaced(mesh, winner)
+        self._say_what_is_replaced(mesh, symmetry, winner)
         half = _Half(object, symmetry, winner)
         forget(mesh)
         half.fill(object, symmetry)
@@ -94,11 +91,16 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
             return self.direction
         return "RIGHT_TO_LEFT" if stored_map.edited_side(mesh) < 0 else "LEFT_TO_RIGHT"
 
-    def _say_what_is_replaced(self, mesh, winner):
-        """Where the losing side was edited."""
+    def _say_what_is_replaced(self, mesh, symmetry, winner):
+        """Where the losing side was edited, or has parts that were deleted on the other one."""
+        loses, alone = symmetry.side == -winner, half_map.alone(mesh, symmetry)
+        deleted = np.count_nonzero(loses & alone & (stored_map.read_edit(mesh) == stored_map.LOST))
         lost, name = (stored_map.edits(mesh)[winner > 0], "right" if winner > 0 else "left")
-        if lost:
+        lost -= np.count_nonzero(loses & alone) - deleted
+        if lost > 0:
             self.warn(f"What was edited on the {name} side is replaced ({lost:,} vertices)")
+        if deleted:
+            self.warn(f"Parts whose mirror images were deleted are deleted on the {name} side ({deleted:,} vertices)")
 
     def _refuse(self, symmetry, object):
         """Raises MeshProblem where it cannot work."""
@@ -122,6 +124,7 @@ class _Half:
             self._halves = halves = half_line.halves(bm, mesh, symmetry, winner)
             if not (symmetry.partner[halves.labels == half_line.WINS] >= 0).any():
                 raise mesh_data.MeshProblem("No part of the mesh has a mirror image on the other side")
+            self._changed = stored_map.is_changed(mesh, symmetry.partner)
             self._old, self.attached = half_data.Old(object, halves), half_data.Attached(mesh)
             half_copy.rebuild(bm, halves)
             bm.to_mesh(mesh)
@@ -137,16 +140,17 @@ class _Half:
         mesh, old, copies = object.data, self._old, self.copies
         models = np.where(copies, -1 - self._source, self._source)
         mix, model = (half_data.vertex_mix(each, self._halves, symmetry) for each in (self._source, models))
-        fitted = copies | (self.known.partner == np.arange(len(copies)))
-        whole = mix.weights.max(axis=1) > _WHOLE
+        line = self.known.partner == np.arange(len(copies))
+        whole = mix.weights.max(axis=1) > vertex_map.WHOLE
         without = symmetry.partner < 0
         added = copies & self._of_lone_shells(mesh, model.of(without))
-        form = half_form.Form(mesh, old.surface, mix, model.of(old.positions), copies, fitted, whole, added)
+        kept = (copies | line) & whole & model.of(vertex_map.pairs(symmetry) & ~self._changed & ~old.lift.any(axis=1))
+        form = half_form.Form(mesh, old.surface, mix, model.of(old.positions), copies, copies | line, whole, kept, added)
         feet, lifted = old.positions - old.lift, self._lifted(mix, model, symmetry)
         beside = np.linalg.norm(mix.of(symmetry.surface_points.positions(feet)) - model.of(feet), axis=1)
-        places = form.placed(lifted(old.lift), beside, model.of(without))
+        places = form.placed(lifted(old.lift), beside, model.of(without), model.of(self._changed))
         mix.take(copies & model.of(without), old.surface, places)
-        old.give_positions(object, mix, places, lifted)
+        old.give_positions(object, mix, places, lifted, model, added)
         old.give_points(object, mix, copies, added)
         offsets, corners = mesh_data.polygons(mesh)
         old.give_corners(mesh, self._copied & ~added[corners[offsets[:-1]]], places)

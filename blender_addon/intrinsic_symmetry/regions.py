@@ -23,6 +23,13 @@ def components(count, pairs):
         least = joined
 
 
+def parts(chosen, ends):
+    """Numbers of the chosen vertices, (vertices,) bool, of each connected component, by (edges, 2) ends between them."""
+    part, rows = components(len(chosen), ends[chosen[ends].all(axis=1)]), np.flatnonzero(chosen)
+    order = rows[np.argsort(part[rows], kind="stable")]
+    return np.split(order, np.flatnonzero(np.diff(part[order])) + 1) if len(rows) else []
+
+
 def around(offsets, corners, numbers):
     """(vertices,) a number that says which vertices, by their (vertices,) numbers, come before and after each vertex in
     its faces. Another face, or one that is turned over, makes it another number."""

@@ -5,10 +5,12 @@ orientation using orthonormal matrices", 1988), and bent to meet it."""
 import numpy as np
 
 from .neighbour_means import filled
-from .regions import components
+from .regions import parts
 
 #: Rings of vertices around a region that it is fitted to.
 _AROUND = 2
+#: What is around a region has one rigid motion if none of it is off by more than this share of its size.
+_ONE = 1e-3
 
 
 def moved(places, models, inside, fitted, ends, *, sign, still=1e-6, along_lines=False):
@@ -17,19 +19,44 @@ def moved(places, models, inside, fitted, ends, *, sign, still=1e-6, along_lines
     nothing. Inner ones stay where nothing is around them."""
     near = grown(inside, ends, _AROUND) & (fitted | inside)
     mine = ends[near[ends].all(axis=1)]
-    region, rows = components(len(places), mine), np.flatnonzero(near)
-    order = rows[np.argsort(region[rows], kind="stable")]
     there = places.copy()
-    for piece in np.split(order, np.flatnonzero(np.diff(region[order])) + 1):
+    for piece in parts(near, ends):
         border = piece[~inside[piece]]
         if len(border) > 2:
-            there[piece] = _brought(models[border], places[border], models[piece], sign)
+            there[piece] = brought(models[border], places[border], models[piece], sign)
         elif np.isnan(places[piece]).any():
             there[piece] = 0
     missing = np.where(inside[:, None], np.nan, places - there)
     missing[~near] = 0
     bent = there + filled(missing, mine, models, still, along_lines)
     return np.where(inside[:, None] & ~np.isnan(bent), bent, places)
+
+
+def exact(places, models, inside, fitted, ends, *, sign):
+    """As `moved`, but only of the regions around which all that is fitted has one rigid motion, and without bending; and
+    (vertices,) bool, which ones these are."""
+    near = grown(inside, ends, _AROUND) & (fitted | inside)
+    there, found = places.copy(), np.zeros(len(places), bool)
+    for piece in parts(near, ends):
+        border, own = piece[~inside[piece]], piece[inside[piece]]
+        if len(border) > 2 and len(own):
+            both = brought(models[border], places[border], models[np.append(border, own)], sign)
+            off = np.linalg.norm(both[: len(border)] - places[border], axis=1).max()
+            if off <= _ONE * np.ptp(places[border], axis=0).max():
+                there[own], found[own] = both[len(border) :], True
+    return there, found
+
+
+def beside(shell, places, models, surface, fitted, ends, *, sign):
+    """Places of the vertices `shell` of a connected component, moved by the one rigid motion that brings those that are
+    `fitted`, (vertices,) bool, and nearest to it on the `surface` of the models, to their places. It stays where there are
+    none."""
+    near = np.zeros(len(places), bool)
+    near[surface.vertex_mix(models[shell]).rows] = True
+    near = grown(near, ends, 1) & fitted
+    if np.count_nonzero(near) < 3:
+        return places[shell]
+    return brought(models[near], places[near], models[shell], sign)
 
 
 def grown(inside, ends, rings):
@@ -40,7 +67,7 @@ def grown(inside, ends, rings):
     return inside
 
 
-def _brought(points, places, others, sign):
+def brought(points, places, others, sign):
     """Other points, as the rotation, or the reflection and rotation, moves them that brings points, (n, 3), nearest to
     places."""
     middle, centre = points.mean(axis=0), places.mean(axis=0)

@@ -44,6 +44,9 @@ _TRACES = {**dict(zip(NUMBERS, ("INT", "FLOAT"))), PLACE: "FLOAT_VECTOR", IMAGE:
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 #: FLOAT_VECTOR: how far vertices stand off the surface that the map speaks of, after `carry`.
 LIFT = "sym_lift"
+#: INT: what an edit did, after `carry`: MADE the vertex or moved it, or LOST its mirror image.
+EDIT = "sym_edit"
+MADE, LOST = 1, 2
 #: What an imported PLY or glTF file says of its further symmetries. It does not belong to the map that is kept.
 _FURTHER = re.compile(r"(sym_(vertex|confidence|side)|_SYM_(VERTEX|CONFIDENCE|SIDE))_\d+")
 _NONE = 2**32 - 1
@@ -56,6 +59,18 @@ LEAST = 1e-6
 def is_own(name):
     """Whether an attribute of this name belongs to the map, or is what was remembered."""
     return name.startswith("sym_")
+
+
+def read_edit(mesh):
+    """(vertices,) MADE or LOST by an edit since the map was found; 0 for others."""
+    attribute = mesh.attributes.get(EDIT)
+    return np.zeros(len(mesh.vertices), int) if attribute is None else mesh_data.read_attribute(attribute)
+
+
+def is_changed(mesh, partner):
+    """(vertices,) bool: those that an edit has made or moved, or their partners, (vertices,), since the map was found."""
+    made = read_edit(mesh) == MADE
+    return made | made[partner] & (partner >= 0)
 
 
 class StaleMap(mesh_data.MeshProblem):
@@ -117,8 +132,8 @@ def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X), exact_sh
     values.update(zip(CORNERS, points.corners.T.astype(np.int64)))
     undo.remember(mesh)
     _remove_further(mesh)
-    if LIFT in mesh.attributes:
-        mesh_data.remove_attribute(mesh, LIFT)
+    for name in {LIFT, EDIT} & set(mesh.attributes.keys()):
+        mesh_data.remove_attribute(mesh, name)
     for name, array in values.items():
         given = np.where(array == _NONE, -1, array) if KINDS[name] == "INT" else array
         mesh_data.write_attribute(mesh, name, KINDS[name], given)
@@ -167,7 +182,7 @@ def _record(mesh, core_mesh, symmetry):
 def _trace(mesh, core_mesh, points):
     """Keeps where the vertices and their images are, and which faces they have."""
     offsets, corners = (np.asarray(part).astype(np.int64) for part in core_mesh.polygons)
-    places = core_mesh.vertices
+    places = mesh_data.positions(mesh)
     faces = around(offsets, corners, np.arange(len(places)))
     for name, values in ((PLACE, places), (IMAGE, np.nan_to_num(points.positions(places))), (AROUND, faces)):
         mesh_data.write_attribute(mesh, name, _TRACES[name], values)
@@ -288,7 +303,7 @@ def clear(mesh):
     """Removes the map and its record."""
     undo.remember(mesh)
     _remove_further(mesh)
-    for name in (*KINDS, *_TRACES, LIFT):
+    for name in (*KINDS, *_TRACES, LIFT, EDIT):
         if name in mesh.attributes:
             mesh_data.remove_attribute(mesh, name)
     if RECORD in mesh:

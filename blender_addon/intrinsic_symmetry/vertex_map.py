@@ -6,6 +6,8 @@ import numpy as np
 
 #: What stands for none in unsigned numbers.
 NONE = 2**32 - 1
+#: A mirror image is a vertex if its weight is more than this.
+WHOLE = 0.999
 
 
 def unsigned(numbers):
@@ -25,6 +27,13 @@ def at_vertices(core_mesh, partner):
     triangles = np.where(place[:, None] < 0, -1, np.stack(around, axis=1))
     weights = np.where(place[:, None] < 0, 0.0, (1.0, 0.0, 0.0))
     return intrinsym.SurfacePoints(unsigned(np.where(place < 0, -1, face)), unsigned(triangles), weights)
+
+
+def pairs(symmetry):
+    """(vertices,) bool: those that are the exact images of their images."""
+    partner = symmetry.partner.astype(np.int64)
+    exact = symmetry.surface_points.barycentrics.max(axis=1) > WHOLE
+    return exact & (partner >= 0) & (partner[partner] == np.arange(len(partner)))
 
 
 def between(source, target, points, kind):

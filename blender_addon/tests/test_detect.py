@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Detect, and what it keeps on the mesh."""
 
+import re
 from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, new_object, positions, read_example
+from conftest import EXAMPLES, attribute, enter, module, new_object, positions, read_example
 
 detect = bpy.ops.intrinsic_symmetry.detect
 
@@ -120,14 +121,15 @@ def test_the_library_s_errors_are_shown():
         detect()
 
 
+@pytest.mark.parametrize("model", ["/nowhere/network.onnx", __file__, str(EXAMPLES)])
 @pytest.mark.parametrize("body", ["quadruped", "human"])
-def test_preferences_reach_the_library(body):
+def test_preferences_reach_the_library(body, model):
     """Also where the connectivity is mirrored, and no network is needed."""
     preferences = bpy.context.preferences.addons[module("preferences").__package__].preferences
     new_object(read_example(body))
-    preferences.model = "/nowhere/network.onnx"
+    preferences.model = model
     try:
-        with pytest.raises(RuntimeError, match="network.onnx"):
+        with pytest.raises(RuntimeError, match=re.escape(model)):
             detect()
     finally:
         preferences.model = ""

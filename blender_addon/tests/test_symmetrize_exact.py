@@ -64,6 +64,18 @@ def test_an_exchange_at_rest_twice_gives_back(head):
     assert np.abs(positions(head.data) - bent).max() < 1e-5
 
 
+def test_issue_38_an_exchange_of_positions_at_rest_twice_gives_back(head):
+    before = positions(head.data)
+    ear = before[np.where(attribute(head.data, "sym_side") == 1, np.linalg.norm(before - before.mean(0), axis=1), 0).argmax()]
+    near = np.exp(-(((before - ear) / 0.2) ** 2).sum(axis=1))
+    bent = before + 0.2 * near[:, None] * TURN[:, 1]
+    _set(head, bent)
+    assert ops.symmetrize(direction="SWAP") == {"FINISHED"}
+    assert np.abs(positions(head.data) - bent).max() > 0.1
+    ops.symmetrize(direction="SWAP")
+    assert np.abs(positions(head.data) - bent).max() < 1e-5
+
+
 def test_strength_is_a_share(head):
     _spoil(head)
     before = _asymmetry(head).mean()

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from conftest import (
-    attribute, edit_faces, enter, faces_around, module, new_object, positions, read_example, ring, said,
+    attribute, edit_faces, enter, faces_around, module, new_object, positions, read_example, ring, said, select,
 )
 from mathutils.kdtree import KDTree
 
@@ -241,6 +241,67 @@ def test_a_part_that_was_added_is_copied(human, at, seed, capfd):
     assert off.mean() < 0.1 * 0.02 and off.max() < 0.5 * 0.02
 
 
+@pytest.mark.parametrize("off, paired", [(0, True), (0.01, True), (0.2, False)])
+def test_issue_38_parts_that_were_added_on_both_sides_are_paired(off, paired, capfd):
+    """If they are nearly where they should be. Else one of them is copied, and the other one stays."""
+    bpy.ops.mesh.primitive_monkey_add()
+    object = bpy.context.object
+    assert ops.detect() == {"FINISHED"}
+    for at in (1, -1):
+        _add_cube(object, np.array((0.6 * at, 0, 1.1 + off * (at > 0))), 0.1)
+    before = positions(object.data)
+    words = said(capfd, ops.symmetrize_topology)
+    assert ("nothing to do" in words) == paired and "is replaced" not in words
+    assert len(object.data.vertices) == len(before) + (0 if paired else 8)
+    assert _nearest(positions(object.data), before)[:, 1].max() < 1e-6
+    assert np.count_nonzero(attribute(object.data, "sym_vertex") < 0) == (0 if paired else 8)
+
+
+def test_issue_38_an_added_part_keeps_its_form_and_moves_as_its_model_does(human):
+    """At a joint that is bent on one side alone, and in keys."""
+    mesh, places, side = human.data, positions(human.data), attribute(human.data, "sym_side")
+    ends = module("mesh_data").edges(mesh)
+    lengths = np.linalg.norm(places[ends[:, 0]] - places[ends[:, 1]], axis=1)
+    partner = attribute(mesh, "sym_vertex")
+    images = np.linalg.norm(places[partner[ends[:, 0]]] - places[partner[ends[:, 1]]], axis=1)
+    joint = ends[np.where((side[ends] == 1).all(axis=1), lengths / images, 0).argmax(), 0]
+    human.shape_key_add(name="Basis")
+    keys = [human.shape_key_add(name=name) for name in ("Up", "Out.L", "Out.R")]
+    _add_cube(human, places[joint], 0.1)
+    own = np.arange(13380, 13388)
+    write, read = module("mesh_data").set_key_positions, module("mesh_data").key_positions
+    for key, moved in zip(keys, (0.1, 0.2, 0.0)):
+        points = read(key).astype(float)
+        points[own] += (0, 0, moved)
+        write(key, points)
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    now, images = positions(mesh), attribute(mesh, "sym_vertex")
+    own = np.flatnonzero((attribute(mesh, "sym_side") == 1) & (_nearest(places, now)[:, 1] > 1e-3))
+    between = [np.linalg.norm(now[each][:, None] - now[each], axis=2) for each in (own, images[own])]
+    assert len(own) == 8 and np.abs(between[0] - between[1]).max() < 1e-5
+    basis, up, left, right = (read(key).astype(float) for key in mesh.shape_keys.key_blocks)
+    for key, rows, moved in ((up, own, 0.1), (up, images[own], 0.1), (left, own, 0.2), (right, images[own], 0.2),
+                             (left, images[own], 0), (right, own, 0)):
+        assert np.allclose(np.linalg.norm((key - basis)[rows], axis=1), moved, atol=1e-5)
+
+
+def test_issue_38_a_part_whose_mirror_image_was_deleted_is_deleted(human, mode, capfd):
+    places, side = positions(human.data), attribute(human.data, "sym_side")
+    hand = np.where(side == 1, np.abs(places[:, 0]), 0).argmax()
+    _add_cube(human, places[hand], 0.05)
+    ops.symmetrize_topology()
+    shell = module("regions").components(len(human.data.vertices), module("mesh_data").edges(human.data))
+    cube = (shell != shell[hand]) & (attribute(human.data, "sym_side") == 1)
+    select(human, np.flatnonzero(cube))
+    enter("EDIT")
+    bpy.ops.mesh.delete(type="VERT")
+    enter(mode)
+    assert "deleted on the right side (8 vertices)" in said(capfd, ops.symmetrize_topology)
+    enter("OBJECT")
+    assert np.count_nonzero(cube) == 8 and len(human.data.vertices) == 13380
+    assert _nearest(places, positions(human.data))[:, 1].max() < 1e-6
+
+
 def _decorate(object, value):
     """A group, a key, colors, UVs that follow a function of the place."""
     mesh, places = object.data, positions(object.data)
@@ -444,6 +505,59 @@ def test_a_form_across_the_line_arrives_at_its_mirrored_place(steps, count):
     off = np.linalg.norm(places[partner] * (-1, 1, 1) - places, axis=1)[left == 1]
     assert np.quantile(off, 0.96) < 5e-3 and off.max() < 0.04
     assert _nearest(before, places[left == 1])[:, 1].max() < 1e-6
+
+
+def _pull_out():
+    bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0, 0, 0.05)})
+
+
+AT_THE_LINE = {
+    "extrude twice": [_pull_out] * 2,
+    "extrude three times": [_pull_out] * 3,
+    "extrude, inset": [_pull_out, lambda: bpy.ops.mesh.inset(thickness=0.01)],
+    "inset, extrude": [lambda: bpy.ops.mesh.inset(thickness=0.01), _pull_out],
+    "merge": [lambda: bpy.ops.mesh.merge(type="CENTER")],
+    "collapse": [lambda: bpy.ops.mesh.merge(type="COLLAPSE")],
+    "bevel": [lambda: bpy.ops.mesh.bevel(offset=0.02, segments=2, affect="EDGES")],
+}
+
+
+@pytest.mark.parametrize("across", [0, -0.15])
+@pytest.mark.parametrize("make", [bpy.ops.mesh.primitive_uv_sphere_add, bpy.ops.mesh.primitive_monkey_add])
+@pytest.mark.parametrize("steps", AT_THE_LINE)
+def test_issue_38_an_edit_at_the_line_arrives_exactly(steps, make, across):
+    """It ends on the line, or goes across it."""
+    make()
+    object = bpy.context.object
+    _noisy_map(object, 0, 0)
+    before = positions(object.data)
+    middles = np.array([face.center for face in object.data.polygons])
+    edit_faces(object, (middles[:, 0] > across) & (middles[:, 0] < 0.4) & (middles[:, 2] > 0.6))
+    for step in AT_THE_LINE[steps]:
+        step()
+    enter("OBJECT")
+    edited = positions(object.data)
+    assert ops.symmetrize_topology(direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    _assert_mirrored(object.data)
+    now = positions(object.data)
+    assert _nearest(now, now * (-1, 1, 1))[:, 1].max() < 1e-3, "the whole is its own mirror image"
+    assert _nearest(now, edited[edited[:, 0] > 1e-3])[:, 1].max() < 1e-6
+    still = _nearest(edited, before * (-1, 1, 1))[:, 1] < 1e-6
+    assert _nearest(now, before[still & (before[:, 0] < -1e-3)])[:, 1].max() < 1e-5, "what was not edited does not move"
+
+
+def test_issue_38_what_would_move_unedited_vertices_is_refused():
+    """The left half of a belt becomes one face. Nothing changes then."""
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    object = bpy.context.object
+    _noisy_map(object, 0, 0)
+    edit_faces(object, [face.index for face in object.data.polygons if face.center.x > 0 and abs(face.center.z) < 0.3])
+    bpy.ops.mesh.dissolve_faces()
+    enter("OBJECT")
+    before, faces = positions(object.data), _faces(object.data)
+    with pytest.raises(RuntimeError, match="Nothing is changed"):
+        ops.symmetrize_topology()
+    assert np.array_equal(positions(object.data), before) and _faces(object.data) == faces
 
 
 @pytest.mark.parametrize("step", [

@@ -21,6 +21,7 @@ use crate::detect::judging_mesh::JudgingMesh;
 use crate::detect::shell_symmetry::of_images;
 use crate::mesh::Mesh;
 use crate::refine::full_refinement::MatchTarget;
+use crate::search::sign_network::SignNetwork;
 use crate::spectral::continuous_family::orbits;
 use crate::spectral::laplacian::IntrinsicSurface;
 use crate::verify::choose::{rank, retain_symmetries, verdict};
@@ -79,6 +80,7 @@ pub fn detect_again<'a>(
 ) -> Result<Detection> {
     let previous = previous.into();
     options.validate()?;
+    SignNetwork::own(options)?;
     let vertices = mesh.point_of_vertex.len();
     if let Some(other) = previous.symmetries.iter().find(|symmetry| symmetry.partner.len() != vertices) {
         let message = format!("is of a mesh of {} vertices, this one has {vertices}", other.partner.len());

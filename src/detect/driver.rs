@@ -15,6 +15,7 @@ use crate::detect::joined_shells::JoinedShells;
 use crate::detect::question::Question;
 use crate::detect::spectrum::Spectrum;
 use crate::mesh::{Mesh, Shell};
+use crate::search::sign_network::SignNetwork;
 use crate::verify::outcome::{CONFIDENT, Outcome};
 
 /// A mirror plane in space from whose [`Detection::worth`] on it is the answer, and nothing is searched.
@@ -28,10 +29,11 @@ const ROUNDS: usize = 3;
 /// the surface; every other shell is then given its partner.
 ///
 /// # Errors
-/// [`crate::Error::Option`], [`crate::Error::File`], [`crate::Error::Limit`], [`crate::Error::TimeLimit`], [`crate::Error::Cancelled`],
+/// [`crate::Error::Option`], [`crate::Error::File`], [`crate::Error::Model`], [`crate::Error::Limit`], [`crate::Error::TimeLimit`], [`crate::Error::Cancelled`],
 /// [`crate::Error::Internal`].
 pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Detection> {
     options.validate()?;
+    SignNetwork::own(options)?; // whether or not this mesh needs it
     detect_by(mesh, options, &Plan::of(options), Mechanisms::default(), &progress.within(options.time_limit))
 }
 

@@ -75,9 +75,9 @@ pub fn signs(
     known: &[i8],
 ) -> Result<Vec<SignPrediction>> {
     let k = basis.count().min(SIGNS);
-    let mut signs = match &options.model {
+    let mut signs = match SignNetwork::own(options)? {
         _ if !options.network || k < REFERENCES => Vec::new(),
-        Some(path) => predict(&SignNetwork::from_file(path)?, surface, basis, k)?,
+        Some(own) => predict(&own, surface, basis, k)?,
         None => predict(SignNetwork::shared(), surface, basis, k)?,
     };
     let known = &known[..known.len().min(basis.count())];

@@ -17,6 +17,7 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use crate::base::error::{Error, Result};
+use crate::base::options::Options;
 
 use forward::{ForwardPass, POINTS};
 #[cfg(feature = "onnx")]
@@ -106,6 +107,14 @@ impl SignNetwork {
         let path = path.as_ref();
         let model = own_model(&read_model(path)?);
         model.map(Self).map_err(|message| Error::Model(format!("{}: {message}", path.display())))
+    }
+
+    /// The model of the user's own that the options ask for, if they do.
+    ///
+    /// # Errors
+    /// Those of [`SignNetwork::from_file`].
+    pub fn own(options: &Options) -> Result<Option<Self>> {
+        options.model.as_ref().filter(|_| options.network).map(Self::from_file).transpose()
     }
 
     /// Parity of each of the first `k` eigenfunctions.
