@@ -167,6 +167,7 @@ impl<'a> Gatherer<'a> {
             None => None,
         };
         let exact = exact.filter(may_be);
+        progress.report("mirrored vertices", 0.975)?;
         let estimate = mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
         let mirrored = match self.mirrored_vertices {
             true => mirrored_vertices::find(self.mesh, estimate, exact.as_ref(), kind, threads, progress)?,
@@ -245,6 +246,7 @@ impl<'a> Assembler<'a> {
         threads: usize,
         progress: &Progress,
     ) -> Result<Symmetry> {
+        progress.report("all vertices", 0.93)?;
         let mut map = PointMap::empty(self.gatherer.mesh);
         let trust = Evidence::new(&self.target, found).confidence();
         let odd = odd_function(&self.shell.surface, &self.shell.basis, &found.images);
