@@ -474,6 +474,19 @@ fn progress_rises_from_0_to_1_and_names_its_stages() {
     assert!(calls.iter().all(|(stage, _)| !stage.is_empty()));
     let stages: BTreeSet<&String> = calls.iter().map(|(stage, _)| stage).collect();
     assert!(stages.len() >= 4, "{stages:?}");
+    for long in ["refining", "rigid parts", "all vertices", "mirrored vertices"] {
+        assert!(stages.contains(&long.to_string()), "{long}: {stages:?}");
+    }
+}
+
+#[test]
+fn long_walks_over_the_connectivity_report_on_the_way() {
+    let walks = Cell::new(0);
+    let callback = |stage: &str, _: f64| walks.set(walks.get() + usize::from(stage == "connectivity"));
+    let progress = Progress::new(Some(&callback), CancelToken::default());
+    // It has 60 reflections: each of two searches walks all over it for many of them.
+    detect(&validated(&icosphere(3)), &Options::default(), &progress).unwrap();
+    assert!(walks.get() > 2, "{}", walks.get());
 }
 
 #[test]
@@ -590,6 +603,11 @@ fn a_mesh_that_needs_more_memory_than_allowed_is_refused() {
         other => panic!("{other}"),
     }
     assert_eq!(with(needed as usize).unwrap().outcome, Outcome::Found);
+    // Connectivity answers, and nothing is solved.
+    let human = validated(&example("human"));
+    let with = |memory| detect(&human, &Options { memory, ..Options::default() }, &Progress::default());
+    assert!(matches!(with(1).unwrap_err(), Error::Limit { limit: 1, .. }));
+    assert_eq!(with(100).unwrap().report.solved_vertices, 0);
 }
 
 #[test]

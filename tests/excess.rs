@@ -4,7 +4,9 @@ mod support;
 
 use intrinsym::internals::base::effort::{Mechanisms, Plan};
 use intrinsym::internals::detect::driver::detect_by;
-use intrinsym::{Detection, Options, Outcome, PolygonMesh, Progress};
+use intrinsym::{CancelToken, Detection, Error, Options, Outcome, PolygonMesh, Progress, Reason, detect};
+use std::cell::Cell;
+use std::time::Duration;
 use support::*;
 
 /// The longest limb of [`creature`] on the side of positive x.
@@ -44,18 +46,23 @@ fn judged(
     (paired, errors.iter().sum::<f64>() / errors.len() as f64)
 }
 
-#[test]
-fn what_sticks_out_of_a_hand_has_no_partner() {
-    let whole = creature(5, 0.4);
-    let truth = creature_truth(&whole);
+/// A creature the end of whose limb is drawn out to a rod.
+fn armed(whole: &PolygonMesh) -> PolygonMesh {
     let mut armed = whole.clone();
-    // The end of the limb is drawn out to a rod.
     for position in &mut armed.positions {
         let beyond = dot(*position, LIMB) - ROD;
         if beyond > 0.0 {
             *position = std::array::from_fn(|axis| position[axis] + 1.5 * beyond * LIMB[axis]);
         }
     }
+    armed
+}
+
+#[test]
+fn what_sticks_out_of_a_hand_has_no_partner() {
+    let whole = creature(5, 0.4);
+    let truth = creature_truth(&whole);
+    let armed = armed(&whole);
     let lacks = |v: usize| dot(armed.positions[v], LIMB) > ROD + 1.2;
     let (with, without) = (found(&armed, true), found(&armed, false));
     assert_eq!(with.outcome, Outcome::Found);
@@ -64,6 +71,34 @@ fn what_sticks_out_of_a_hand_has_no_partner() {
     let (paired_before, _) = judged(&armed, &without, &truth, lacks);
     assert!(paired < 0.3 && paired_before > 0.9, "{paired_before} {paired}");
     assert!(error < 0.01, "{error}");
+}
+
+/// What comes of a detection that a callback interrupts once, when parts without a counterpart are sought first; and how many reports follow.
+fn interrupted(seconds: usize, interrupt: impl Fn(&CancelToken)) -> (intrinsym::Result<Detection>, usize) {
+    let (mesh, token) = (validated(&armed(&creature(4, 0.4))), CancelToken::default());
+    let after = Cell::new(None);
+    let callback = |stage: &str, _: f64| match after.get() {
+        Some(count) => after.set(Some(count + 1)),
+        None if stage == "parts without a counterpart" => {
+            interrupt(&token);
+            after.set(Some(0));
+        }
+        None => {}
+    };
+    let progress = Progress::new(Some(&callback), token.clone());
+    let options = Options { time_limit: seconds, ..Options::default() };
+    let result = detect(&mesh, &options, &progress);
+    (result, after.get().expect("parts are sought"))
+}
+
+#[test]
+fn a_cancel_and_the_end_of_time_stop_the_search_for_parts() {
+    let (result, reports) = interrupted(0, CancelToken::cancel);
+    assert!(matches!(result, Err(Error::Cancelled)) && reports == 0, "{result:?} {reports}");
+    let (result, reports) = interrupted(8, |_| std::thread::sleep(Duration::from_secs(8)));
+    let found = result.unwrap();
+    assert!(found.report.reasons.contains(&Reason::TimeLimit) && found.outcome != Outcome::Found);
+    assert_eq!(reports, 1, "the end alone is reported");
 }
 
 /// The posed human without the faces within `reach` of its vertex that is farthest along x, a fingertip.

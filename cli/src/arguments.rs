@@ -307,9 +307,10 @@ impl FromArgMatches for NumericOptions {
 
 /// A value of an option in its range, or its default.
 fn number(text: &str, spec: &OptionSpec) -> Result<u64, String> {
-    let value: u64 = text.parse().map_err(|error| format!("{error}"))?;
+    let range = || format!("{}..={}", spec.minimum, spec.maximum);
+    let value: u64 = text.parse().map_err(|_| format!("expected a whole number in {}", range()))?;
     let fits = value == spec.default as u64 || (spec.minimum as u64..=spec.maximum as u64).contains(&value);
-    fits.then_some(value).ok_or_else(|| format!("{value} is not in {}..={}", spec.minimum, spec.maximum))
+    fits.then_some(value).ok_or_else(|| format!("{value} is not in {}", range()))
 }
 
 /// A path, of any bytes that the system allows, with one of these extensions.

@@ -103,6 +103,14 @@ impl<'a> Progress<'a> {
         Ok(())
     }
 
+    /// Says that the stage that was reported last goes on.
+    ///
+    /// # Errors
+    /// Those of [`CancelToken::check`].
+    pub(crate) fn goes_on(&self) -> Result<()> {
+        self.report(self.stage.get(), self.fraction.get())
+    }
+
     /// Says that the answer is there, however late it is.
     ///
     /// # Errors

@@ -340,8 +340,14 @@ impl WholeShellSearch<'_> {
         let mark = matching.mark();
         let mut best: Option<(Distances, u32, u32)> = None;
         let mut found = if main && self.bijections == Bijections::Several { 2 } else { 0 };
+        let mut told = self.budget;
         for (tried, &(start, target)) in near.iter().chain(&far).enumerate() {
             progress.check()?;
+            // Each time the walks have visited as much as the whole mesh.
+            if told - self.budget >= matching.half_edges.count() as u64 {
+                told = self.budget;
+                progress.goes_on()?;
+            }
             // The main shell's rivals are worth knowing: one that is found at all. Then only what may be close is.
             let close = best.as_ref().is_some_and(|(distances, ..)| distances.mean <= CLOSE);
             let rivalled = !main || found > 1;

@@ -257,6 +257,7 @@ impl<'a> Gatherer<'a> {
             None => None,
         };
         let exact = exact.filter(may_be).map(|found| found.within(&open));
+        progress.report("mirrored vertices", 0.975)?;
         let mirrored = match self.mirrored_vertices {
             true => {
                 let mut partner = vec![NONE; map.partner.len()];
@@ -346,6 +347,7 @@ impl<'a> Assembler<'a> {
         threads: usize,
         progress: &Progress,
     ) -> Result<Symmetry> {
+        progress.report("all vertices", 0.93)?;
         let mut map = PointMap::empty(self.gatherer.mesh);
         let trust = Evidence::new(&self.target, found).confidence();
         let odd = odd_function(&self.shell.surface, &self.shell.basis, &found.images);

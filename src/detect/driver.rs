@@ -2,6 +2,7 @@
 
 use crate::base::effort::{Mechanisms, Plan};
 use crate::base::error::{Error, Result};
+use crate::base::limits::{check_memory, estimated_memory};
 use crate::base::options::Options;
 use crate::base::progress::Progress;
 use crate::detect::attempt::attempt;
@@ -49,6 +50,8 @@ pub fn detect_by(
     progress: &Progress,
 ) -> Result<Detection> {
     let mut clock = Clock::start();
+    // What is held where nothing is solved.
+    check_memory(estimated_memory(mesh.positions.len(), 0, 0), options.memory)?;
     progress.report("shells", 0.0)?;
     let canonical = mesh.canonical();
     clock.lap("shells");
@@ -204,7 +207,10 @@ fn of_shells(
     let rests = match (best.symmetries.first(), solved) {
         (Some(symmetry), Some(solved)) if may_be_partial(symmetry) => {
             let excess = Excess::of(&joined.shells[0], domain.searched(), solved.proxy.as_ref());
-            excess.rests(question.mesh, symmetry, !best.is_settled())
+            match excess.rests(question.mesh, symmetry, !best.is_settled(), question.progress) {
+                Err(Error::TimeLimit { .. }) => return Ok((best.out_of_time(), Vec::new())),
+                rests => rests?,
+            }
         }
         _ => Vec::new(),
     };

@@ -4,6 +4,8 @@
 //! are guessed from these, and the symmetry is sought again on the rest: a part and its map are found in turn, as partial functional maps do (E. Rodola,
 //! L. Cosmo, M. Bronstein, A. Torsello, D. Cremers, "Partial Functional Correspondence", 2017). The guesses are ours.
 
+use crate::base::error::Result;
+use crate::base::progress::Progress;
 use crate::detect::correspondence::Symmetry;
 use crate::detect::coverage::partner_point;
 use crate::detect::proxy::Proxy;
@@ -65,10 +67,20 @@ impl<'a> Excess<'a> {
     ///
     /// A place sticks out if its distances from many others agree with those of no image, but with those of one that is nearer to all by one
     /// length. Some 60 searches over 2,000 vertices.
-    pub fn rests(&self, mesh: &Mesh, symmetry: &Symmetry, limbs: bool) -> Vec<Shell> {
+    ///
+    /// # Errors
+    /// [`crate::Error::Cancelled`], [`crate::Error::TimeLimit`].
+    pub fn rests(
+        &self,
+        mesh: &Mesh,
+        symmetry: &Symmetry,
+        limbs: bool,
+        progress: &Progress,
+    ) -> Result<Vec<Shell>> {
+        progress.report("parts without a counterpart", 0.985)?;
         let coarse = self.coarse.as_ref().map_or(self.solved, |coarse| &coarse.shell);
         if coarse.points.len() > TOO_FINE * COARSE {
-            return Vec::new();
+            return Ok(Vec::new());
         }
         let image = |&point: &u32| {
             let vertex = mesh.vertex_of_point.get(point as usize)?;
@@ -78,12 +90,13 @@ impl<'a> Excess<'a> {
         let images: Vec<Option<usize>> = coarse.points.iter().map(image).collect();
         let walk = SurfaceWalk::new(&coarse.positions, &coarse.triangles);
         let edges = EdgeLengths::of_walk(&walk, &coarse.positions);
-        let Some(distances) = Distances::new(coarse, &edges, &images) else { return Vec::new() };
-        let by_map = self.without(&distances.sticking_out(&walk, &images));
+        let Some(distances) = Distances::new(coarse, &edges, &images) else { return Ok(Vec::new()) };
+        let by_map = self.without(&distances.sticking_out(&walk, &images, progress)?);
         if by_map.is_some() || !limbs {
-            return by_map.into_iter().collect();
+            return Ok(by_map.into_iter().collect());
         }
-        longer_limbs(&edges, &distances.averages()).iter().filter_map(|part| self.without(part)).collect()
+        let limbs = longer_limbs(&edges, &distances.averages());
+        Ok(limbs.iter().filter_map(|part| self.without(part)).collect())
     }
 
     /// That beside a vertex of the shell.
@@ -227,10 +240,16 @@ impl Distances {
     }
 
     /// Whether the place beside each vertex sticks out.
-    fn sticking_out(&self, walk: &SurfaceWalk, images: &[Option<usize>]) -> Vec<bool> {
-        let sticks_out = |&place: &usize| {
+    fn sticking_out(
+        &self,
+        walk: &SurfaceWalk,
+        images: &[Option<usize>],
+        progress: &Progress,
+    ) -> Result<Vec<bool>> {
+        let sticks_out = |&place: &usize| -> Result<bool> {
+            progress.check()?;
             if images[place].is_none_or(|image| self.difference(place, image, 0.0) < AGREES) {
-                return false;
+                return Ok(false);
             }
             let as_far = self.places.iter().map(|&image| self.difference(place, image, 0.0));
             let least = as_far.fold(f64::MAX, f64::min);
@@ -239,12 +258,12 @@ impl Distances {
                 (self.difference(place, image, length), length)
             });
             let best = nearer.min_by(|a, b| a.0.total_cmp(&b.0));
-            best.is_some_and(|(difference, length)| length > LENGTH && difference < least - GAIN)
+            Ok(best.is_some_and(|(difference, length)| length > LENGTH && difference < least - GAIN))
         };
-        let of_places: Vec<bool> = self.places.iter().map(sticks_out).collect();
+        let of_places: Vec<bool> = self.places.iter().map(sticks_out).collect::<Result<_>>()?;
         let seeds: Vec<u32> = self.places.iter().map(|&place| place as u32).collect();
         let nearest = nearest_seeds(images.len(), &seeds, |vertex| walk.around(vertex));
-        nearest.into_iter().map(|place| place != NONE && of_places[place as usize]).collect()
+        Ok(nearest.into_iter().map(|place| place != NONE && of_places[place as usize]).collect())
     }
 }
 

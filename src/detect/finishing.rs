@@ -2,7 +2,7 @@
 
 use crate::base::error::Result;
 use crate::base::options::Options;
-use crate::base::progress::{CancelToken, Progress};
+use crate::base::progress::Progress;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::base::threads;
 use crate::detect::assembler::Assembler;
@@ -66,14 +66,19 @@ pub fn finish_best(
         }
         progress.report("refining", 0.75)?;
         let at_once = if known.maps.is_empty() { 1 } else { options.threads.clamp(1, left.len()) };
-        let group = left.drain(..at_once).collect();
+        let group: Vec<&Candidate> = left.drain(..at_once).collect();
         let (own, token) = (options.threads / at_once, progress.token());
         let samples = assembler.shell.sampled();
-        let one = |candidate: &Candidate| match again(earlier, candidate, samples) {
+        let one = |candidate: &Candidate, progress: &Progress| match again(earlier, candidate, samples) {
             Some(finished) => Ok(Some(finished)),
-            None => finish_new(assembler, candidate, &known.maps, own, token),
+            None => finish_new(assembler, candidate, &known.maps, own, progress),
         };
-        for finished in threads::map(options.threads, group, one) {
+        let quiet = |candidate: &Candidate| one(candidate, &Progress::new(None, token.clone()));
+        let group = match *group {
+            [alone] => vec![one(alone, progress)],
+            _ => threads::map(options.threads, group, quiet),
+        };
+        for finished in group {
             let Some(finished) = finished? else { continue };
             if earlier.iter().all(|other| other.candidate != finished.candidate) {
                 earlier.push(finished.clone());
@@ -98,16 +103,17 @@ fn finish_new(
     candidate: &Candidate,
     others: &[(Hypothesis, SymmetryKind)],
     threads: usize,
-    token: &CancelToken,
+    progress: &Progress,
 ) -> Result<Option<Finished>> {
     let kind = candidate.score.kind().unwrap_or(SymmetryKind::Reflection);
-    let (target, quiet) = (assembler.target.with_threads(threads), Progress::new(None, token.clone()));
-    let map = finish(assembler.shell, &target, candidate, assembler.plan, assembler.least, &quiet)?;
+    let target = assembler.target.with_threads(threads);
+    let map = finish(assembler.shell, &target, candidate, assembler.plan, assembler.least, progress)?;
     let partners = map.images.partners.clone();
     if is_met(assembler.shell, &partners, kind, others) {
         return Ok(None);
     }
-    let map = assembler.with_parts(map, kind, threads, token)?;
+    progress.report("rigid parts", 0.88)?;
+    let map = assembler.with_parts(map, kind, threads, progress.token())?;
     Ok(Some(Finished { candidate: candidate.partners.clone(), map, partners, kind }))
 }
 

@@ -15,7 +15,8 @@ fn numeric_options_name_their_range() {
     refused(&["detect", "in.ply", "--eigenfunctions", "11"], "11 is not in 12..=200");
     refused(&["detect", "in.ply", "--effort", "hard"], "[possible values: fast, default, thorough]");
     refused(&["detect", "in.ply", "--symmetries", "0"], "0 is not in 1..=32");
-    refused(&["detect", "in.ply", "--beam-width", "wide"], "invalid digit");
+    refused(&["detect", "in.ply", "--beam-width", "wide"], "expected a whole number in 1..=256");
+    refused(&["detect", "in.ply", "--time-limit", "0.5"], "expected a whole number in 1..=1000000");
     refused(&["eigen", "in.ply", "-k", "0"], "0 is not in 1..=1000");
 }
 
