@@ -5,10 +5,11 @@
 //! Z-curve (G. M. Morton, "A Computer Oriented Geodetic Data Base and a New Technique in File Sequencing", 1966), which keeps neighbours near
 //! each other in memory, too. Shapes without single principal axes, as a cube, keep the frame that they have.
 
+use super::Mesh;
+use super::polygons::sorted_lists;
 use super::rotation::{principal_axes, turned};
 use super::shells::{EQUAL, partition};
 use super::vector::{Vector, cross, dot, subtract, triangle_area};
-use super::{Mesh, bucket};
 use std::cmp::Ordering;
 use std::ops::Range;
 
@@ -103,11 +104,7 @@ fn sorted(
         from_smallest(corners);
     }
     let list = |face: u32| &corners[ends(face as usize)];
-    let (starts, mut order) = bucket((0..count as u32).map(|face| list(face)[0]), new.len());
-    for ends in starts.windows(2) {
-        order[ends[0] as usize..ends[1] as usize]
-            .sort_unstable_by(|&a, &b| list(a).cmp(list(b)).then(a.cmp(&b)));
-    }
+    let order = sorted_lists(new.len(), count, list);
     let sorted = order.iter().flat_map(|&face| list(face)).copied().collect();
     (order, sorted)
 }
