@@ -43,7 +43,7 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let surface = IntrinsicSurface::with_mean_curvature(solved);
     let basis = Eigenbasis::new(&surface, plan.eigenfunctions, 1, &progress)?;
     let samples = Samples::farthest(&basis, plan.samples);
-    let shell = PreparedShell::new(surface, basis, samples);
+    let shell = PreparedShell::new(surface, basis, samples)?;
     let signs = signs(&shell.surface, &shell.basis, &options, &[])?;
     let found = candidates(
         &shell,

@@ -20,8 +20,8 @@ use intrinsym::internals::search::functional_map::{
     project,
 };
 use intrinsym::internals::search::refinement::{SampleRefiner, embed, nearest};
-use intrinsym::internals::spectral::dense::product;
-use intrinsym::internals::spectral::eigenbasis::{Accuracy, Eigenbasis};
+use intrinsym::internals::spectral::dense::{gram_cholesky, product};
+use intrinsym::internals::spectral::eigenbasis::Eigenbasis;
 use intrinsym::internals::spectral::laplacian::IntrinsicSurface;
 use intrinsym::internals::spectral::sampling::Samples;
 use intrinsym::internals::spectral::signature;
@@ -108,9 +108,9 @@ fn exact_correspondences_give_the_map_back() {
     let images = times(&half, &truth);
     let rows = Mat::from_fn(180, size, |i, j| if i < 90 { half[(i, j)] } else { images[(i - 90, j)] });
     let partners: Vec<u32> = (0..180).map(|i| (i + 90) % 180).collect();
-    let gram = product(rows.transpose(), rows.as_ref());
+    let lower = gram_cholesky(product(rows.transpose(), rows.as_ref()).as_ref()).unwrap();
     for projection in [Projection::None, Projection::Orthogonal, Projection::Involution] {
-        let found = estimate(rows.as_ref(), gram.as_ref(), &partners, size, projection).unwrap();
+        let found = estimate(rows.as_ref(), lower.as_ref(), &partners, size, projection).unwrap();
         assert!(difference(&found, &truth) < 1e-10, "{projection:?}");
     }
 }
@@ -160,7 +160,7 @@ impl Shape {
         assert_eq!(shell.points.len(), truth.len());
         let surface = IntrinsicSurface::new(&shell);
         // Exact: what is tested is what is made of them.
-        let basis = Eigenbasis::with_accuracy(&surface, 60, Accuracy::Full, 1, &Progress::default()).unwrap();
+        let basis = Eigenbasis::exact(&surface, 60, &Progress::default()).unwrap();
         Shape { shell, surface, basis, truth }
     }
 
@@ -295,7 +295,7 @@ fn refinement_leaves_the_true_map_in_place() {
         [(Shape::creature(3, 0.0), 1e-9), (Shape::creature(3, 0.4), 0.01), (Shape::quadruped(), 0.02)];
     for (shape, largest) in shapes {
         let samples = Samples::farthest(&shape.basis, 600);
-        let refiner = SampleRefiner::new(samples.clone());
+        let refiner = SampleRefiner::new(samples.clone()).unwrap();
         let map = shape.true_map(20);
         let sizes = [20, 20, 20, 26, 32, 40, 50];
         let refined = refiner.refine(map.clone(), &sizes, Projection::Involution).unwrap();
@@ -372,7 +372,7 @@ fn ends_of_limbs_that_are_nearly_alike_are_paired() {
     let truth = creature_truth(&mesh);
     let shape = Shape::new(&mesh, truth);
     let samples = Samples::farthest(&shape.basis, 500);
-    let refiner = SampleRefiner::new(samples.clone());
+    let refiner = SampleRefiner::new(samples.clone()).unwrap();
     let starts = extrema_starts::starts(&shape.surface, &refiner, 1, &CancelToken::default()).unwrap();
     assert!(!starts.is_empty());
     let sizes: Vec<usize> = (12..=30).step_by(3).collect();
@@ -392,7 +392,7 @@ fn the_score_tells_a_reflection_from_the_identity_and_from_a_wrong_map() {
     // The creature is symmetric in space; the quadruped's pose stretches it.
     for (shape, largest) in [(Shape::creature(3, 0.4), 0.02), (Shape::quadruped(), 0.15)] {
         let samples = Samples::farthest(&shape.basis, 500);
-        let refiner = SampleRefiner::new(samples.clone());
+        let refiner = SampleRefiner::new(samples.clone()).unwrap();
         let terms = ScoreTerms::new(&shape.surface, &shape.basis, &samples);
         let scorer = Scorer::new(&refiner, &terms, Vec::new());
         let reflection = scorer.score(&shape.true_map(30)).unwrap();
@@ -420,7 +420,7 @@ fn a_half_turn_is_turned_over_to_the_reflection() {
     let half_turn = Shape::new(&mesh, half_turned).true_map(30);
     let shape = Shape::new(&mesh, creature_truth(&mesh));
     let samples = Samples::farthest(&shape.basis, 500);
-    let refiner = SampleRefiner::new(samples.clone());
+    let refiner = SampleRefiner::new(samples.clone()).unwrap();
     let terms = ScoreTerms::new(&shape.surface, &shape.basis, &samples);
     let scorer = Scorer::new(&refiner, &terms, Vec::new());
     let before = scorer.score(&half_turn).unwrap();

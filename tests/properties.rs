@@ -230,7 +230,7 @@ fn with_signs(shell: &mut PreparedShell, signs: &[bool]) -> (Candidate, Vec<u32>
         functions.col_as_slice_mut(column).iter_mut().for_each(|value| *value = -*value);
     }
     let samples = Samples::at(&shell.basis, shell.sampled().to_vec());
-    let shell = &PreparedShell::new(shell.surface.clone(), shell.basis.clone(), samples);
+    let shell = &PreparedShell::new(shell.surface.clone(), shell.basis.clone(), samples).unwrap();
     let (options, plan, progress) = (Options::default(), Plan::small(), Progress::default());
     let predicted = shell_symmetry::signs(&shell.surface, &shell.basis, &options, &[]).unwrap();
     let best = shell_symmetry::candidates(
@@ -254,7 +254,7 @@ fn prepared(mesh: &PolygonMesh) -> PreparedShell {
     let plan = Plan::small();
     let basis = Eigenbasis::new(&surface, plan.eigenfunctions, 1, &Progress::default()).unwrap();
     let samples = Samples::farthest(&basis, plan.samples);
-    PreparedShell::new(surface, basis, samples)
+    PreparedShell::new(surface, basis, samples).unwrap()
 }
 
 proptest! {

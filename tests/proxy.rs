@@ -7,7 +7,7 @@ use intrinsym::internals::detect::stated_signs;
 use intrinsym::internals::geometry::embedded_triangles::TrianglePoint;
 use intrinsym::internals::geometry::vertex_map::VertexMap;
 use intrinsym::internals::mesh::Shell;
-use intrinsym::internals::spectral::eigenbasis::{Accuracy, Eigenbasis};
+use intrinsym::internals::spectral::eigenbasis::Eigenbasis;
 use intrinsym::internals::spectral::laplacian::IntrinsicSurface;
 use intrinsym::{Detection, Options, Outcome, Progress, detect};
 use std::collections::HashMap;
@@ -162,7 +162,7 @@ fn signs_that_are_stated_of_a_mesh_hold_on_its_proxy() {
     let truth = example_truth("human");
     let progress = Progress::default();
     let own = IntrinsicSurface::new(&fine);
-    let own = Eigenbasis::with_accuracy(&own, 12, Accuracy::Full, 1, &progress).unwrap();
+    let own = Eigenbasis::exact(&own, 12, &progress).unwrap();
     assert_eq!(polygons.positions.len(), fine.points.len());
     // How alike a function, given at some vertices of the human, and its mirror image are, -1..=1.
     let parity = |vertices: &[u32], mass: &[f64], functions: &faer::Mat<f64>, j: usize| -> f64 {

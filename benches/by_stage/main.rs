@@ -166,7 +166,7 @@ fn time_eigenfunctions(timer: &mut Timer, solved: &Shell, plan: &Plan) -> Prepar
     timer.time("samples", || Samples::farthest(&basis, plan.samples));
     let samples = Samples::farthest(&basis, plan.samples);
     timer.time("continuous family", || orbits(&surface, &basis));
-    PreparedShell::new(surface, basis, samples)
+    PreparedShell::new(surface, basis, samples).unwrap()
 }
 
 /// From the signs to the map of all vertices of the shell that is solved, and its verdict.

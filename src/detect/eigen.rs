@@ -3,7 +3,7 @@
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::mesh::{Mesh, NONE};
-use crate::spectral::eigenbasis::{Accuracy, Eigenbasis};
+use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
 
 /// The lowest eigenpairs of a whole mesh, for training and curiosity.
@@ -26,7 +26,7 @@ pub struct Eigen {
 pub fn eigen(mesh: &Mesh, count: usize, progress: &Progress) -> Result<Eigen> {
     let shells = mesh.shells();
     let surface = IntrinsicSurface::new(&shells[0]);
-    let basis = Eigenbasis::with_accuracy(&surface, count, Accuracy::Full, 1, progress)?;
+    let basis = Eigenbasis::exact(&surface, count, progress)?;
     let mut local = vec![NONE; mesh.positions.len()];
     for (index, &point) in shells[0].points.iter().enumerate() {
         local[point as usize] = index as u32;
@@ -47,5 +47,6 @@ pub fn eigen(mesh: &Mesh, count: usize, progress: &Progress) -> Result<Eigen> {
         }
     }
     progress.report("done", 1.0)?;
-    Ok(Eigen { eigenvalues: basis.eigenvalues, eigenfunctions, lumped_mass, residuals: basis.residuals })
+    let residuals = basis.residuals(&surface);
+    Ok(Eigen { eigenvalues: basis.eigenvalues, eigenfunctions, lumped_mass, residuals })
 }

@@ -159,13 +159,13 @@ impl JudgingMesh {
         if let Some(kept) = self.kept.get() {
             let basis = Eigenbasis::continued(&surface, &kept.start, count, threads, progress)?;
             let samples = Samples::at(&basis, kept.samples.clone());
-            return Ok(PreparedShell::new(surface, basis, samples));
+            return PreparedShell::new(surface, basis, samples);
         }
         let more = Eigenbasis::new(&surface, Start::functions(count), threads, progress)?;
         let basis = more.truncated(count);
         let samples = self.keep(&more);
         let samples = Samples::at(&basis, samples);
-        Ok(PreparedShell::new(surface, basis, samples))
+        PreparedShell::new(surface, basis, samples)
     }
 
     /// Chooses samples by the `basis` of one shape. They are kept with it, if other shapes can start from it.

@@ -46,9 +46,12 @@ pub struct PreparedShell {
 
 impl PreparedShell {
     /// O(triangles + samples x functions^2).
-    pub fn new(surface: IntrinsicSurface, basis: Eigenbasis, samples: Samples) -> PreparedShell {
+    ///
+    /// # Errors
+    /// As [`SampleRefiner::new`].
+    pub fn new(surface: IntrinsicSurface, basis: Eigenbasis, samples: Samples) -> Result<PreparedShell> {
         let terms = ScoreTerms::new(&surface, &basis, &samples);
-        PreparedShell { surface, basis, refiner: SampleRefiner::new(samples), terms }
+        Ok(PreparedShell { surface, basis, refiner: SampleRefiner::new(samples)?, terms })
     }
 
     /// Scores its maps. `predicted` are parities of its first functions, and may be empty.

@@ -75,7 +75,7 @@ impl<'a> Spectrum<'a> {
         clock.lap("samples, signs");
         progress.check()?;
         let twins = TwinDistances::new(&surface, &samples);
-        let shell = PreparedShell::new(surface, basis, samples);
+        let shell = PreparedShell::new(surface, basis, samples)?;
         Ok(Spectrum { twins, plan: plan.clone(), proxy, shell, signs: signs?, orbits })
     }
 

@@ -7,7 +7,7 @@ use crate::base::progress::Progress;
 use crate::detect::proxy::Proxy;
 use crate::mesh::Shell;
 use crate::spectral::dense::product;
-use crate::spectral::eigenbasis::{Accuracy, Eigenbasis};
+use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
 use faer::{Mat, MatRef};
 
@@ -17,7 +17,7 @@ const CLEAR: f64 = 0.8;
 /// Signs of the proxy's first eigenfunctions, from those `known` of the shell's: 1 even, -1 odd, 0 unknown.
 ///
 /// `surface` and `basis` are the proxy's. A function that is a mixture of what is known and what is not, or of even and odd, is
-/// unknown. Computes as many eigenfunctions of the shell as there are known signs, to [`Accuracy::Full`]: one sparse factorisation.
+/// unknown. Computes as many eigenfunctions of the shell as there are known signs, by [`Eigenbasis::exact`]: one sparse factorisation.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
@@ -30,7 +30,7 @@ pub fn on_proxy(
     progress: &Progress,
 ) -> Result<Vec<i8>> {
     let own = IntrinsicSurface::new(shell);
-    let own = Eigenbasis::with_accuracy(&own, known.len(), Accuracy::Full, 1, progress)?;
+    let own = Eigenbasis::exact(&own, known.len(), progress)?;
     let own = own.at(proxy.vertices(), known.len()).eigenfunctions;
     let mass = &surface.lumped_mass;
     let lengths: Vec<f64> = own

@@ -5,18 +5,19 @@
 //! Z-curve (G. M. Morton, "A Computer Oriented Geodetic Data Base and a New Technique in File Sequencing", 1966), which keeps neighbours near
 //! each other in memory, too. Shapes without single principal axes, as a cube, keep the frame that they have.
 
+use super::Mesh;
+use super::polygons::sorted_lists;
 use super::rotation::{principal_axes, turned};
+use super::shells::{EQUAL, partition};
 use super::vector::{Vector, cross, dot, subtract, triangle_area};
-use super::{Mesh, bucket};
 use std::cmp::Ordering;
+use std::ops::Range;
 
 /// Cells of the Z-curve along the longest side of the bounding box, as a power of two.
 const BITS: u32 = 21;
 /// Positions are rounded to multiples of this, in sqrt(area), so that the rounding errors of another writing are the same numbers: they would grow in the
 /// eigenfunctions and in each choice of a nearest vertex.
 const GRAIN: f64 = 1.0 / (1 << 28) as f64;
-/// Areas of shells, and moments, nearer to each other than this factor count as equal: those of twins are, but for rounding.
-const EQUAL: f64 = 1e-6;
 
 /// A mesh in its own frame and numbering.
 pub struct Canonical {
@@ -36,22 +37,28 @@ impl Mesh {
         let given_points = along_z_curve(&positions);
         let mut new = vec![0; given_points.len()];
         (0..).zip(&given_points).for_each(|(point, &old)| new[old as usize] = point);
-        let of_points =
-            |values: &[u32]| given_points.iter().map(|&old| values[old as usize]).collect::<Vec<u32>>();
-
         let is_mirrored = dot(axes[0], cross(axes[1], axes[2])) < 0.0;
-        let (triangles, face_of_triangle) = self.canonical_triangles(&new, is_mirrored);
-        let (polygon_offsets, polygon_points, face_of_polygon) = self.canonical_polygons(&new, is_mirrored);
+        let ends = |triangle: usize| 3 * triangle..3 * triangle + 3;
+        let corners = self.triangles.as_flattened();
+        let (triangles, corners) = sorted(corners, self.triangles.len(), ends, &new, is_mirrored);
+        let ends = |face: usize| self.polygon_offsets[face] as usize..self.polygon_offsets[face + 1] as usize;
+        let count = self.face_of_polygon.len();
+        let (polygons, polygon_points) = sorted(&self.polygon_points, count, ends, &new, is_mirrored);
+        let mut polygon_offsets = vec![0];
+        for &polygon in &polygons {
+            polygon_offsets
+                .push(polygon_offsets[polygon_offsets.len() - 1] + ends(polygon as usize).len() as u32);
+        }
         let mut mesh = Mesh {
-            positions: given_points.iter().map(|&old| positions[old as usize]).collect(),
-            triangles,
-            face_of_triangle,
+            positions: picked(&positions, &given_points),
+            triangles: corners.as_chunks().0.to_vec(),
+            face_of_triangle: picked(&self.face_of_triangle, &triangles),
             polygon_offsets,
             polygon_points,
-            face_of_polygon,
+            face_of_polygon: picked(&self.face_of_polygon, &polygons),
             point_of_vertex: self.point_of_vertex.clone(),
-            vertex_of_point: of_points(&self.vertex_of_point),
-            shell_of_point: of_points(&self.shell_of_point),
+            vertex_of_point: picked(&self.vertex_of_point, &given_points),
+            shell_of_point: Vec::new(),
             shell_orientable: self.shell_orientable.clone(),
             repairs: self.repairs.clone(),
             ..*self
@@ -59,68 +66,18 @@ impl Mesh {
         for point in mesh.point_of_vertex.iter_mut().filter(|point| **point != super::NONE) {
             *point = new[*point as usize];
         }
-        mesh.number_shells();
+        mesh.shell_of_point = partition(&mesh.triangles, &mesh.positions).shell_of_point;
+        for (&shell, &old) in mesh.shell_of_point.iter().zip(&given_points) {
+            let given = self.shell_of_point[old as usize] as usize;
+            mesh.shell_orientable[shell as usize] = self.shell_orientable[given];
+        }
         Canonical { mesh, given_points }
     }
+}
 
-    /// The triangles over new numbers, sorted, with their faces; turned over if the frame is `mirrored`.
-    fn canonical_triangles(&self, new: &[u32], mirrored: bool) -> (Vec<[u32; 3]>, Vec<u32>) {
-        let renumbered = |corners: &[u32; 3]| {
-            let mut corners = corners.map(|point| new[point as usize]);
-            if mirrored {
-                corners.reverse();
-            }
-            from_smallest(&mut corners);
-            corners
-        };
-        let corners: Vec<[u32; 3]> = self.triangles.iter().map(renumbered).collect();
-        let order = sorted(new.len(), corners.len(), |triangle| &corners[triangle as usize]);
-        order.iter().map(|&old| (corners[old as usize], self.face_of_triangle[old as usize])).unzip()
-    }
-
-    /// The same of the polygons: offsets, corners, faces.
-    fn canonical_polygons(&self, new: &[u32], mirrored: bool) -> (Vec<u32>, Vec<u32>, Vec<u32>) {
-        let mut corners: Vec<u32> = self.polygon_points.iter().map(|&point| new[point as usize]).collect();
-        let ends = |polygon: u32| {
-            let polygon = polygon as usize;
-            self.polygon_offsets[polygon] as usize..self.polygon_offsets[polygon + 1] as usize
-        };
-        let count = self.face_of_polygon.len();
-        for polygon in 0..count as u32 {
-            let corners = &mut corners[ends(polygon)];
-            if mirrored {
-                corners.reverse();
-            }
-            from_smallest(corners);
-        }
-        let order = sorted(new.len(), count, |polygon| &corners[ends(polygon)]);
-        let (mut offsets, mut points) = (vec![0], Vec::with_capacity(corners.len()));
-        for &polygon in &order {
-            points.extend_from_slice(&corners[ends(polygon)]);
-            offsets.push(points.len() as u32);
-        }
-        let faces = order.into_iter().map(|polygon| self.face_of_polygon[polygon as usize]).collect();
-        (offsets, points, faces)
-    }
-
-    /// Numbers shells by falling area, equal ones by their lowest points.
-    fn number_shells(&mut self) {
-        let mut areas = vec![0.0; self.shell_count];
-        for triangle in &self.triangles {
-            let [a, b, c] = triangle.map(|point| self.positions[point as usize]);
-            areas[self.shell_of_point[triangle[0] as usize] as usize] += triangle_area(a, b, c);
-        }
-        let (starts, points) = bucket(self.shell_of_point.iter().copied(), self.shell_count);
-        let lowest = |shell: u32| points[starts[shell as usize] as usize];
-        let mut order: Vec<u32> = (0..self.shell_count as u32).collect();
-        order.sort_by(|&a, &b| areas[b as usize].total_cmp(&areas[a as usize]));
-        let are_equal = |a: &u32, b: &u32| areas[*b as usize] >= (1.0 - EQUAL) * areas[*a as usize];
-        order.chunk_by_mut(are_equal).for_each(|equal| equal.sort_by_key(|&shell| lowest(shell)));
-        let mut new = vec![0; self.shell_count];
-        (0..).zip(&order).for_each(|(shell, &old)| new[old as usize] = shell);
-        self.shell_of_point.iter_mut().for_each(|shell| *shell = new[*shell as usize]);
-        self.shell_orientable = order.iter().map(|&old| self.shell_orientable[old as usize]).collect();
-    }
+/// The values at some places.
+fn picked<T: Copy>(values: &[T], places: &[u32]) -> Vec<T> {
+    places.iter().map(|&place| values[place as usize]).collect()
 }
 
 /// Turns a cycle so that the smallest comes first.
@@ -129,14 +86,27 @@ fn from_smallest(cycle: &mut [u32]) {
     cycle.rotate_left(smallest);
 }
 
-/// The places of lists of points below `points`, each from its smallest on, in the order of the lists. O(points) beyond the lists that start alike.
-fn sorted<'a>(points: usize, lists: usize, list: impl Fn(u32) -> &'a [u32]) -> Vec<u32> {
-    let (starts, mut order) = bucket((0..lists as u32).map(|place| list(place)[0]), points);
-    for ends in starts.windows(2) {
-        order[ends[0] as usize..ends[1] as usize]
-            .sort_unstable_by(|&a, &b| list(a).cmp(list(b)).then(a.cmp(&b)));
+/// Faces, each between its `ends` among `corners`, over new numbers and turned over if `mirrored`: their former places in the order of
+/// their corners, each from its smallest on, and these. O(points) beyond the faces that start alike.
+fn sorted(
+    corners: &[u32],
+    count: usize,
+    ends: impl Fn(usize) -> Range<usize>,
+    new: &[u32],
+    mirrored: bool,
+) -> (Vec<u32>, Vec<u32>) {
+    let mut corners = picked(new, corners);
+    for face in 0..count {
+        let corners = &mut corners[ends(face)];
+        if mirrored {
+            corners.reverse();
+        }
+        from_smallest(corners);
     }
-    order
+    let list = |face: u32| &corners[ends(face as usize)];
+    let order = sorted_lists(new.len(), count, list);
+    let sorted = order.iter().flat_map(|&face| list(face)).copied().collect();
+    (order, sorted)
 }
 
 /// Means over a surface of what triangles have in the mean.

@@ -58,18 +58,15 @@ impl Polygons {
     /// Drops polygons with the same set of corners as an earlier one. Linear but for the sorting of
     /// the few polygons that share their lowest corner.
     pub fn without_duplicates(self, vertex_count: usize, repairs: &mut RepairReport) -> Polygons {
-        let sorted = self.with_sorted_corners();
-        let (starts, mut order) = sorted.bucket_by_first_corner(vertex_count);
+        let mut sorted = self.clone();
+        for pair in self.offsets.windows(2) {
+            sorted.corners[pair[0] as usize..pair[1] as usize].sort_unstable();
+        }
+        let order = sorted_lists(vertex_count, self.len(), |polygon| sorted.corners_of(polygon as usize));
         let mut duplicate = vec![false; self.len()];
-        for vertex in 0..vertex_count {
-            let bucket = &mut order[starts[vertex] as usize..starts[vertex + 1] as usize];
-            bucket.sort_unstable_by(|&a, &b| {
-                sorted.corners_of(a as usize).cmp(sorted.corners_of(b as usize)).then(a.cmp(&b))
-            });
-            for pair in bucket.windows(2) {
-                duplicate[pair[1] as usize] =
-                    sorted.corners_of(pair[0] as usize) == sorted.corners_of(pair[1] as usize);
-            }
+        for pair in order.windows(2) {
+            let [before, own] = [0, 1].map(|at| sorted.corners_of(pair[at] as usize));
+            duplicate[pair[1] as usize] = before == own;
         }
         let count = duplicate.iter().filter(|&&is_duplicate| is_duplicate).count();
         repairs.duplicate_faces += count;
@@ -101,19 +98,17 @@ impl Polygons {
         self.offsets.push(self.corners.len() as u32);
         self.faces.push(face);
     }
+}
 
-    fn with_sorted_corners(&self) -> Polygons {
-        let mut sorted = self.clone();
-        for pair in self.offsets.windows(2) {
-            let corners = &mut sorted.corners[pair[0] as usize..pair[1] as usize];
-            corners.sort_unstable();
-        }
-        sorted
+/// The places of lists of numbers below `count`, each from its smallest on, in the order of the lists. O(count) beyond the lists that
+/// start alike.
+pub fn sorted_lists<'a>(count: usize, lists: usize, list: impl Fn(u32) -> &'a [u32]) -> Vec<u32> {
+    let (starts, mut order) = bucket((0..lists as u32).map(|place| list(place)[0]), count);
+    for ends in starts.windows(2) {
+        order[ends[0] as usize..ends[1] as usize]
+            .sort_unstable_by(|&a, &b| list(a).cmp(list(b)).then(a.cmp(&b)));
     }
-
-    fn bucket_by_first_corner(&self, vertex_count: usize) -> (Vec<u32>, Vec<u32>) {
-        bucket((0..self.len()).map(|polygon| self.corners_of(polygon)[0]), vertex_count)
-    }
+    order
 }
 
 /// Counting sort: `(starts, items)` where `items[starts[k]..starts[k + 1]]` are the positions of key `k`

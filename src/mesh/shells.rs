@@ -5,6 +5,9 @@ use super::polygons::bucket;
 use super::vector::{Vector, triangle_area};
 use super::{Mesh, NONE};
 
+/// Areas of shells, and moments, nearer to each other than this factor count as equal: those of twins are, but for rounding.
+pub(super) const EQUAL: f64 = 1e-6;
+
 /// One connected component, in numbering and scale of its own.
 #[derive(Debug, Clone)]
 pub struct Shell {
@@ -70,7 +73,7 @@ impl Shell {
     }
 }
 
-/// Which shell each point belongs to, shells numbered by falling area.
+/// Which shell each point belongs to, shells numbered by falling area, equal ones by their lowest points.
 pub struct Partition {
     /// Shell of each point.
     pub shell_of_point: Vec<u32>,
@@ -93,6 +96,8 @@ pub fn partition(triangles: &[[u32; 3]], positions: &[Vector]) -> Partition {
     let points = positions.len() as u32;
     let mut roots: Vec<u32> = (0..points).filter(|&point| sets.find(point) == point).collect();
     roots.sort_by(|&a, &b| area[b as usize].total_cmp(&area[a as usize]));
+    let are_equal = |a: &u32, b: &u32| area[*b as usize] >= (1.0 - EQUAL) * area[*a as usize];
+    roots.chunk_by_mut(are_equal).for_each(<[u32]>::sort_unstable);
     let mut shell_of_root = vec![NONE; positions.len()];
     for (shell, &root) in roots.iter().enumerate() {
         shell_of_root[root as usize] = shell as u32;

@@ -8,6 +8,8 @@
 use super::edges::{EdgeTable, UnionFind};
 use super::polygons::Polygons;
 use super::vector::{Vector, dot, mean, squared_norm, subtract};
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
 use std::collections::HashSet;
 
 /// Largest distance between ends that are joined: as a share of the shortest edge at any of them, and in halves of the mesh's box.
@@ -15,8 +17,7 @@ const REACH: f64 = 1.0 / 256.0;
 const NOISE: f64 = 1.0 / 16384.0;
 /// Cosine of the angle between two polygons at an edge from which on they lie over each other.
 const FOLDED: f64 = 0.98;
-/// Side of the cells in which edges are sought, and most edges of one that are looked at: where there are more nothing is nearly in one place.
-const CELL: f64 = 8.0 * NOISE;
+/// Most edges at a place that are looked at: where there are more nothing is nearly in one place.
 const CROWD: usize = 32;
 
 /// The lowest vertex that each vertex is joined to (itself for most), or `None` if there is no seam.
@@ -108,8 +109,8 @@ fn position_key(position: Vector) -> [u64; 3] {
 struct Lips<'a> {
     positions: &'a [Vector],
     lips: Vec<Lip>,
-    /// The cells of their middles, sorted, each with its lip.
-    cells: Vec<(u64, u32)>,
+    /// Their middles, each with its lip.
+    middles: RTree<GeomWithData<Vector, usize>>,
 }
 
 /// One of them.
@@ -142,10 +143,9 @@ impl<'a> Lips<'a> {
             }
         };
         let lips: Vec<Lip> = half_edges.iter().map(lip).collect();
-        let own_cell = |(lip, index): (&Lip, u32)| (cell(lip.middle), index);
-        let mut cells: Vec<(u64, u32)> = lips.iter().zip(0..).map(own_cell).collect();
-        cells.sort_unstable();
-        Lips { positions, lips, cells }
+        let middle = |(index, lip): (usize, &Lip)| GeomWithData::new(lip.middle, index);
+        let middles = RTree::bulk_load(lips.iter().enumerate().map(middle).collect());
+        Lips { positions, lips, middles }
     }
 
     /// Pairs of vertices that become one.
@@ -161,24 +161,12 @@ impl<'a> Lips<'a> {
 
     /// The only lip in the place of another, if it continues that one's polygon.
     fn partner(&self, lip: usize) -> Option<usize> {
-        let middle = self.lips[lip].middle;
-        let corner = |k: usize| -> Vector {
-            std::array::from_fn(|axis| middle[axis] + if k >> axis & 1 == 0 { -NOISE } else { NOISE })
-        };
-        let mut around: [u64; 8] = std::array::from_fn(|k| cell(corner(k)));
-        around.sort_unstable();
+        let Lip { middle, reach, .. } = self.lips[lip];
         let mut found = None;
-        for there in around.chunk_by(|a, b| a == b).map(|same| same[0]) {
-            let first = self.cells.partition_point(|&(cell, _)| cell < there);
-            let inside = self.cells[first..].iter().take_while(|&&(cell, _)| cell == there);
-            for (looked_at, &(_, other)) in inside.enumerate() {
-                let other = other as usize;
-                if looked_at == CROWD {
-                    return None;
-                }
-                if other != lip && self.facing(lip, other).is_some() && found.replace(other).is_some() {
-                    return None;
-                }
+        for (looked_at, there) in self.middles.locate_within_distance(middle, reach * reach).enumerate() {
+            let is_facing = there.data != lip && self.facing(lip, there.data).is_some();
+            if looked_at > CROWD || (is_facing && found.replace(there.data).is_some()) {
+                return None;
             }
         }
         found.filter(|&other| self.continues(lip, other))
@@ -211,11 +199,6 @@ impl<'a> Lips<'a> {
         let (u, v) = (inward(own), inward(other));
         own.polygon != other.polygon && dot(u, v) < FOLDED * (squared_norm(u) * squared_norm(v)).sqrt()
     }
-}
-
-/// The number of the cell that holds a position.
-fn cell(position: Vector) -> u64 {
-    position.iter().fold(0, |cell, x| cell << 16 | (((x + 2.0) / CELL) as u64).min(0xffff))
 }
 
 /// The length of the shortest edge at each vertex.

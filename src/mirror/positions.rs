@@ -8,16 +8,13 @@
 
 use super::Mirroring;
 use super::frames::{Frames, images};
-use crate::base::error::{Error, Result};
+use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::detect::correspondence::Symmetry;
 use crate::mesh::rotation::turned;
 use crate::mesh::vector::{Vector, subtract};
 use crate::mesh::{Mesh, NONE, Shell};
 use crate::spectral::laplacian::IntrinsicSurface;
-use faer::linalg::solvers::Solve;
-use faer::sparse::{SparseColMat, Triplet};
-use faer::{Mat, Side};
 
 /// How strongly old positions hold, against an eigenvalue of the Laplacian at unit area: shape of eigenvalue
 /// `e` is carried to the share `e / (e + HOLD)`. The halves of a body have 10, a fist 1000.
@@ -31,7 +28,7 @@ const FIXED: f64 = 1e9;
 /// side winning, that side and the fixed curve stay as they are. Cost: one sparse Cholesky factorisation.
 ///
 /// # Errors
-/// As [`Mirroring::shares`]; [`Error::Cancelled`]; [`Error::Internal`] if the factorisation breaks down.
+/// As [`Mirroring::shares`]; [`Error::Cancelled`](crate::Error::Cancelled); [`Error::Internal`](crate::Error::Internal) if the factorisation breaks down.
 ///
 /// # Panics
 /// If `positions` has not one entry per vertex.
@@ -97,31 +94,21 @@ impl WantedEdges<'_> {
     /// Adds the correction of one shell's points: `(L + hold) x = divergence of the changes`.
     fn solve(&self, shell: &Shell, correction: &mut [Vector]) -> Result<()> {
         let surface = IntrinsicSurface::new(shell);
-        let size = shell.points.len();
-        let mut triplets = Vec::with_capacity(surface.stiffness.columns.len() / 2 + size);
-        let mut right = Mat::<f64>::zeros(size, 3);
-        for i in 0..size {
-            let point = shell.points[i];
-            let hold = if self.share(point) > 0.0 { HOLD } else { FIXED };
-            for (j, value) in surface.stiffness.row(i) {
-                if j <= i {
-                    let own = if i == j { hold * surface.lumped_mass[i] } else { 0.0 };
-                    triplets.push(Triplet::new(i as u32, j as u32, value + own));
-                }
-                if j != i {
-                    let change = self.change(shell.points[j], point);
-                    (0..3).for_each(|axis| right[(i, axis)] -= value * change[axis]);
-                }
+        let hold =
+            |(&point, mass): (&u32, &f64)| if self.share(point) > 0.0 { HOLD * mass } else { FIXED * mass };
+        let diagonal: Vec<f64> = shell.points.iter().zip(&surface.lumped_mass).map(hold).collect();
+        let divergence = |(i, &point): (usize, &u32)| {
+            let mut sum = [0.0; 3];
+            for (j, value) in surface.stiffness.row(i).filter(|(j, _)| *j != i) {
+                let change = self.change(shell.points[j], point);
+                (0..3).for_each(|axis| sum[axis] -= value * change[axis]);
             }
-        }
-        let matrix = SparseColMat::<u32, f64>::try_new_from_triplets(size, size, &triplets)
-            .map_err(|error| Error::Internal(format!("assembling the Poisson equation: {error:?}")))?;
-        let factor = matrix
-            .sp_cholesky(Side::Lower)
-            .map_err(|error| Error::Internal(format!("factorising the Poisson equation: {error:?}")))?;
-        factor.solve_in_place(right.as_mut());
+            sum
+        };
+        let right: Vec<Vector> = shell.points.iter().enumerate().map(divergence).collect();
+        let found = surface.solve(&diagonal, &right)?;
         for (i, &point) in shell.points.iter().enumerate().filter(|(_, point)| self.share(**point) > 0.0) {
-            correction[point as usize] = [0, 1, 2].map(|axis| right[(i, axis)]);
+            correction[point as usize] = found[i];
         }
         Ok(())
     }

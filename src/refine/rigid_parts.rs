@@ -109,14 +109,13 @@ pub fn fit(
     if let Some(turned) = turned {
         turned_parts::map_turned(&mut mapped, &middles, turned, mirrored, threads, token)?;
     }
-    let analysis = surface.analysis()?;
     let mut disagreement = None;
     for (radius, count) in RADII.into_iter().zip(effort.passes) {
         let discs = mapped.discs_along_edges(&middles[..count.min(middles.len())], &[radius], threads);
         let parts = parts(&mapped, &discs, effort, mirrored, threads, token)?;
         let agreed = agreed(&mapped, &parts);
         disagreement = disagreement.or_else(|| Some(disagreement_on_most(&mapped, &parts, &agreed)));
-        let goals = blending::goals(&mapped, surface, analysis, &parts, &agreed)?;
+        let goals = blending::goals(&mapped, surface, &parts, &agreed)?;
         mapped.move_to(goals, threads);
     }
     let rigidity =

@@ -9,7 +9,7 @@
 use crate::base::error::Result;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::search::functional_map::{Projection, commutator, mean_trace};
-use crate::search::refinement::{SampleRefiner, beside, nearest};
+use crate::search::refinement::{SampleRefiner, nearest_of_twins};
 use crate::spectral::dense::product;
 use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
@@ -258,13 +258,7 @@ impl OrientationOperator {
         };
         let queries = joined(&|i, j| mapped[(i, j)], &|i, pair| -pulled[(i, pair)]);
         let targets = joined(&|i, j| rows[(i, j)], &|i, pair| self.values[(i, pair)]);
-        match &refiner.samples.parts {
-            None => nearest(queries.as_ref(), targets.as_ref()),
-            Some(parts) => nearest(
-                beside(&parts.twin, queries.as_ref()).as_ref(),
-                beside(&parts.own, targets.as_ref()).as_ref(),
-            ),
-        }
+        nearest_of_twins(refiner.samples.parts.as_ref(), queries.as_ref(), targets.as_ref())
     }
 
     /// What the operators J of functions `phi` are to be multiplied by for those of `phi C`, which are `C^T J C`: the

@@ -6,7 +6,7 @@
 //! `docs/notebook/2026-11-25-method.md`).
 
 use crate::base::error::{Error, Result};
-use crate::spectral::dense::{cholesky_solve, gram_cholesky, product, symmetric_eigen};
+use crate::spectral::dense::{cholesky_solve, product, symmetric_eigen};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, MatRef, Par};
 
@@ -33,20 +33,8 @@ pub fn from_parity(parity: &[i8]) -> Mat<f64> {
 
 /// Least-squares C of size `size` with `rows C = rows[partner]`, then projected.
 ///
-/// `rows` is samples x at least `size`; `gram` is `rows^T rows` (at least `size` x `size`).
+/// `rows` is samples x at least `size`; `lower` the Cholesky factor of `rows^T rows`, whose leading blocks are those of every size.
 pub fn estimate(
-    rows: MatRef<f64>,
-    gram: MatRef<f64>,
-    partner: &[u32],
-    size: usize,
-    projection: Projection,
-) -> Result<Mat<f64>> {
-    let lower = gram_cholesky(gram.submatrix(0, 0, size, size))?;
-    estimate_with(rows, lower.as_ref(), partner, size, projection)
-}
-
-/// The same with the Cholesky factor `lower` of the Gram matrix, whose leading blocks are those of every size.
-pub fn estimate_with(
     rows: MatRef<f64>,
     lower: MatRef<f64>,
     partner: &[u32],

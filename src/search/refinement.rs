@@ -6,56 +6,43 @@
 
 use crate::base::error::Result;
 use crate::search::functional_map::{self, Projection};
-use crate::spectral::dense::product;
+use crate::spectral::dense::{gram_cholesky, product};
 use crate::spectral::sampling::Samples;
-use crate::spectral::twin_parts::{CODE, code};
+use crate::spectral::twin_parts::{CODE, TwinParts, code};
 use faer::linalg::matmul::matmul;
-use faer::{Accum, Mat, MatRef, Par, Side};
+use faer::{Accum, Mat, MatRef, Par};
 use pulp::{Arch, Simd, WithSimd};
 
 /// Samples prepared for repeated estimation: their Gram matrix is formed and factorised once.
 pub struct SampleRefiner {
     /// The samples.
     pub samples: Samples,
-    gram: Mat<f64>,
-    /// Its Cholesky factor; `None` if there are too few samples for all functions.
-    lower: Option<Mat<f64>>,
+    /// Cholesky factor of the Gram matrix.
+    lower: Mat<f64>,
     single: Mat<f32>,
-    packed: PackedRows,
 }
 
 impl SampleRefiner {
     /// O(samples x count^2).
-    pub fn new(samples: Samples) -> Self {
+    ///
+    /// # Errors
+    /// [`crate::Error::Internal`] if the samples' rows are not numbers.
+    pub fn new(samples: Samples) -> Result<Self> {
         let rows = samples.rows.as_ref();
-        let gram = product(rows.transpose(), rows);
+        let lower = gram_cholesky(product(rows.transpose(), rows).as_ref())?;
         let single = Mat::from_fn(rows.nrows(), rows.ncols(), |i, j| rows[(i, j)] as f32);
-        let lower = gram.llt(Side::Lower).ok().map(|factor| factor.L().to_owned());
-        let packed = match &samples.parts {
-            None => PackedRows::new(single.as_ref()),
-            Some(parts) => PackedRows::new(beside(&parts.own, single.as_ref()).as_ref()),
-        };
-        SampleRefiner { samples, gram, lower, single, packed }
+        Ok(SampleRefiner { samples, lower, single })
     }
 
     /// The sample nearest to each sample's image under `map`.
     pub fn partners(&self, map: &Mat<f64>) -> Vec<u32> {
-        let size = map.nrows();
-        let rows = self.single.subcols(0, size);
-        let (mut images, norms) = (embed(rows, map), half_squared_norms(rows));
-        if let Some(parts) = &self.samples.parts {
-            images = beside(&parts.twin, images.as_ref());
-        }
-        Arch::new().dispatch(Nearest { queries: images.as_ref(), targets: &self.packed, norms: &norms })
+        let rows = self.single.subcols(0, map.nrows());
+        nearest_of_twins(self.samples.parts.as_ref(), embed(rows, map).as_ref(), rows)
     }
 
     /// Least-squares map of `size` that sends each sample to `partners`.
     pub fn estimate(&self, partners: &[u32], size: usize, projection: Projection) -> Result<Mat<f64>> {
-        let rows = self.samples.rows.as_ref();
-        match &self.lower {
-            Some(lower) => functional_map::estimate_with(rows, lower.as_ref(), partners, size, projection),
-            None => functional_map::estimate(rows, self.gram.as_ref(), partners, size, projection),
-        }
+        functional_map::estimate(self.samples.rows.as_ref(), self.lower.as_ref(), partners, size, projection)
     }
 
     /// Alternates partners and estimation through `sizes`: equal sizes are ICP, growing ones ZoomOut.
@@ -74,14 +61,6 @@ impl SampleRefiner {
     }
 }
 
-/// Rows with the coordinates of parts before their own.
-pub fn beside(parts: &[u8], rows: MatRef<f32>) -> Mat<f32> {
-    Mat::from_fn(rows.nrows(), CODE + rows.ncols(), |i, j| match j.checked_sub(CODE) {
-        Some(j) => rows[(i, j)],
-        None => code(parts[i])[j],
-    })
-}
-
 /// `rows * map` in single precision.
 pub fn embed(rows: MatRef<f32>, map: &Mat<f64>) -> Mat<f32> {
     let map = Mat::from_fn(map.nrows(), map.ncols(), |i, j| map[(i, j)] as f32);
@@ -90,53 +69,34 @@ pub fn embed(rows: MatRef<f32>, map: &Mat<f64>) -> Mat<f32> {
     out
 }
 
+/// [`nearest`] of samples; where these have parts, among those in the twin of a query's part.
+pub fn nearest_of_twins(parts: Option<&TwinParts>, queries: MatRef<f32>, targets: MatRef<f32>) -> Vec<u32> {
+    let beside = |parts: &[u8], rows: MatRef<f32>| {
+        Mat::from_fn(rows.nrows(), CODE + rows.ncols(), |i, j| match j.checked_sub(CODE) {
+            Some(j) => rows[(i, j)],
+            None => code(parts[i])[j],
+        })
+    };
+    match parts {
+        None => nearest(queries, targets),
+        Some(TwinParts { own, twin }) => {
+            nearest(beside(twin, queries).as_ref(), beside(own, targets).as_ref())
+        }
+    }
+}
+
 /// For each row of `queries` the nearest row of `targets`, the first of equals. O(queries x targets x columns).
 pub fn nearest(queries: MatRef<f32>, targets: MatRef<f32>) -> Vec<u32> {
-    let norms = half_squared_norms(targets);
-    Arch::new().dispatch(Nearest { queries, targets: &PackedRows::new(targets), norms: &norms })
-}
-
-/// Rows that others are compared with, packed so that a vector register holds one column of some of them.
-struct PackedRows {
-    /// The negated rows by chunks of as many as a register holds, each column by column.
-    values: Vec<f32>,
-    columns: usize,
-}
-
-impl PackedRows {
-    fn new(rows: MatRef<f32>) -> PackedRows {
-        let (lanes, columns) = (Arch::new().dispatch(Lanes), rows.ncols());
-        let mut values = vec![0.0; rows.nrows().next_multiple_of(lanes) * columns];
-        for j in 0..columns {
-            for i in 0..rows.nrows() {
-                values[(i / lanes * columns + j) * lanes + i % lanes] = -rows[(i, j)];
-            }
-        }
-        PackedRows { values, columns }
-    }
-}
-
-/// How many numbers a vector register holds.
-struct Lanes;
-
-impl WithSimd for Lanes {
-    type Output = usize;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) -> usize {
-        S::F32_LANES
-    }
+    Arch::new().dispatch(Nearest { queries, targets })
 }
 
 /// Queries that are compared at once with a vector register of targets.
 const GROUP: usize = 8;
 
-/// Smallest `|target|^2 / 2 - query . target` of each query in its columns, compiled for each instruction set.
+/// Smallest `|target|^2 / 2 - query . target` of each query, compiled for each instruction set.
 struct Nearest<'a> {
     queries: MatRef<'a, f32>,
-    targets: &'a PackedRows,
-    /// `|target|^2 / 2`.
-    norms: &'a [f32],
+    targets: MatRef<'a, f32>,
 }
 
 impl WithSimd for Nearest<'_> {
@@ -144,10 +104,19 @@ impl WithSimd for Nearest<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Vec<u32> {
-        let columns = self.queries.ncols();
-        let mut norms = self.norms.to_vec();
-        norms.resize(norms.len().next_multiple_of(S::F32_LANES), f32::INFINITY);
-        let (packed, norms) = (S::as_simd_f32s(&self.targets.values).0, S::as_simd_f32s(&norms).0);
+        let (columns, count) = (self.queries.ncols(), self.targets.nrows().next_multiple_of(S::F32_LANES));
+        // The negated targets by chunks of as many as a register holds, each column by column.
+        let mut values = vec![0.0; count * columns];
+        let mut norms = vec![0.0; self.targets.nrows()];
+        for (j, column) in self.targets.col_iter().enumerate() {
+            for (i, value) in column.iter().enumerate() {
+                values[(i / S::F32_LANES * columns + j) * S::F32_LANES + i % S::F32_LANES] = -value;
+                norms[i] += value * value;
+            }
+        }
+        norms.iter_mut().for_each(|norm| *norm *= 0.5);
+        norms.resize(count, f32::INFINITY);
+        let (targets, norms) = (S::as_simd_f32s(&values).0, S::as_simd_f32s(&norms).0);
         let mut partners = Vec::with_capacity(self.queries.nrows() + GROUP);
         let mut group = vec![[0.0; GROUP]; columns];
         for start in (0..self.queries.nrows()).step_by(GROUP) {
@@ -160,7 +129,7 @@ impl WithSimd for Nearest<'_> {
             let mut chunk_of = [simd.splat_u32s(0); GROUP];
             for (chunk, norm) in norms.iter().enumerate() {
                 let mut distances = [*norm; GROUP];
-                for (values, target) in group.iter().zip(&packed[chunk * self.targets.columns..][..columns]) {
+                for (values, target) in group.iter().zip(&targets[chunk * columns..][..columns]) {
                     for q in 0..GROUP {
                         distances[q] = simd.mul_add_e_f32s(simd.splat_f32s(values[q]), *target, distances[q]);
                     }
@@ -184,16 +153,6 @@ impl WithSimd for Nearest<'_> {
         partners.truncate(self.queries.nrows());
         partners
     }
-}
-
-fn half_squared_norms(rows: MatRef<f32>) -> Vec<f32> {
-    let mut norms = vec![0.0; rows.nrows()];
-    for column in rows.col_iter() {
-        for (norm, value) in norms.iter_mut().zip(column.iter()) {
-            *norm += value * value;
-        }
-    }
-    norms.iter().map(|norm| 0.5 * norm).collect()
 }
 
 /// The first row among the smallest of all lanes.

@@ -14,6 +14,7 @@
 use crate::spectral::dense::product;
 use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
+use crate::spectral::signature::{logarithms, mean};
 use faer::{Mat, MatRef};
 
 /// Times of the signatures, in units of the surface's area, in equal ratios.
@@ -42,6 +43,9 @@ const COARSE: usize = 2000;
 /// Signatures that differ by less than this share of their deviation are equal.
 const EQUAL: f64 = 0.01;
 
+/// `ln h_t` of a vertex at each time.
+type Signature = [f64; TIMES.len()];
+
 /// What was measured, and the verdict.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Orbits {
@@ -58,7 +62,9 @@ pub fn orbits(surface: &IntrinsicSurface, basis: &Eigenbasis) -> Orbits {
         return Orbits { least_gradient: None, continuous: false };
     }
     let basis = Lowest::of(basis);
-    let signatures = signatures(&basis, surface.vertex_count());
+    let weights = |eigenvalue: &f64| TIMES.map(|time| basis.weight(*eigenvalue, time));
+    let weights: Vec<Signature> = basis.eigenvalues.iter().map(weights).collect();
+    let signatures = logarithms(basis.eigenfunctions, &weights);
     let least_gradient = least_gradient(surface, &basis, &signatures);
     let continuous = least_gradient < THRESHOLD
         && surface.vertex_count() >= LEAST_VERTICES
@@ -96,28 +102,11 @@ impl Lowest<'_> {
     }
 }
 
-/// `ln h_t` of each vertex, a column for each time.
-fn signatures(basis: &Lowest, vertices: usize) -> Mat<f64> {
-    // The constant function of a surface of unit area adds 1.
-    let mut signatures = Mat::from_fn(vertices, TIMES.len(), |_, _| 1.0);
-    for (t, time) in TIMES.iter().enumerate() {
-        let column = signatures.col_as_slice_mut(t);
-        for (j, eigenvalue) in basis.eigenvalues() {
-            let weight = basis.weight(eigenvalue, *time);
-            for (sum, value) in column.iter_mut().zip(basis.eigenfunctions.col(j).iter()) {
-                *sum += weight * value * value;
-            }
-        }
-        column.iter_mut().for_each(|value| *value = value.ln());
-    }
-    signatures
-}
-
 /// Root mean square over the surface of the signatures' rate of change in the direction in which they change least, per
 /// sqrt(area): 0 if the surface has a family.
-fn least_gradient(surface: &IntrinsicSurface, basis: &Lowest, signatures: &Mat<f64>) -> f64 {
+fn least_gradient(surface: &IntrinsicSurface, basis: &Lowest, signatures: &[Signature]) -> f64 {
     let mass = &surface.lumped_mass;
-    let weighted = Mat::from_fn(signatures.nrows(), TIMES.len(), |v, t| mass[v] * signatures[(v, t)]);
+    let weighted = Mat::from_fn(mass.len(), TIMES.len(), |v, t| mass[v] * signatures[v][t]);
     let integrals = gradient_products(surface, &diffused(basis, &weighted, SMOOTHING));
     let flat = FLAT * integrals.col_as_slice(PAIRS).iter().sum::<f64>();
     let least = |v: usize| {
@@ -194,14 +183,14 @@ fn cone_points(surface: &IntrinsicSurface) -> usize {
 }
 
 /// Whether a coarse mesh consists of rings of few vertices, so that its signatures cannot tell a polygon from a circle.
-fn is_polygonal(surface: &IntrinsicSurface, signatures: &Mat<f64>) -> bool {
+fn is_polygonal(surface: &IntrinsicSurface, signatures: &[Signature]) -> bool {
     let vertices = surface.vertex_count();
     if vertices > COARSE {
         return false;
     }
     let deviation = mean_deviation(&surface.lumped_mass, signatures);
     let equal = |a: usize, b: usize| {
-        (0..TIMES.len()).all(|t| (signatures[(a, t)] - signatures[(b, t)]).abs() < EQUAL * (deviation + 0.1))
+        (0..TIMES.len()).all(|t| (signatures[a][t] - signatures[b][t]).abs() < EQUAL * (deviation + 0.1))
     };
     let mut sizes = vec![0usize; vertices];
     let mut ring_of = vec![usize::MAX; vertices];
@@ -227,12 +216,11 @@ fn is_polygonal(surface: &IntrinsicSurface, signatures: &Mat<f64>) -> bool {
 }
 
 /// Root mean square over the surface and all times.
-fn mean_deviation(mass: &[f64], signatures: &Mat<f64>) -> f64 {
-    let total: f64 = mass.iter().sum();
+fn mean_deviation(mass: &[f64], signatures: &[Signature]) -> f64 {
     let variance = |t: usize| {
-        let column = signatures.col_as_slice(t);
-        let mean = column.iter().zip(mass).map(|(value, mass)| value * mass).sum::<f64>() / total;
-        column.iter().zip(mass).map(|(value, mass)| (value - mean).powi(2) * mass).sum::<f64>() / total
+        let at = || signatures.iter().map(|signature| signature[t]);
+        let centre = mean(mass, at());
+        mean(mass, at().map(|value| (value - centre).powi(2)))
     };
     ((0..TIMES.len()).map(variance).sum::<f64>() / TIMES.len() as f64).sqrt()
 }

@@ -31,7 +31,7 @@ mod tests {
     fn rectangle() -> Eigenbasis {
         let signs = [[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]];
         let eigenfunctions = Mat::from_fn(4, 2, |i, j| signs[i][j]);
-        Eigenbasis { eigenvalues: vec![1.0, 4.0], eigenfunctions, residuals: Vec::new() }
+        Eigenbasis { eigenvalues: vec![1.0, 4.0], eigenfunctions }
     }
 
     #[test]

@@ -18,19 +18,10 @@ use std::sync::{Arc, OnceLock};
 
 /// Makes `stiffness + SHIFT * mass` positive definite, on a surface of unit area.
 const SHIFT: f64 = 10.0;
-/// Largest relative residual that [`Accuracy::Full`] leaves.
+/// Largest relative residual that [`Eigenbasis::exact`] leaves.
 const TOLERANCE: f64 = 1e-7;
 /// Below this many vertices the dense solver is used.
 const DENSE_LIMIT: usize = 300;
-
-/// How near to the exact eigenpairs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Accuracy {
-    /// Relative residuals below 1e-7.
-    Full,
-    /// What a map needs: the lower half of the eigenvalues to about 1e-5, the last to about 1e-2.
-    Map,
-}
 
 /// Approximate eigenpairs on the way, the constant included.
 #[derive(Debug, Clone)]
@@ -64,55 +55,52 @@ pub struct Eigenbasis {
     pub eigenvalues: Vec<f64>,
     /// vertices x count; columns orthonormal in `lumped_mass`. The sign of a column has no meaning.
     pub eigenfunctions: Mat<f64>,
-    /// `|stiffness phi - eigenvalue mass phi|` in the norm of `mass^-1`, relative to `eigenvalue + 10`; empty for
-    /// [`Accuracy::Map`], where nobody asks for them.
-    pub residuals: Vec<f64>,
 }
 
 impl Eigenbasis {
-    /// Computes the `count` lowest non-constant eigenpairs, or as many as there are vertices less one, to
-    /// [`Accuracy::Map`], on at most `threads` threads.
+    /// Computes the `count` lowest non-constant eigenpairs, or as many as there are vertices less one, as exactly as a map needs: the
+    /// lower half of the eigenvalues to about 1e-5, the last to about 1e-2. On at most `threads` threads.
+    ///
+    /// Cost: one sparse Cholesky factorisation (about O(n^1.5)) and O(n count^2).
     ///
     /// # Errors
-    /// As [`Eigenbasis::with_accuracy`].
+    /// [`crate::Error::Cancelled`]; [`crate::Error::Internal`] if the factorisation breaks down.
     pub fn new(
         surface: &IntrinsicSurface,
         count: usize,
         threads: usize,
         progress: &Progress,
     ) -> Result<Eigenbasis> {
-        Eigenbasis::with_accuracy(surface, count, Accuracy::Map, threads, progress)
+        Eigenbasis::solved(surface, count, |count| {
+            nested_iteration::eigenpairs(surface, count, threads, progress)
+        })
     }
 
-    /// The same to an accuracy of the caller's choice. [`Accuracy::Full`] uses one thread.
-    ///
-    /// Cost: one sparse Cholesky factorisation (about O(n^1.5)) and O(n count^2).
+    /// The same to relative residuals below 1e-7, on one thread.
     ///
     /// # Errors
-    /// [`crate::Error::Cancelled`]; [`crate::Error::Internal`] if the factorisation breaks down.
-    pub fn with_accuracy(
+    /// As [`Eigenbasis::new`].
+    pub fn exact(surface: &IntrinsicSurface, count: usize, progress: &Progress) -> Result<Eigenbasis> {
+        Eigenbasis::solved(surface, count, |count| {
+            lanczos::eigenpairs(&surface.stiffness, &surface.lumped_mass, count, TOLERANCE, progress)
+        })
+    }
+
+    /// By a dense solver, or a `sparse` one that is given how many pairs it should find, the constant included.
+    fn solved(
         surface: &IntrinsicSurface,
         count: usize,
-        accuracy: Accuracy,
-        threads: usize,
-        progress: &Progress,
+        sparse: impl FnOnce(usize) -> Result<RitzPairs>,
     ) -> Result<Eigenbasis> {
         let size = surface.vertex_count();
         let count = count.min(size.saturating_sub(1));
-        let pairs = if size <= DENSE_LIMIT.max(count + 4 * lanczos::BLOCK) {
-            dense_eigenpairs(surface, count + 1)?
-        } else {
-            sparse_eigenpairs(surface, count + 1, accuracy, threads, progress)?
-        };
-        let mut basis = Eigenbasis::of(&pairs, count);
-        if accuracy == Accuracy::Full {
-            basis.residuals = residuals(surface, &basis);
-        }
-        Ok(basis)
+        let is_small = size <= DENSE_LIMIT.max(count + 4 * lanczos::BLOCK);
+        let pairs = if is_small { dense_eigenpairs(surface, count + 1)? } else { sparse(count + 1)? };
+        Ok(Eigenbasis::of(&pairs, count))
     }
 
     /// The `count` lowest eigenpairs of a deformed surface, from a `start` of another shape of it. Several times
-    /// faster than [`Eigenbasis::new`], to [`Accuracy::Map`] as long as the shapes are alike.
+    /// faster than [`Eigenbasis::new`], and as exact as long as the shapes are alike.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`]; [`crate::Error::Internal`] if the factorisation breaks down.
@@ -131,7 +119,7 @@ impl Eigenbasis {
     fn of(pairs: &RitzPairs, count: usize) -> Eigenbasis {
         let eigenvalues = pairs.values[1..=count].iter().map(|value| value.max(0.0)).collect();
         let eigenfunctions = pairs.vectors.subcols(1, count).to_owned();
-        Eigenbasis { eigenvalues, eigenfunctions, residuals: Vec::new() }
+        Eigenbasis { eigenvalues, eigenfunctions }
     }
 
     /// The first `count` eigenpairs, or all if there are fewer.
@@ -140,7 +128,6 @@ impl Eigenbasis {
         Eigenbasis {
             eigenvalues: self.eigenvalues[..count].to_vec(),
             eigenfunctions: self.eigenfunctions.subcols(0, count).to_owned(),
-            residuals: self.residuals[..count.min(self.residuals.len())].to_vec(),
         }
     }
 
@@ -149,7 +136,20 @@ impl Eigenbasis {
         let count = count.min(self.count());
         let value = |i: usize, j: usize| self.eigenfunctions[(vertices[i] as usize, j)];
         let eigenfunctions = Mat::from_fn(vertices.len(), count, value);
-        Eigenbasis { eigenvalues: self.eigenvalues[..count].to_vec(), eigenfunctions, residuals: Vec::new() }
+        Eigenbasis { eigenvalues: self.eigenvalues[..count].to_vec(), eigenfunctions }
+    }
+
+    /// `|stiffness phi - eigenvalue mass phi|` of each in the norm of `mass^-1`, relative to `eigenvalue + 10`.
+    pub fn residuals(&self, surface: &IntrinsicSurface) -> Vec<f64> {
+        let residual = |j: usize| {
+            let (function, value) = (self.eigenfunctions.col_as_slice(j), self.eigenvalues[j]);
+            let squared = |i: usize| {
+                let image: f64 = surface.stiffness.row(i).map(|(k, entry)| entry * function[k]).sum();
+                (image - value * surface.lumped_mass[i] * function[i]).powi(2) / surface.lumped_mass[i]
+            };
+            (0..function.len()).map(squared).sum::<f64>().sqrt() / (value + SHIFT)
+        };
+        (0..self.count()).map(residual).collect()
     }
 
     /// Number of eigenfunctions.
@@ -207,35 +207,4 @@ fn dense_eigenpairs(surface: &IntrinsicSurface, count: usize) -> Result<RitzPair
     let (values, vectors) = symmetric_eigen(matrix.as_ref())?;
     let vectors = Mat::from_fn(size, count, |i, j| vectors[(i, j)] * scale[i]);
     Ok(RitzPairs { values: values[..count].to_vec(), vectors })
-}
-
-fn sparse_eigenpairs(
-    surface: &IntrinsicSurface,
-    count: usize,
-    accuracy: Accuracy,
-    threads: usize,
-    progress: &Progress,
-) -> Result<RitzPairs> {
-    match accuracy {
-        Accuracy::Full => {
-            lanczos::eigenpairs(&surface.stiffness, &surface.lumped_mass, count, TOLERANCE, progress)
-        }
-        Accuracy::Map => nested_iteration::eigenpairs(surface, count, threads, progress),
-    }
-}
-
-fn residuals(surface: &IntrinsicSurface, basis: &Eigenbasis) -> Vec<f64> {
-    (0..basis.count())
-        .map(|j| {
-            let function = basis.eigenfunctions.col_as_slice(j);
-            let value = basis.eigenvalues[j];
-            let squared: f64 = (0..function.len())
-                .map(|i| {
-                    let image: f64 = surface.stiffness.row(i).map(|(k, entry)| entry * function[k]).sum();
-                    (image - value * surface.lumped_mass[i] * function[i]).powi(2) / surface.lumped_mass[i]
-                })
-                .sum();
-            squared.sqrt() / (value + SHIFT)
-        })
-        .collect()
 }

@@ -94,6 +94,14 @@ impl IntrinsicSurface {
         Ok(self.analysis.get().expect("it was made"))
     }
 
+    /// Solves `(stiffness + diagonal) x = right` for the columns of `right`. One sparse factorisation.
+    ///
+    /// # Errors
+    /// [`crate::Error::Internal`] if it breaks down.
+    pub fn solve<const N: usize>(&self, diagonal: &[f64], right: &[[f64; N]]) -> Result<Vec<[f64; N]>> {
+        self.analysis()?.solve(&self.stiffness, diagonal, right)
+    }
+
     /// Takes over the analysis of another shape of the same connectivity, if there is none yet.
     pub(crate) fn set_analysis(&self, analysis: &Arc<Analysis>) {
         self.analysis.get_or_init(|| analysis.clone());

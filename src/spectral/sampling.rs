@@ -6,12 +6,10 @@
 
 use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::twin_parts::TwinParts;
-use faer::Mat;
+use faer::{Mat, MatRef};
 
 /// Coordinates of the embedding that spreads the samples.
 pub const SPREAD_COORDINATES: usize = 8;
-/// Most vertices among which samples are chosen.
-const POOL: usize = 30_000;
 
 /// Sampled vertices with their rows of the eigenbasis.
 #[derive(Debug, Clone)]
@@ -25,14 +23,11 @@ pub struct Samples {
 }
 
 impl Samples {
-    /// Takes `count` farthest points (or all vertices if there are fewer).
-    ///
-    /// Cost: O(count x min(vertices, 30,000)).
+    /// Takes `count` farthest points (or all vertices if there are fewer). O(count x vertices) at most.
     pub fn farthest(basis: &Eigenbasis, count: usize) -> Samples {
-        let size = basis.eigenfunctions.nrows();
-        let pool = pool(size);
-        let points = spread_embedding(basis, &pool);
-        let vertices = farthest_points(&points, count.min(pool.len())).into_iter().map(|i| pool[i]).collect();
+        let points = spread(basis.eigenfunctions.as_ref(), &basis.eigenvalues);
+        let points: Vec<Point> = points.iter().map(|point| point.map(|x| x as f32)).collect();
+        let vertices = farthest_points(&points, count).into_iter().map(|vertex| vertex as u32).collect();
         Samples::at(basis, vertices)
     }
 
@@ -82,112 +77,53 @@ pub fn area_weighted_vertices(mass: &[f64], count: usize) -> Vec<usize> {
     picked
 }
 
+/// Rows of eigenfunctions in the spread embedding.
+fn spread(rows: MatRef<f64>, eigenvalues: &[f64]) -> Vec<[f64; SPREAD_COORDINATES]> {
+    let used = eigenvalues.len().min(SPREAD_COORDINATES);
+    let coordinate = |i: usize, j: usize| rows[(i, j)] / eigenvalues[j].max(f64::MIN_POSITIVE).sqrt();
+    let row = |i: usize| std::array::from_fn(|j| if j < used { coordinate(i, j) } else { 0.0 });
+    (0..rows.nrows()).map(row).collect()
+}
+
 /// Samples in the spread embedding, scaled to a root mean square radius of 1.
 pub fn spread_rows(samples: &Samples, eigenvalues: &[f64]) -> Vec<[f64; SPREAD_COORDINATES]> {
-    let used = eigenvalues.len().min(SPREAD_COORDINATES);
-    let coordinate = |i: usize, j: usize| samples.rows[(i, j)] / eigenvalues[j].max(f64::MIN_POSITIVE).sqrt();
-    let mut rows: Vec<[f64; SPREAD_COORDINATES]> = (0..samples.count())
-        .map(|i| std::array::from_fn(|j| if j < used { coordinate(i, j) } else { 0.0 }))
-        .collect();
+    let mut rows = spread(samples.rows.as_ref(), eigenvalues);
     let mean = rows.iter().flatten().map(|value| value * value).sum::<f64>() / samples.count() as f64;
     let scale = 1.0 / mean.sqrt().max(f64::MIN_POSITIVE);
     rows.iter_mut().flatten().for_each(|value| *value *= scale);
     rows
 }
 
-fn pool(size: usize) -> Vec<u32> {
-    let count = size.min(POOL);
-    (0..count).map(|i| (i * size / count) as u32).collect()
-}
-
-fn spread_embedding(basis: &Eigenbasis, pool: &[u32]) -> Vec<[f32; SPREAD_COORDINATES]> {
-    let used = basis.count().min(SPREAD_COORDINATES);
-    let coordinate = |vertex: u32, j: usize| {
-        let weight = basis.eigenvalues[j].max(f64::MIN_POSITIVE).sqrt();
-        (basis.eigenfunctions[(vertex as usize, j)] / weight) as f32
-    };
-    pool.iter()
-        .map(|&vertex| std::array::from_fn(|j| if j < used { coordinate(vertex, j) } else { 0.0 }))
-        .collect()
-}
-
 /// Coordinates among which farthest points are sought.
 pub type Point = [f32; SPREAD_COORDINATES];
 
-/// The points nearer to one chosen point than to any other.
-struct Cell {
-    centre: usize,
-    /// The other points of the cell with their distances from the centre.
-    members: Vec<(u32, f32)>,
-    /// Place in `members` of the farthest.
-    farthest: usize,
-}
-
-impl Cell {
-    fn new(centre: usize, members: Vec<(u32, f32)>) -> Cell {
-        let mut cell = Cell { centre, members, farthest: 0 };
-        cell.find_farthest();
-        cell
-    }
-
-    fn find_farthest(&mut self) {
-        let farther = |best: usize, i: usize| {
-            // Of equals the first in the pool, whatever the order in the cell.
-            let ((a, own), (b, other)) = (self.members[i], self.members[best]);
-            if own > other || (own == other && a < b) { i } else { best }
-        };
-        self.farthest = (0..self.members.len()).fold(0, farther);
-    }
-
-    /// Its farthest point and that one's distance.
-    fn tip(&self) -> Option<(u32, f32)> {
-        self.members.get(self.farthest).copied()
-    }
-}
-
-/// Indices of `count` points, each the farthest from those before it.
-///
-/// A new point can only take points from a cell whose centre is nearer to it than twice the cell's radius (triangle
-/// inequality), so that most cells need not be looked at.
+/// Indices of `count` points, or of all, each the farthest from those before it, of equals the first. O(points x count).
 pub fn farthest_points(points: &[Point], count: usize) -> Vec<usize> {
-    let distance = |a: usize, b: usize| squared(&points[a], &points[b]).sqrt();
+    let farther = |best: (usize, f32), other: (usize, f32)| if other.1 > best.1 { other } else { best };
     // The first sample is the point farthest from the embedding's origin: a tip of the shape.
-    let radii: Vec<f32> = points.iter().map(|point| squared(point, &[0.0; SPREAD_COORDINATES])).collect();
-    let first = (0..points.len()).fold(0, |best, i| if radii[i] > radii[best] { i } else { best });
-    let others = (0..points.len()).filter(|&i| i != first);
-    let mut cells = vec![Cell::new(first, others.map(|i| (i as u32, distance(i, first))).collect())];
-    while cells.len() < count.min(points.len()) {
-        let tips = cells.iter().filter_map(Cell::tip);
-        let farther =
-            |a: (u32, f32), b: (u32, f32)| if b.1 > a.1 || (b.1 == a.1 && b.0 < a.0) { b } else { a };
-        let next = tips.reduce(farther).expect("a point that is not chosen").0 as usize;
-        let mut taken = Vec::new();
-        for cell in &mut cells {
-            let Some((_, radius)) = cell.tip() else { continue };
-            // The slack covers rounding: a cell too many does no harm.
-            if distance(next, cell.centre) > 2.001 * radius {
-                continue;
-            }
-            let before = cell.members.len();
-            cell.members.retain(|&(point, own)| {
-                let nearer = distance(point as usize, next);
-                let moves = nearer < own || point as usize == next;
-                if moves && point as usize != next {
-                    taken.push((point, nearer));
-                }
-                !moves
-            });
-            if cell.members.len() < before {
-                cell.find_farthest();
-            }
-        }
-        cells.push(Cell::new(next, taken));
+    let radii = points.iter().map(|point| squared(point, &[0.0; SPREAD_COORDINATES]));
+    let (mut next, _) = radii.enumerate().fold((0, -1.0), farther);
+    let mut away = vec![f32::INFINITY; points.len()];
+    let mut chosen = Vec::with_capacity(count);
+    while chosen.len() < count.min(points.len()) {
+        chosen.push(next);
+        // Points in one place are chosen once each.
+        away[next] = f32::NEG_INFINITY;
+        let newest = points[next];
+        let nearer = |(index, (away, point)): (usize, (&mut f32, &Point))| {
+            *away = squared(point, &newest).min(*away);
+            (index, *away)
+        };
+        (next, _) = away.iter_mut().zip(points).enumerate().map(nearer).fold((0, -1.0), farther);
     }
-    cells.iter().map(|cell| cell.centre).collect()
+    chosen
 }
 
-fn squared(a: &Point, b: &Point) -> f32 {
-    a.iter().zip(b).map(|(x, y)| (x - y) * (x - y)).sum()
+/// Four sums side by side, for the vector units.
+pub fn squared(a: &Point, b: &Point) -> f32 {
+    let square = |i: usize| (a[i] - b[i]) * (a[i] - b[i]);
+    let sums: [f32; 4] = std::array::from_fn(|i| square(i) + square(i + 4));
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use crate::geometry::embedded_triangles::TrianglePoint;
 use crate::geometry::vertex_map::VertexMap;
 use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
+use faer::MatRef;
 
 /// Times at which heat is looked at.
 const TIMES: usize = 12;
@@ -23,7 +24,7 @@ type Signature = [f64; TIMES];
 /// Difference of the signatures of each vertex and its image, in units of the signatures' mean deviation over the
 /// whole surface: 0 for an isometry, about 1 for a random map. O(vertices x eigenfunctions).
 pub fn mismatch(surface: &IntrinsicSurface, basis: &Eigenbasis, images: &VertexMap) -> Vec<f64> {
-    let signatures = signatures(basis, surface.vertex_count());
+    let signatures = signatures(basis);
     let deviation = mean_deviation(&surface.lumped_mass, &signatures);
     let difference = |own: &Signature, point: &TrianglePoint| {
         let corners = surface.triangles[point.triangle as usize].map(|corner| &signatures[corner as usize]);
@@ -41,21 +42,27 @@ pub fn mean(areas: &[f64], values: impl Iterator<Item = f64>) -> f64 {
     values.zip(areas).map(|(value, area)| value * area).sum::<f64>() / areas.iter().sum::<f64>()
 }
 
-/// The constant function of a surface of unit area adds 1 to `h_t`, so its logarithm is never below 0.
-fn signatures(basis: &Eigenbasis, vertices: usize) -> Vec<Signature> {
-    let mut signatures = vec![[1.0; TIMES]; vertices];
+/// Signatures of all vertices.
+fn signatures(basis: &Eigenbasis) -> Vec<Signature> {
     let [first, last] = TIME_RANGE;
     let time = |t: usize| first * (last / first).powf(t as f64 / (TIMES - 1) as f64);
     let decay = |eigenvalue: &f64| -> Signature { std::array::from_fn(|t| (-eigenvalue * time(t)).exp()) };
     let decays: Vec<Signature> = basis.eigenvalues.iter().map(decay).collect();
+    logarithms(basis.eigenfunctions.as_ref(), &decays)
+}
+
+/// `ln(1 + sum_j weights[j] phi_j(x)^2)` of each vertex x: the constant function of a surface of unit area adds 1 to a signature,
+/// and its logarithm is never below 0.
+pub fn logarithms<const N: usize>(functions: MatRef<f64>, weights: &[[f64; N]]) -> Vec<[f64; N]> {
+    let mut signatures = vec![[1.0; N]; functions.nrows()];
     // By blocks of vertices, which stay in the cache while the columns are read one after the other.
     const BLOCK: usize = 64;
     for (block, of_block) in signatures.chunks_mut(BLOCK).enumerate() {
-        for (j, decay) in decays.iter().enumerate() {
-            let column = &basis.eigenfunctions.col_as_slice(j)[block * BLOCK..];
-            for (signature, value) in of_block.iter_mut().zip(column) {
+        for (column, weights) in functions.col_iter().zip(weights) {
+            let column = column.subrows(block * BLOCK, of_block.len());
+            for (signature, value) in of_block.iter_mut().zip(column.iter()) {
                 let square = value * value;
-                signature.iter_mut().zip(decay).for_each(|(sum, factor)| *sum += factor * square);
+                signature.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight * square);
             }
         }
         of_block.iter_mut().flatten().for_each(|value| *value = value.ln());
@@ -64,15 +71,10 @@ fn signatures(basis: &Eigenbasis, vertices: usize) -> Vec<Signature> {
 }
 
 /// About the mean, of each time.
-fn mean_deviation(areas: &[f64], signatures: &[Signature]) -> [f64; TIMES] {
-    let area: f64 = areas.iter().sum();
-    let mean = |of: &dyn Fn(&Signature) -> Signature| {
-        let mut sums = [0.0; TIMES];
-        for (signature, weight) in signatures.iter().zip(areas) {
-            sums.iter_mut().zip(of(signature)).for_each(|(sum, value)| *sum += value * weight);
-        }
-        sums.map(|sum| sum / area)
-    };
-    let centre = mean(&|signature| *signature);
-    mean(&|signature| std::array::from_fn(|t| (signature[t] - centre[t]).abs()))
+fn mean_deviation(areas: &[f64], signatures: &[Signature]) -> Signature {
+    std::array::from_fn(|t| {
+        let at = || signatures.iter().map(|signature| signature[t]);
+        let centre = mean(areas, at());
+        mean(areas, at().map(|value| (value - centre).abs()))
+    })
 }

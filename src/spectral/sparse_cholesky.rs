@@ -129,6 +129,28 @@ impl Analysis {
         Ok(factor)
     }
 
+    /// Solves `(matrix + diagonal) x = right` for the columns of `right`; the sparsity is the one analysed.
+    ///
+    /// # Errors
+    /// As [`Analysis::factorise`].
+    pub fn solve<const N: usize>(
+        &self,
+        matrix: &SymmetricSparse,
+        diagonal: &[f64],
+        right: &[[f64; N]],
+    ) -> Result<Vec<[f64; N]>> {
+        let scale: Vec<f64> = diagonal.iter().map(|value| value.sqrt()).collect();
+        let factor = self.factorise::<f64>(matrix, 1.0, &scale)?;
+        let scaled = |row: &u32| right[*row as usize].map(|value| value / scale[*row as usize]);
+        let mut block: Vec<[f64; N]> = self.order.iter().map(scaled).collect();
+        factor.solve(block.as_flattened_mut(), N);
+        let mut found = vec![[0.0; N]; right.len()];
+        for (solved, &row) in block.iter().zip(&self.order) {
+            found[row as usize] = solved.map(|value| value / scale[row as usize]);
+        }
+        Ok(found)
+    }
+
     /// The supernodes of L, column by column, of a matrix with these values.
     fn panels<T: Scalar>(&self, values: &[T]) -> Result<Vec<T>> {
         let size = self.size();

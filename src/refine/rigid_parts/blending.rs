@@ -12,7 +12,6 @@ use super::{Goal, Part};
 use crate::base::error::Result;
 use crate::mesh::vector::Vector;
 use crate::spectral::laplacian::IntrinsicSurface;
-use crate::spectral::sparse_cholesky::Analysis;
 
 /// Where the parts say 1 in all, motions pass into each other over this distance, in sqrt(area).
 const REACH: f64 = 0.0224;
@@ -28,33 +27,22 @@ const NUMBERS: usize = 13;
 pub(super) fn goals(
     mapped: &Mapped,
     surface: &IntrinsicSurface,
-    analysis: &Analysis,
     parts: &[Part],
     agreed: &[Goal],
 ) -> Result<Vec<Vector>> {
     let said = said(mapped, parts, agreed);
-    // (M (C + map) + reach^2 K) = reach^2 D (D^-1 K D^-1 + reach^-2) D
-    let scale: Vec<f64> =
-        surface.lumped_mass.iter().zip(&said).map(|(mass, said)| (mass * (said[12] + MAP)).sqrt()).collect();
-    let factor = analysis.factorise(&surface.stiffness, REACH.powi(-2), &scale)?;
-    let mut block = vec![0.0; NUMBERS * said.len()];
-    for (row, &vertex) in block.chunks_exact_mut(NUMBERS).zip(&analysis.order) {
-        let vertex = vertex as usize;
-        let share = surface.lumped_mass[vertex] / (scale[vertex] * REACH * REACH);
-        row.iter_mut().zip(&said[vertex]).for_each(|(value, said)| *value = share * said);
-    }
-    factor.solve(&mut block, NUMBERS);
-    let mut goals = vec![[0.0; 3]; said.len()];
-    for (row, &vertex) in block.chunks_exact(NUMBERS).zip(&analysis.order) {
-        let vertex = vertex as usize;
+    let share = |(mass, said): (&f64, &[f64; NUMBERS])| said.map(|said| mass / (REACH * REACH) * said);
+    let right: Vec<[f64; NUMBERS]> = surface.lumped_mass.iter().zip(&said).map(share).collect();
+    let of_map = surface.lumped_mass.iter().map(|mass| MAP * mass / (REACH * REACH));
+    let diagonal: Vec<f64> = right.iter().zip(of_map).map(|(said, map)| said[12] + map).collect();
+    let goal = |(vertex, blended): (usize, [f64; NUMBERS])| {
         let [own, image] = [mapped.shell.positions[vertex], mapped.images[vertex]];
-        let blended: [f64; NUMBERS] = std::array::from_fn(|k| row[k] / scale[vertex]);
-        goals[vertex] = [0, 1, 2].map(|axis| {
+        std::array::from_fn(|axis| {
             let turned: f64 = (0..3).map(|k| blended[3 * axis + k] * own[k]).sum();
             turned + blended[9 + axis] + (1.0 - blended[12]) * image[axis]
-        });
-    }
-    Ok(goals)
+        })
+    };
+    Ok(surface.solve(&diagonal, &right)?.into_iter().enumerate().map(goal).collect())
 }
 
 /// The sum of the motions of each vertex's parts, each as often as it says, and how often that is.
@@ -112,8 +100,7 @@ mod tests {
         let parts: Vec<Part> =
             discs.iter().zip(lifted).map(|(disc, (_, height))| part(disc, *height)).collect();
         let agreed = crate::refine::rigid_parts::agreed(&mapped, &parts);
-        let analysis = Analysis::new(&surface.stiffness).expect("an analysis");
-        let goals = goals(&mapped, &surface, &analysis, &parts, &agreed).expect("goals");
+        let goals = goals(&mapped, &surface, &parts, &agreed).expect("goals");
         let middle =
             |of: u32| (0..5 * COLUMNS).find(|&v| shell.points[v as usize] == 5 * of + 2).expect("a vertex");
         (0..COLUMNS).map(|of| goals[middle(of) as usize][2]).collect()

@@ -8,7 +8,7 @@ use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::Shell;
 use crate::mesh::vector::{Vector, cross, dot, point_areas, squared_norm, subtract, summed_normals, unit};
 use crate::search::refinement::nearest;
-use crate::spectral::sampling::{area_weighted_vertices, farthest_points};
+use crate::spectral::sampling::{Point, area_weighted_vertices, farthest_points, squared};
 use faer::Mat;
 use std::ops::{ControlFlow, Range};
 
@@ -36,7 +36,7 @@ pub(super) struct Mapped<'a> {
 }
 
 /// A position and a normal times [`TURN`], in single precision: the distance of two is how unlike the points are.
-type Feature = [f32; 8];
+type Feature = Point;
 
 /// The vertices around one, with their weights, which fall to 0 at the radius.
 pub(super) struct Disc {
@@ -79,7 +79,7 @@ impl<'a> Mapped<'a> {
     pub fn spread(&self, count: usize) -> Vec<u32> {
         let point = |position: &Vector| std::array::from_fn(|j| position.get(j).map_or(0.0, |&x| x as f32));
         let points: Vec<_> = self.shell.positions.iter().map(point).collect();
-        farthest_points(&points, count.min(points.len())).into_iter().map(|vertex| vertex as u32).collect()
+        farthest_points(&points, count).into_iter().map(|vertex| vertex as u32).collect()
     }
 
     /// The disc around a vertex in space: what lies nearer than `radius` and is joined to the middle by what does. `reached` is false
@@ -193,7 +193,7 @@ impl<'a> Mapped<'a> {
     /// The vertex most like `goal` in place and normal, sought downhill from `start`, and how unlike it is, squared.
     pub fn alike(&self, goal: Oriented, start: u32) -> (u32, f32) {
         let goal = feature(goal);
-        let unlike = |vertex: u32| squared_distance(&goal, &self.features[vertex as usize]);
+        let unlike = |vertex: u32| squared(&goal, &self.features[vertex as usize]);
         let (mut best, mut least) = (start, unlike(start));
         loop {
             let from = best;
@@ -222,7 +222,7 @@ impl<'a> Mapped<'a> {
         let point = self.walk.nearest_beside(goal.position, vertex);
         let at = |vectors: &[Vector]| point.interpolate_vectors(&self.shell.triangles, vectors);
         let there = Oriented { position: at(&self.shell.positions), normal: unit(at(&self.normals)) };
-        f64::from(squared_distance(&feature(goal), &feature(there)))
+        f64::from(squared(&feature(goal), &feature(there)))
     }
 
     /// Gives the vertices other images. The map may have parted one from those around it, so its partner is sought from whichever
@@ -302,13 +302,6 @@ fn rows(features: &[Feature]) -> Mat<f32> {
 fn feature(Oriented { position: [x, y, z], normal }: Oriented) -> Feature {
     let [p, q, r] = normal.map(|coordinate| TURN * coordinate);
     [x, y, z, p, q, r, 0.0, 0.0].map(|coordinate| coordinate as f32)
-}
-
-/// Four sums side by side, for the vector units.
-fn squared_distance(a: &Feature, b: &Feature) -> f32 {
-    let square = |i: usize| (a[i] - b[i]) * (a[i] - b[i]);
-    let sums: [f32; 4] = std::array::from_fn(|i| square(i) + square(i + 4));
-    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
 
 #[cfg(test)]

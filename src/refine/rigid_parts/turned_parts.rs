@@ -30,9 +30,8 @@ const ROUGH_STEP: usize = 3;
 const SAME_TURN: f64 = 0.5;
 /// Share of a part's points that may misfit: mouths and eye sockets, and the neck where a head is turned.
 const MISFITTING: f64 = 0.3;
-/// A part fits badly from this many times what is usual, and never below this, in sqrt(area).
-const BAD: f64 = 2.0;
-const LEAST_BAD: f64 = 0.01;
+/// A part that leaves more than this, in sqrt(area), fits badly.
+const BAD: f64 = 0.01;
 /// A turned motion must leave no more than this share of what the map's leaves.
 const BETTER: f64 = 0.85;
 
@@ -72,8 +71,7 @@ pub(super) fn map_turned(
         Ok(TurnedPart { middle: disc.middle, picked, own })
     };
     let mut parts = threads::map(threads, discs, screen).into_iter().collect::<Result<Vec<TurnedPart>>>()?;
-    let bad = (BAD * usual(&parts)).max(LEAST_BAD);
-    parts.retain(|part| part.own.unlike > bad);
+    parts.retain(|part| part.own.unlike > BAD);
     parts.sort_by(|a, b| b.own.unlike.total_cmp(&a.own.unlike));
     parts.truncate(effort.most);
     let search = |part: TurnedPart| {
@@ -95,20 +93,9 @@ pub(super) fn map_turned(
             continue;
         }
         tried.push(middle);
-        // Another part may have brought this one along.
-        let own = as_mapped(mapped, &part.picked, mirrored, WHOLLY);
-        if found.unlike < BETTER * own.unlike {
-            take_over(mapped, &small, part.middle, &found.motion, threads);
-        }
+        take_over(mapped, &small, part.middle, &found.motion, threads);
     }
     Ok(())
-}
-
-/// What parts that fit leave: a tenth leave less.
-fn usual(parts: &[TurnedPart]) -> f64 {
-    let mut unlike: Vec<f64> = parts.iter().map(|part| part.own.unlike).collect();
-    unlike.sort_by(f64::total_cmp);
-    unlike.get(unlike.len() / 10).copied().unwrap_or(0.0)
 }
 
 /// The motion of the map itself, brought to the surface.

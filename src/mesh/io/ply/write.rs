@@ -60,15 +60,10 @@ impl PlyFile {
         };
         let widest = mesh.face_offsets.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap_or(0);
         let (count, count_name) = if widest <= 255 { (Scalar::U8, "uchar") } else { (Scalar::U32, "uint") };
-        let (item, item_name) = if mesh.positions.len() <= i32::MAX as usize {
-            (Scalar::I32, "int")
-        } else {
-            (Scalar::U32, "uint")
-        };
         let position = |name: &str| property(name, Kind::Scalar(scalar), scalar_name);
         let vertex = ["x", "y", "z"].map(position).into();
-        let list =
-            property("vertex_indices", Kind::List { count, item }, &format!("list {count_name} {item_name}"));
+        let kind = Kind::List { count, item: Scalar::I32 };
+        let list = property("vertex_indices", kind, &format!("list {count_name} int"));
         let faces = mesh.face_offsets.len().saturating_sub(1) as u64;
         let elements = vec![
             Element { name: "vertex".into(), count: mesh.positions.len() as u64, properties: vertex },
