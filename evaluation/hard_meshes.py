@@ -66,6 +66,12 @@ def fan(count: int) -> Arrays:
     return np.vstack([[[0, 0, 0], [0, 0, 1]], tips]), np.c_[np.zeros(count - 2, int), np.ones(count - 2, int), np.arange(2, count)]
 
 
+def in_single_precision(arrays: Arrays) -> Arrays:
+    """The same with coordinates that are rounded: what is all alike in double precision is so no more."""
+    points, faces = arrays
+    return np.asarray(points).astype(np.float32).astype(float), faces
+
+
 def strips(count: int) -> Arrays:
     """Strips of four squares from one edge to another, as leaves of a book."""
     leaves = count // 5
@@ -126,6 +132,7 @@ MESHES: dict[str, Callable[[], Arrays]] = {
     "the same, twice as fine": lambda: hub(100_001),
     "two hubs on one rim": lambda: two_hubs(100_002),
     "a fan on one edge": lambda: fan(100_002),
+    "the same in single precision, as hosts hold it": lambda: in_single_precision(fan(100_002)),
     "20,000 strips on one edge": lambda: strips(100_000),
     "cones that meet in their tips": lambda: cones(100_001),
     "a comb, one polygon": lambda: comb(100_000),

@@ -122,7 +122,7 @@ fn what_is_no_model_is_refused_where_none_is_needed() {
             detect_again(&mesh, &found, &options, &Progress::default()),
         ];
         for answer in answers {
-            let message = answer.err().expect("it is an error").to_string();
+            let message = answer.expect_err("it is an error").to_string();
             assert!(message.contains(path.to_str().unwrap()), "{message}");
         }
         let options = Options { network: false, ..options };

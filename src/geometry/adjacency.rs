@@ -2,6 +2,10 @@
 
 use crate::mesh::{NONE, bucket};
 
+/// Triangles or neighbours around a vertex up to which a walk looks at all. At a hub, such as the middle of a cap, it looks at so many, evenly chosen, and
+/// goes on from the best of them: a step costs the same at any vertex.
+pub const LOOKS: usize = 64;
+
 /// The neighbours of each point of a graph, without the point itself.
 #[derive(Debug, Clone, Default)]
 pub struct Adjacency {
@@ -48,6 +52,12 @@ impl Adjacency {
     pub fn of(&self, point: usize) -> &[u32] {
         &self.neighbours[self.offsets[point] as usize..self.offsets[point + 1] as usize]
     }
+}
+
+/// At most [`LOOKS`] of what is around a vertex.
+#[inline(always)]
+pub fn some(all: &[u32]) -> impl Iterator<Item = u32> + '_ {
+    all.iter().copied().step_by(all.len().div_ceil(LOOKS).max(1))
 }
 
 /// For each of `count` points the index of the seed that is the fewest steps away; [`NONE`] where none can be reached.

@@ -3,14 +3,10 @@
 //! Where a tree would find the nearest point of the whole surface, a walk stays on the sheet it starts on: a
 //! hand that touches a hip is not taken for it.
 
-use crate::geometry::adjacency::Adjacency;
+use crate::geometry::adjacency::{Adjacency, LOOKS, some};
 use crate::geometry::embedded_triangles::{TrianglePoint, TriangleProducts, nearest_in_triangle};
 use crate::mesh::vector::{Vector, dot, squared_norm, subtract};
 use crate::mesh::{NONE, bucket};
-
-/// Triangles around a vertex up to which all are looked at. At a hub, such as the middle of a cap, so many are, evenly chosen, and
-/// the walk goes on from the best of them: a step costs the same at any vertex.
-const LOOKS: usize = 64;
 
 /// A triangle surface to walk on.
 #[derive(Debug)]
@@ -130,11 +126,6 @@ pub fn nearest_of(
         }
     }
     best
-}
-
-/// At most [`LOOKS`] of what is around a vertex.
-fn some(all: &[u32]) -> impl Iterator<Item = u32> + '_ {
-    all.iter().copied().step_by(all.len().div_ceil(LOOKS).max(1))
 }
 
 #[cfg(test)]

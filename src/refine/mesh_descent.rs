@@ -9,7 +9,7 @@
 use crate::base::error::Result;
 use crate::base::progress::CancelToken;
 use crate::base::threads;
-use crate::geometry::adjacency::Adjacency;
+use crate::geometry::adjacency::{Adjacency, some};
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint, TriangleProducts, nearest_in_triangle};
 use crate::mesh::NONE;
 use crate::refine::vertex_rows::{Products, SquaredDistance, VertexRows};
@@ -18,7 +18,7 @@ use std::ops::Range;
 
 /// Work for which a thread is started.
 const LEAST_PER_THREAD: usize = 500;
-/// Sources after which a cancel is looked for: on a hub each looks at all vertices.
+/// Sources after which a cancel is looked for.
 const UNCHECKED: usize = 250;
 
 /// What is nearest to a source.
@@ -194,12 +194,13 @@ impl<S: Simd> Descent<'_, S> {
     #[inline(always)]
     fn best_of_neighbours(&self, source: usize, sweep: &Sweep) -> Answer {
         let mut best = sweep.answers[source];
-        for &neighbour in sweep.sources.of(source) {
+        for neighbour in some(sweep.sources.of(source)) {
             let guess = sweep.answers[neighbour as usize].vertex;
             if guess == NONE || guess == best.vertex {
                 continue;
             }
-            let next = best.vertex != NONE && self.of.graph.of(best.vertex as usize).contains(&guess);
+            let next =
+                best.vertex != NONE && self.of.graph.of(best.vertex as usize).binary_search(&guess).is_ok();
             if !next && self.distance(source, guess) < best.vertex_distance {
                 best = self.near_vertex(source, guess);
             }
@@ -237,13 +238,13 @@ impl<S: Simd> Descent<'_, S> {
         answer
     }
 
-    /// A vertex that is as near as all its neighbours, and its squared distance; `distance` is the squared one of `guess`.
+    /// A vertex that is as near as all its neighbours, at a hub as some of them, and its squared distance; `distance` is the squared one of `guess`.
     #[inline(always)]
     fn descend(&self, source: usize, guess: u32, mut distance: f32) -> (u32, f32) {
         let mut current = guess;
         loop {
             let start = current;
-            for &next in self.of.graph.of(start as usize) {
+            for next in some(self.of.graph.of(start as usize)) {
                 let candidate = self.distance(source, next);
                 if candidate < distance {
                     (current, distance) = (next, candidate);
@@ -286,7 +287,7 @@ impl<S: Simd> Descent<'_, S> {
     #[inline(always)]
     fn nearest_around(&self, source: usize, vertex: u32, best: Answer) -> Answer {
         let mut best = best;
-        for &triangle in self.of.fans.of(vertex) {
+        for triangle in some(self.of.fans.of(vertex)) {
             let other = self.nearest_in(source, triangle);
             best = if other.distance < best.distance { other } else { best };
         }

@@ -44,6 +44,8 @@ const MAP_ERROR: f64 = 0.01;
 const TRUSTED: f64 = 0.004;
 /// One that starts this far from what the others agree on counts a quarter there.
 const STRAY: f64 = 0.05;
+/// Vertices of a part that are compared at most. A proxy has fewer; what cannot be simplified may have all in each part.
+const MOST_PLACES: usize = 2000;
 /// Weight of the map itself.
 const MAP_WEIGHT: f64 = 0.02;
 /// Share of the surface on which the parts' disagreement is judged: joints and holes have the rest. The median tells a plate with hills from a flat
@@ -135,7 +137,10 @@ fn parts<'a>(
     let approach = Approach { rounds: effort.rounds, noise: NOISE, held: MAP_ERROR, free: false };
     let part = |disc: &'a Disc| {
         token.check()?;
-        let places = mapped.places(&mapped.by_area(&disc.members));
+        let places = match disc.members.len() > MOST_PLACES {
+            true => mapped.places(&mapped.picked(&disc.members, MOST_PLACES)),
+            false => mapped.places(&mapped.by_area(&disc.members)),
+        };
         let start = Motion::between(&places, mirrored);
         let mut near: Vec<u32> = places.iter().map(|place| place.partner).collect();
         let mut nearest = mapped.most_alike(&mut near);

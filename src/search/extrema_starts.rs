@@ -72,28 +72,35 @@ pub fn starts(
 /// Vertices whose average distance is largest around, the largest first.
 pub fn extrema(edges: &EdgeLengths, average: &[f64]) -> Vec<u32> {
     let before = |a: u32, b: u32| average[a as usize].total_cmp(&average[b as usize]).then(b.cmp(&a));
+    let is_top = |vertex: &u32| edges.of(*vertex).all(|(near, _)| before(near, *vertex).is_le());
+    let mut tops: Vec<u32> = (0..average.len() as u32).filter(is_top).collect();
+    tops.sort_by(|&a, &b| before(b, a));
     let mut search = PathSearch::new(average.len());
-    let mut found: Vec<u32> = Vec::new();
-    for vertex in 0..average.len() as u32 {
-        if edges.of(vertex).any(|(near, _)| before(near, vertex).is_gt()) {
+    let (mut found, mut is_below) = (Vec::new(), vec![false; average.len()]);
+    for vertex in tops {
+        if found.len() == MOST_EXTREMA {
+            break;
+        }
+        // Around a hub there may be as many as vertices, all near each other.
+        if is_below[vertex as usize] {
             continue;
         }
-        let mut largest = true;
+        let (mut largest, mut reached) = (true, Vec::new());
         search.run(
             &[vertex],
             APART,
             |vertex| edges.of(vertex),
             |near, _| {
+                reached.push(near);
                 largest = before(near, vertex).is_le();
                 if largest { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
             },
         );
         if largest {
+            reached.into_iter().for_each(|near| is_below[near as usize] = true);
             found.push(vertex);
         }
     }
-    found.sort_by(|&a, &b| before(b, a));
-    found.truncate(MOST_EXTREMA);
     found
 }
 
