@@ -11,10 +11,11 @@ use crate::detect::question::Question;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{Vector, point_areas, squared_norm, subtract};
 use crate::mesh::{NONE, Shell};
-use crate::spectral::twin_parts::TwinParts;
+use crate::spectral::twin_parts::{MOST_PARTS, TwinParts};
 use crate::verify::choose::ANY;
 use crate::verify::hypothesis::exchanges_sheets;
 use crate::verify::reason::Reason;
+use std::collections::HashMap;
 
 /// A mesh with the shell on which its symmetries are sought.
 pub struct Domain<'a> {
@@ -80,10 +81,10 @@ impl<'a> Domain<'a> {
         if self.twins.is_empty() {
             return None;
         }
+        let number = self.numbers();
         let mut part_of = vec![NONE; solved.points.len()];
         for (part, &point) in part_of.iter_mut().zip(&solved.points).filter(|(_, point)| **point != NONE) {
-            let shell = self.question.mesh.shell_of_point[point as usize];
-            *part = self.place(shell).expect("a joined shell");
+            *part = number[&self.question.mesh.shell_of_point[point as usize]];
         }
         for triangle in &solved.triangles {
             let known = triangle.iter().map(|&corner| part_of[corner as usize]).find(|&part| part != NONE);
@@ -92,16 +93,22 @@ impl<'a> Domain<'a> {
                 *part = if *part == NONE { known.unwrap_or(0) } else { *part };
             }
         }
-        let twin = |part: &u32| self.place(self.twins[*part as usize][1]).expect("a joined shell") as u8;
+        let twin_of: HashMap<u32, u32> =
+            self.twins.iter().map(|[own, twin]| (number[own], number[twin])).collect();
         Some(TwinParts {
-            twin: part_of.iter().map(twin).collect(),
+            twin: part_of.iter().map(|part| twin_of[part] as u8).collect(),
             own: part_of.iter().map(|&part| part as u8).collect(),
         })
     }
 
-    /// Where a shell stands among the joined ones.
-    fn place(&self, shell: u32) -> Option<u32> {
-        self.twins.iter().position(|&[own, _]| own == shell).map(|place| place as u32)
+    /// The number of each joined shell. Those of two twins differ in all bits: on the way to its twin, a part's own code is the farthest.
+    fn numbers(&self) -> HashMap<u32, u32> {
+        let last = MOST_PARTS as u32 - 1;
+        let mut free = (0..).flat_map(|number| [number, last - number]);
+        let (alone, pairs): (Vec<[u32; 2]>, Vec<[u32; 2]>) =
+            self.twins.iter().filter(|[own, twin]| own <= twin).partition(|[own, twin]| own == twin);
+        let shells = pairs.into_iter().flatten().chain(alone.into_iter().map(|[own, _]| own));
+        shells.zip(&mut free).collect()
     }
 }
 

@@ -11,6 +11,7 @@ use crate::spectral::laplacian::IntrinsicSurface;
 use crate::spectral::sampling::Samples;
 use crate::spectral::twin_parts::TwinParts;
 use faer::Mat;
+use std::collections::BTreeMap;
 
 /// Sizes of the starts.
 const SIZES: [usize; 2] = [12, 30];
@@ -26,17 +27,22 @@ impl TwinDistances {
     pub fn new(surface: &IntrinsicSurface, samples: &Samples) -> Option<TwinDistances> {
         let TwinParts { own, twin } = surface.parts.as_ref()?;
         let edges = EdgeLengths::new(surface.vertex_count(), &surface.triangles, &surface.edge_lengths);
-        let count = own.iter().max().map_or(0, |&last| usize::from(last) + 1);
-        let (mut members, mut twins) = (vec![Vec::new(); count], vec![0; count]);
+        let mut members: BTreeMap<u8, (Vec<u32>, u8)> = BTreeMap::new();
         for (vertex, (&part, &twin)) in (0..).zip(own.iter().zip(twin)) {
-            members[usize::from(part)].push(vertex);
-            twins[usize::from(part)] = usize::from(twin);
+            members.entry(part).or_insert((Vec::new(), twin)).0.push(vertex);
         }
-        let from: Vec<Vec<f64>> = members.iter().map(|part| edges.distances(part)).collect();
-        let at = |i: usize, part: usize| from[part][samples.vertices[i] as usize].sqrt() as f32;
+        // A part may have no vertex left on a proxy.
+        let pairs: Vec<[u8; 2]> = members
+            .iter()
+            .map(|(&part, &(_, twin))| [part, twin])
+            .filter(|[_, twin]| members.contains_key(twin))
+            .collect();
+        let from: BTreeMap<u8, Vec<f64>> =
+            members.iter().map(|(&part, (vertices, _))| (part, edges.distances(vertices))).collect();
+        let at = |i: usize, part: u8| from[&part][samples.vertices[i] as usize].sqrt() as f32;
         Some(TwinDistances {
-            own: Mat::from_fn(samples.count(), count, at),
-            twins: Mat::from_fn(samples.count(), count, |i, part| at(i, twins[part])),
+            own: Mat::from_fn(samples.count(), pairs.len(), |i, k| at(i, pairs[k][0])),
+            twins: Mat::from_fn(samples.count(), pairs.len(), |i, k| at(i, pairs[k][1])),
         })
     }
 
