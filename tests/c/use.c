@@ -258,7 +258,9 @@ static void arrays(void) {
     for (int i = 0; i < 27; ++i)
         positions[i] = (float)SQUARE[i];
     const uint32_t cut[24] = {0, 1, 4, 0, 4, 3, 1, 2, 4, 2, 5, 4, 3, 4, 6, 4, 7, 6, 4, 5, 8, 4, 8, 7};
+    const size_t live = isym_handle_count();
     OK(isym_mesh_from_triangles(SQUARE, 9, cut, 8, &triangles));
+    EXPECT(isym_handle_count() == live + 1);
     OK(isym_mesh_from_triangles_f32(positions, 9, cut, 8, &single));
     OK(isym_mesh_from_polygons_f32(positions, 9, SQUARE_OFFSETS, 4, SQUARE_QUADS, 16, &turned));
     OK(isym_mesh_connectivity_hash(triangles, &first));

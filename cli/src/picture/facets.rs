@@ -170,3 +170,35 @@ pub fn brightness(normal: [f32; 3]) -> f32 {
     let lit: f32 = (0..3).map(|k| LIGHT[k] * normal[k] / toward_eye).sum();
     AMBIENT + (1.06 - AMBIENT) * lit.max(0.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use intrinsym::{Limits, PolygonMesh};
+
+    /// A tetrahedron about the origin, its faces wound outward or inward.
+    fn tetrahedron(outward: bool) -> Mesh {
+        let positions = vec![[1.0, 1.0, 1.0], [1.0, -1.0, -1.0], [-1.0, 1.0, -1.0], [-1.0, -1.0, 1.0]];
+        let mut face_vertices = vec![0, 1, 2, 0, 3, 1, 0, 2, 3, 1, 3, 2];
+        if !outward {
+            face_vertices.chunks_mut(3).for_each(|face| face.swap(1, 2));
+        }
+        let polygons = PolygonMesh { positions, face_offsets: vec![0, 3, 6, 9, 12], face_vertices };
+        Mesh::new(&polygons, &Limits::default()).expect("a usable mesh")
+    }
+
+    #[test]
+    fn normals_of_a_closed_shell_point_outward_however_it_is_wound() {
+        for mesh in [tetrahedron(true), tetrahedron(false)] {
+            for (normal, position) in point_normals(&mesh).into_iter().zip(&mesh.positions) {
+                assert!((dot(normal, *position) - dot(*position, *position).sqrt()).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn distances_are_in_the_picture() {
+        let corner = |place| Corner { place, normal: [0.0; 3], colour: [0.0; 3] };
+        assert_eq!(length(&corner([1.0, 9.0, 5.0]), &corner([4.0, 5.0, 0.0])), 5.0);
+    }
+}

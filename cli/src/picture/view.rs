@@ -1,6 +1,6 @@
 //! Where to look from: upright, and so that both sides of the symmetry are seen.
 
-use intrinsym::internals::mesh::vector::{Vector, cross, dot, subtract, triangle_area};
+use intrinsym::internals::mesh::vector::{Vector, cross, dot, point_areas, subtract};
 use intrinsym::{Mesh, NONE, Symmetry};
 
 /// The direction that points up in the picture.
@@ -68,7 +68,7 @@ impl View {
 /// each weighted by its vertex's area, whatever the distance (an outstretched arm counts no more than a rib).
 fn mean_direction_across(mesh: &Mesh, symmetry: &Symmetry) -> Vector {
     let mut moment = [[0.0; 3]; 3];
-    for (point, area) in point_areas(mesh).into_iter().enumerate() {
+    for (point, area) in point_areas(&mesh.positions, &mesh.triangles).into_iter().enumerate() {
         let Ok(partner) = usize::try_from(symmetry.partner[mesh.vertex_of_point[point] as usize]) else {
             continue;
         };
@@ -92,18 +92,6 @@ fn principal_axis(moment: &[Vector; 3]) -> Option<Vector> {
         axis = normalised(std::array::from_fn(|i| dot(moment[i], axis)))?;
     }
     Some(axis)
-}
-
-/// A third of the area of the triangles round each point.
-fn point_areas(mesh: &Mesh) -> Vec<f64> {
-    let mut areas = vec![0.0; mesh.positions.len()];
-    for triangle in &mesh.triangles {
-        let [a, b, c] = triangle.map(|point| mesh.positions[point as usize]);
-        for &point in triangle {
-            areas[point as usize] += triangle_area(a, b, c) / 3.0;
-        }
-    }
-    areas
 }
 
 /// The unit vector that points up.
