@@ -200,25 +200,26 @@ impl<'a> Gatherer<'a> {
         let token = progress.token();
         let shells = self.mesh.shells();
         let total: f64 = shells.iter().map(Shell::area).sum();
-        let place = places_of_shells(self.mesh, &shells);
         let partner = |shell: &Shell| {
+            if !(LEAST..MOST).contains(&(shell.area() / total)) {
+                return None;
+            }
             let is_open = |&&point: &&u32| {
                 let point = point as usize;
                 map.partner[point] != NONE && !map.settled[point] && !map.exact[point]
             };
-            let partners = shell.points.iter().filter(is_open).map(|&point| map.partner[point as usize]);
             let mut counts = HashMap::new();
-            partners.for_each(|partner| {
-                *counts.entry(place[self.mesh.shell_of_point[partner as usize] as usize]).or_insert(0) += 1
-            });
+            for &point in shell.points.iter().filter(is_open) {
+                let target = self.mesh.shell_of_point[map.partner[point as usize] as usize];
+                *counts.entry(target as usize).or_insert(0) += 1;
+            }
             let (target, count) = counts.into_iter().max_by_key(|&(target, count)| (count, target))?;
-            let is_part = (LEAST..MOST).contains(&(shell.area() / total));
-            (is_part && 2 * count > shell.points.len()).then_some(target)
+            (2 * count > shell.points.len()).then_some(target)
         };
         let fit = |shell: &Shell| -> Result<Option<(usize, VertexMap)>> {
             token.check()?;
-            let Some(place) = partner(shell) else { return Ok(None) };
-            let target = &shells[place];
+            let Some(number) = partner(shell) else { return Ok(None) };
+            let target = &shells[number];
             let on_target = |&point: &u32| {
                 let image = map.image[point as usize];
                 let triangle = target.triangle_of_local.binary_search(&image.triangle).ok()?;
@@ -226,7 +227,7 @@ impl<'a> Gatherer<'a> {
                     .then_some(TrianglePoint { triangle: triangle as u32, ..image })
             };
             let images: Vec<Option<TrianglePoint>> = shell.points.iter().map(on_target).collect();
-            Ok(rigid_parts::onto(shell, target, &images, kind).map(|images| (place, images)))
+            Ok(rigid_parts::onto(shell, target, &images, kind).map(|images| (number, images)))
         };
         let found: Result<Vec<_>> = threads::map(threads, shells.iter().collect(), fit).into_iter().collect();
         let mut is_moved = false;
@@ -485,15 +486,6 @@ fn images_by(
         Some(proxy) => proxy.restrict(&partners),
         None => VertexMap::at_vertices(&shell.triangles, partners),
     })
-}
-
-/// Where the shell that the mesh gives each number stands among its `shells`.
-fn places_of_shells(mesh: &Mesh, shells: &[Shell]) -> Vec<usize> {
-    let mut places = vec![0; mesh.shell_count];
-    for (place, shell) in shells.iter().enumerate() {
-        places[mesh.shell_of_point[shell.points[0] as usize] as usize] = place;
-    }
-    places
 }
 
 /// Gives vertices without a partner that of the nearest vertex with one, counted in edges.
