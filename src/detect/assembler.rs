@@ -28,7 +28,6 @@ use crate::refine::rigid_parts::{self, Carrier, Fitted};
 use crate::spectral::displacement::mean_displacement;
 use crate::verify::confidence::Evidence;
 use crate::verify::hypothesis::{Hypothesis, exchanges_sheets};
-use std::collections::HashMap;
 
 /// Distance of a plane's image from the surface, in sqrt(area), from which on a point has no partner.
 const LOST: f64 = 0.03;
@@ -208,13 +207,11 @@ impl<'a> Gatherer<'a> {
                 let point = point as usize;
                 map.partner[point] != NONE && !map.settled[point] && !map.exact[point]
             };
-            let mut counts = HashMap::new();
+            let mut counts = vec![0; shells.len()];
             for &point in shell.points.iter().filter(is_open) {
-                let target = self.mesh.shell_of_point[map.partner[point as usize] as usize];
-                *counts.entry(target as usize).or_insert(0) += 1;
+                counts[self.mesh.shell_of_point[map.partner[point as usize] as usize] as usize] += 1;
             }
-            let (target, count) = counts.into_iter().max_by_key(|&(target, count)| (count, target))?;
-            (2 * count > shell.points.len()).then_some(target)
+            counts.iter().position(|&count| 2 * count > shell.points.len())
         };
         let fit = |shell: &Shell| -> Result<Option<(usize, VertexMap)>> {
             token.check()?;

@@ -15,7 +15,6 @@ use crate::spectral::twin_parts::{MOST_PARTS, TwinParts};
 use crate::verify::choose::ANY;
 use crate::verify::hypothesis::exchanges_sheets;
 use crate::verify::reason::Reason;
-use std::collections::HashMap;
 
 /// A mesh with the shell on which its symmetries are sought.
 pub struct Domain<'a> {
@@ -84,7 +83,7 @@ impl<'a> Domain<'a> {
         let number = self.numbers();
         let mut part_of = vec![NONE; solved.points.len()];
         for (part, &point) in part_of.iter_mut().zip(&solved.points).filter(|(_, point)| **point != NONE) {
-            *part = number[&self.question.mesh.shell_of_point[point as usize]];
+            *part = number[self.question.mesh.shell_of_point[point as usize] as usize];
         }
         for triangle in &solved.triangles {
             let known = triangle.iter().map(|&corner| part_of[corner as usize]).find(|&part| part != NONE);
@@ -93,22 +92,25 @@ impl<'a> Domain<'a> {
                 *part = if *part == NONE { known.unwrap_or(0) } else { *part };
             }
         }
-        let twin_of: HashMap<u32, u32> =
-            self.twins.iter().map(|[own, twin]| (number[own], number[twin])).collect();
+        let mut twin_of = [0; MOST_PARTS];
+        for [own, twin] in self.twins.iter().map(|pair| pair.map(|shell| number[shell as usize])) {
+            twin_of[own as usize] = twin as u8;
+        }
         Some(TwinParts {
-            twin: part_of.iter().map(|part| twin_of[part] as u8).collect(),
+            twin: part_of.iter().map(|&part| twin_of[part as usize]).collect(),
             own: part_of.iter().map(|&part| part as u8).collect(),
         })
     }
 
-    /// The number of each joined shell. Those of two twins differ in all bits: on the way to its twin, a part's own code is the farthest.
-    fn numbers(&self) -> HashMap<u32, u32> {
+    /// The number of each shell among the joined ones. Those of two twins differ in all bits: on the way to its twin, a part's own code is the farthest.
+    fn numbers(&self) -> Vec<u32> {
         let last = MOST_PARTS as u32 - 1;
         let mut free = (0..).flat_map(|number| [number, last - number]);
-        let (alone, pairs): (Vec<[u32; 2]>, Vec<[u32; 2]>) =
-            self.twins.iter().filter(|[own, twin]| own <= twin).partition(|[own, twin]| own == twin);
-        let shells = pairs.into_iter().flatten().chain(alone.into_iter().map(|[own, _]| own));
-        shells.zip(&mut free).collect()
+        let mut numbers = vec![NONE; self.question.mesh.shell_count];
+        let pairs = self.twins.iter().filter(|[own, twin]| own < twin).flatten();
+        let alone = self.twins.iter().filter(|[own, twin]| own == twin).map(|[own, _]| own);
+        pairs.chain(alone).zip(&mut free).for_each(|(&shell, number)| numbers[shell as usize] = number);
+        numbers
     }
 }
 

@@ -145,7 +145,7 @@ fn parts<'a>(
         let mut near: Vec<u32> = places.iter().map(|place| place.partner).collect();
         let mut nearest = mapped.most_alike(&mut near);
         let motion = start.settled(&places, &mut nearest, approach);
-        let trust = 1.0 / (1.0 + (motion.left(&places, nearest) / TRUSTED).powi(4));
+        let trust = 1.0 / (1.0 + (motion.left(&places, &mut nearest) / TRUSTED).powi(4));
         Ok(Part { disc, start, motion, trust })
     };
     threads::map(threads, discs.iter().collect(), part).into_iter().collect()

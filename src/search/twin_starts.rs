@@ -9,9 +9,8 @@ use crate::search::functional_map::Projection;
 use crate::search::refinement::{SampleRefiner, nearest};
 use crate::spectral::laplacian::IntrinsicSurface;
 use crate::spectral::sampling::Samples;
-use crate::spectral::twin_parts::TwinParts;
+use crate::spectral::twin_parts::{MOST_PARTS, TwinParts};
 use faer::Mat;
-use std::collections::BTreeMap;
 
 /// Sizes of the starts.
 const SIZES: [usize; 2] = [12, 30];
@@ -27,22 +26,19 @@ impl TwinDistances {
     pub fn new(surface: &IntrinsicSurface, samples: &Samples) -> Option<TwinDistances> {
         let TwinParts { own, twin } = surface.parts.as_ref()?;
         let edges = EdgeLengths::new(surface.vertex_count(), &surface.triangles, &surface.edge_lengths);
-        let mut members: BTreeMap<u8, (Vec<u32>, u8)> = BTreeMap::new();
+        let (mut members, mut twins) = (vec![Vec::new(); MOST_PARTS], [0; MOST_PARTS]);
         for (vertex, (&part, &twin)) in (0..).zip(own.iter().zip(twin)) {
-            members.entry(part).or_insert((Vec::new(), twin)).0.push(vertex);
+            members[usize::from(part)].push(vertex);
+            twins[usize::from(part)] = usize::from(twin);
         }
+        let from: Vec<Vec<f64>> = members.iter().map(|part| edges.distances(part)).collect();
         // A part may have no vertex left on a proxy.
-        let pairs: Vec<[u8; 2]> = members
-            .iter()
-            .map(|(&part, &(_, twin))| [part, twin])
-            .filter(|[_, twin]| members.contains_key(twin))
-            .collect();
-        let from: BTreeMap<u8, Vec<f64>> =
-            members.iter().map(|(&part, (vertices, _))| (part, edges.distances(vertices))).collect();
-        let at = |i: usize, part: u8| from[&part][samples.vertices[i] as usize].sqrt() as f32;
+        let is_left = |part: &usize| !members[*part].is_empty() && !members[twins[*part]].is_empty();
+        let parts: Vec<usize> = (0..MOST_PARTS).filter(is_left).collect();
+        let at = |i: usize, part: usize| from[part][samples.vertices[i] as usize].sqrt() as f32;
         Some(TwinDistances {
-            own: Mat::from_fn(samples.count(), pairs.len(), |i, k| at(i, pairs[k][0])),
-            twins: Mat::from_fn(samples.count(), pairs.len(), |i, k| at(i, pairs[k][1])),
+            own: Mat::from_fn(samples.count(), parts.len(), |i, k| at(i, parts[k])),
+            twins: Mat::from_fn(samples.count(), parts.len(), |i, k| at(i, twins[parts[k]])),
         })
     }
 

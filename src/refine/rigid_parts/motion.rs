@@ -98,7 +98,7 @@ impl Motion {
     pub fn settled(
         self,
         places: &[Place],
-        nearest: &mut impl FnMut(usize, Oriented) -> Oriented,
+        nearest: &mut dyn FnMut(usize, Oriented) -> Oriented,
         Approach { rounds, noise, held, free }: Approach,
     ) -> Motion {
         let (spread, mut motion, mut start) = (Spread::of(places), self, self);
@@ -113,7 +113,7 @@ impl Motion {
 
     /// Root mean square distance of the places from the tangent planes of the surface `nearest` to them, in sqrt(area); none counts as more
     /// than [`ROBUST`].
-    pub fn left(&self, places: &[Place], mut nearest: impl FnMut(usize, Oriented) -> Oriented) -> f64 {
+    pub fn left(&self, places: &[Place], nearest: &mut dyn FnMut(usize, Oriented) -> Oriented) -> f64 {
         let (mut squares, mut weights) = (0.0, 0.0);
         for (index, place) in places.iter().enumerate() {
             let goal = self.of_oriented(place.own);
@@ -157,7 +157,7 @@ impl Motion {
         start: &Motion,
         places: &[Place],
         spread: &Spread,
-        nearest: &mut impl FnMut(usize, Oriented) -> Oriented,
+        nearest: &mut dyn FnMut(usize, Oriented) -> Oriented,
         [noise, held]: [f64; 2],
     ) -> Motion {
         let about = self.of(spread.middle);

@@ -109,7 +109,7 @@ impl Surface<'_> {
             Oriented { position, normal: unit(cross(subtract(b, a), subtract(c, a))) }
         };
         let motion = start.settled(places, &mut nearest, approach);
-        (motion.left(places, nearest), motion)
+        (motion.left(places, &mut nearest), motion)
     }
 
     /// The best of a motion and others from starts that are turned, if it lies on the surface.
