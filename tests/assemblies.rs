@@ -135,3 +135,24 @@ fn the_plane_of_a_turned_creature_is_its_own() {
 fn a_sphere_has_no_plane_of_its_own() {
     assert!(MirrorPlane::of(&validated(&icosphere(3))).is_none());
 }
+
+/// A body that left and right mirror exactly, and front and back but for a nose.
+#[test]
+fn the_plane_that_mirrors_more_is_taken() {
+    for (width, nose, height) in [(1.1, 0.2, 0.5), (1.2, 0.2, 0.2), (1.2, 0.3, 0.5), (1.3, 0.2, 0.5)] {
+        let mut mesh = icosphere(4);
+        for position in &mut mesh.positions {
+            let [x, y, z] = *position;
+            let bump = (-(x * x + (z - height).powi(2)) / 0.05).exp();
+            let nose = if y > 0.0 { nose * bump } else { 0.0 };
+            *position = [width * x, 0.75 * y + nose, 1.7 * z * (1.0 + 0.2 * z)];
+        }
+        let partner = &found(&mesh).symmetries[0].partner;
+        let is_right = |&vertex: &usize| {
+            let ([x, y, z], image) = (mesh.positions[vertex], mesh.positions[partner[vertex] as usize]);
+            distance(image, [-x, y, z]) < 0.1
+        };
+        let right = (0..partner.len()).filter(is_right).count();
+        assert!(10 * right > 9 * partner.len(), "{width} {nose} {height}: {right} of {}", partner.len());
+    }
+}

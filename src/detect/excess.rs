@@ -41,6 +41,8 @@ const ALIKE: f64 = 0.035;
 const LIMBS: usize = 2;
 /// Rings of vertices around a defect that a pairing leaves out, though they have counterparts.
 const RINGS: usize = 3;
+/// Pieces that a pairing leaves out on both sides are counterparts if one has at least this share of the area of the other.
+const ALIKE_AREA: f64 = 0.2;
 /// Least area of a part, and least of the rest, by their share of the shell.
 const LEAST: f64 = 0.01;
 const REST: f64 = 0.5;
@@ -109,12 +111,14 @@ impl<'a> Excess<'a> {
 
     /// The rest of the shell without what `is_part`.
     fn without(&self, is_part: &[bool]) -> Option<Shell> {
-        let is_large = |piece: &[u32]| area(self.shell, piece) >= LEAST;
-        rest(self.shell, |own| is_part[self.coarse_vertex(own)], is_large)
+        let are_large =
+            |pieces: &[Vec<u32>]| pieces.iter().map(|piece| area(self.shell, piece) >= LEAST).collect();
+        rest(self.shell, |own| is_part[self.coarse_vertex(own)], are_large)
     }
 }
 
-/// What is left of a shell without the parts whose vertices a pairing by connectivity leaves out. Around a defect a few rings are left out: these stay.
+/// What is left of a shell without the parts whose vertices a pairing by connectivity leaves out. Around a defect a few rings are left out, and where two
+/// counterparts are triangulated otherwise both are: these stay.
 pub fn paired_rest(shell: &Shell, partner: &[u32]) -> Option<Shell> {
     let is_left_out: Vec<bool> = shell.points.iter().map(|&point| partner[point as usize] == NONE).collect();
     let mut is_deep = is_left_out.clone();
@@ -126,22 +130,50 @@ pub fn paired_rest(shell: &Shell, partner: &[u32]) -> Option<Shell> {
             }
         }
     }
-    let holds = |pieces: &[u32]| {
-        pieces.iter().any(|&own| shell.triangles[own as usize].iter().any(|&corner| is_deep[corner as usize]))
+    let corners =
+        |piece: &[u32]| -> Vec<u32> { piece.iter().flat_map(|&own| shell.triangles[own as usize]).collect() };
+    let goes = |pieces: &[Vec<u32>]| -> Vec<bool> {
+        let mut piece_of = vec![NONE; is_left_out.len()];
+        for (piece, index) in pieces.iter().zip(0..) {
+            corners(piece).into_iter().for_each(|corner| piece_of[corner as usize] = index);
+        }
+        // The piece that most of the border goes to.
+        let counterpart = |piece: &[u32]| {
+            let mut counts = vec![0; pieces.len()];
+            for corner in corners(piece).into_iter().filter(|&corner| !is_left_out[corner as usize]) {
+                let image = shell.points.binary_search(&partner[shell.points[corner as usize] as usize]);
+                let there = image.map_or(NONE, |image| piece_of[image]);
+                if there != NONE {
+                    counts[there as usize] += 1;
+                }
+            }
+            (0..pieces.len()).filter(|&index| counts[index] > 0).max_by_key(|&index| counts[index])
+        };
+        let has_counterpart = |piece: &[u32]| {
+            let ratio = |other: usize| area(shell, &pieces[other]) / area(shell, piece);
+            counterpart(piece).is_some_and(|other| (ALIKE_AREA..ALIKE_AREA.recip()).contains(&ratio(other)))
+        };
+        let is_deep = |piece: &[u32]| corners(piece).into_iter().any(|corner| is_deep[corner as usize]);
+        pieces.iter().map(|piece| is_deep(piece) && !has_counterpart(piece)).collect()
     };
-    rest(shell, |own| is_left_out[own], holds)
+    rest(shell, |own| is_left_out[own], goes)
 }
 
-/// The largest connected rest of a shell without the pieces of what `is_part` that may go; `None` if none goes, or too much.
-fn rest(shell: &Shell, is_part: impl Fn(usize) -> bool, goes: impl Fn(&[u32]) -> bool) -> Option<Shell> {
+/// The largest connected rest of a shell without the pieces of what `is_part` that go; `None` if none goes, or too much.
+fn rest(
+    shell: &Shell,
+    is_part: impl Fn(usize) -> bool,
+    goes: impl Fn(&[Vec<u32>]) -> Vec<bool>,
+) -> Option<Shell> {
     let triangles = &shell.triangles;
     let touches = |own: &u32| triangles[*own as usize].iter().any(|&at| is_part(at as usize));
     let (parts, mut kept): (Vec<u32>, Vec<u32>) = (0..triangles.len() as u32).partition(touches);
-    let (gone, stay): (Vec<_>, Vec<_>) = connected(shell, parts).into_iter().partition(|piece| goes(piece));
-    kept.extend(stay.into_iter().flatten());
+    let pieces = connected(shell, parts);
+    let goes = goes(&pieces);
+    kept.extend(pieces.iter().zip(&goes).filter(|(_, goes)| !**goes).flat_map(|(piece, _)| piece));
     kept.sort_unstable();
     let rest = connected(shell, kept).into_iter().next().filter(|rest| area(shell, rest) >= REST)?;
-    if gone.is_empty() {
+    if !goes.contains(&true) {
         return None;
     }
     let corners: Vec<[u32; 3]> = rest.iter().map(|&own| triangles[own as usize]).collect();

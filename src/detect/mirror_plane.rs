@@ -29,7 +29,7 @@ const ROUNDS: usize = 8;
 const KEPT: f64 = 0.8;
 /// Images of a plane worth looking at are this near to the surface, in sqrt(area), in the median.
 const NEAR: f64 = 0.015;
-/// From this median on a plane is not fitted any more.
+/// From this median on a plane is not fitted any more, and no place counts as farther from its image.
 const HOPELESS: f64 = 0.04;
 /// A point whose image is farther than this, in sqrt(area), from where it should be does not count.
 const FAR: f64 = 0.03;
@@ -79,10 +79,18 @@ impl MirrorPlane {
         let fitted: Vec<Vector> = some(FITTED);
         let planes = (0..3)
             .map(|k| MirrorPlane { normal: axes[k], offset: dot(axes[k], middle) }.fitted(&fitted, &tree));
-        let (near, median) = planes.min_by(|a, b| a.1.total_cmp(&b.1))?;
-        if median >= NEAR {
-            return None;
-        }
+        // A front may be like its back but for a face: what is far from its image counts, too.
+        let compared: Vec<Vector> = some(SETTLED);
+        let left = |plane: &MirrorPlane| -> f64 {
+            let away = |&from: &Vector| {
+                let image = plane.image(from);
+                let near = *tree.nearest_neighbor(image).expect("a place").geom();
+                squared_norm(subtract(image, near)).sqrt().min(HOPELESS)
+            };
+            compared.iter().map(away).sum()
+        };
+        let near = planes.filter(|(_, median)| *median < NEAR).map(|(plane, _)| (left(&plane), plane));
+        let (_, near) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let surface = SurfaceWalk::new(&mesh.positions, &mesh.triangles);
         let nearest = |goal: Vector| {
             let place = tree.nearest_neighbor(goal).expect("a place").data;
@@ -97,7 +105,7 @@ impl MirrorPlane {
         // Places depend on how the mesh lies; points of it do not.
         let step = mesh.point_count().div_ceil(POINTS).max(1);
         let points: Vec<Vector> = mesh.positions.iter().step_by(step).copied().collect();
-        near.settled(&some(SETTLED), nearest)?.settled(&points, nearest)
+        near.settled(&compared, nearest)?.settled(&points, nearest)
     }
 
     /// The plane nearby whose images lie best on the surface, of which `nearest` gives the nearest point and the normal there; `None` if it does not mirror most of the places.
