@@ -152,13 +152,12 @@ impl<'a> Gatherer<'a> {
         let is_moved = self.settle_whole_shells(&mut map, summary.kind, threads, progress)?;
         if self.shells.len() > 1 {
             // The others follow what whole shells and vertices say of this one, if they say something.
-            let by_vertices =
-                match is_moved | self.settle(&mut map, summary.kind, |_| true, threads, progress)? {
-                    true => images_by(searched, proxy, self.mesh, |point| map.partner[point as usize]),
-                    false => None,
-                };
+            let is_settled = self.settle(&mut map, summary.kind, |_| true, threads, progress)?;
+            let partner = |point: u32| map.partner[point as usize];
+            let settled = (is_moved || is_settled).then(|| images_by(searched, proxy, self.mesh, partner));
+            let settled = settled.flatten();
             let solved = proxy.map_or(searched, |proxy| &proxy.shell);
-            let images = by_vertices.as_ref().unwrap_or(images);
+            let images = settled.as_ref().unwrap_or(images);
             self.add_companions(&mut map, solved, images, summary.kind, progress)?;
             self.settle_whole_shells(&mut map, summary.kind, threads, progress)?;
         }
@@ -224,7 +223,7 @@ impl<'a> Gatherer<'a> {
                     .then_some(TrianglePoint { triangle: triangle as u32, ..image })
             };
             let images: Vec<Option<TrianglePoint>> = shell.points.iter().map(on_target).collect();
-            Ok(rigid_parts::onto(shell, target, &images, kind).map(|images| (number, images)))
+            Ok(rigid_parts::fit_whole_shell(shell, target, &images, kind).map(|images| (number, images)))
         };
         let found: Result<Vec<_>> = threads::map(threads, shells.iter().collect(), fit).into_iter().collect();
         let mut is_moved = false;

@@ -36,7 +36,7 @@ pub struct PointMap {
     pub odd: Vec<f64>,
     /// Whether the partner comes from mirrored connectivity.
     pub exact: Vec<bool>,
-    /// Whether the vertices there were asked.
+    /// Whether mirrored connectivity and vertices have been looked for here: a later look leaves the point as it is.
     pub settled: Vec<bool>,
 }
 

@@ -82,12 +82,7 @@ impl MirrorPlane {
         // A front may be like its back but for a face: what is far from its image counts, too.
         let compared: Vec<Vector> = some(SETTLED);
         let left = |plane: &MirrorPlane| -> f64 {
-            let away = |&from: &Vector| {
-                let image = plane.image(from);
-                let near = *tree.nearest_neighbor(image).expect("a place").geom();
-                squared_norm(subtract(image, near)).sqrt().min(HOPELESS)
-            };
-            compared.iter().map(away).sum()
+            compared.iter().map(|&from| plane.nearest(from, &tree).0.sqrt().min(HOPELESS)).sum()
         };
         let near = planes.filter(|(_, median)| *median < NEAR).map(|(plane, _)| (left(&plane), plane));
         let (_, near) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
@@ -148,13 +143,20 @@ impl MirrorPlane {
         squared_norm(apart).sqrt() + 2.0 * (self.offset - same * other.offset).abs()
     }
 
+    /// The place nearest to the mirror image of another, and its squared distance.
+    fn nearest(&self, from: Vector, tree: &RTree<Leaf>) -> (f64, Vector) {
+        let image = self.image(from);
+        let near = *tree.nearest_neighbor(image).expect("a place").geom();
+        (squared_norm(subtract(image, near)), near)
+    }
+
     /// The plane nearby that fits best, and the median distance of images from the surface.
     fn fitted(mut self, sought: &[Vector], tree: &RTree<Leaf>) -> (MirrorPlane, f64) {
         let mut median = f64::INFINITY;
         for _ in 0..ROUNDS {
             let pair = |&from: &Vector| {
-                let near = *tree.nearest_neighbor(self.image(from)).expect("a place").geom();
-                (squared_norm(subtract(self.image(from), near)), from, near)
+                let (squared, near) = self.nearest(from, tree);
+                (squared, from, near)
             };
             let mut pairs: Vec<(f64, Vector, Vector)> = sought.iter().map(pair).collect();
             pairs.sort_by(|a, b| a.0.total_cmp(&b.0));

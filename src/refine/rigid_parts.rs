@@ -20,7 +20,7 @@ mod turned_parts;
 mod whole_shells;
 
 pub use carrier::Carrier;
-pub use whole_shells::onto;
+pub use whole_shells::fit_whole_shell;
 
 use crate::base::effort::PartsEffort;
 use crate::base::error::Result;
@@ -143,7 +143,7 @@ fn parts<'a>(
         };
         let start = Motion::between(&places, mirrored);
         let mut near: Vec<u32> = places.iter().map(|place| place.partner).collect();
-        let mut nearest = mapped.most_alike(&mut near);
+        let mut nearest = mapped.surface_from(&mut near);
         let motion = start.settled(&places, &mut nearest, approach);
         let trust = 1.0 / (1.0 + (motion.left(&places, &mut nearest) / TRUSTED).powi(4));
         Ok(Part { disc, start, motion, trust })

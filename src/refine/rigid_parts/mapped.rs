@@ -210,7 +210,7 @@ impl<'a> Mapped<'a> {
     }
 
     /// The vertex most like a goal, for each place sought from the one that is `near`, as the surface that a motion is brought to.
-    pub fn most_alike<'n>(&'n self, near: &'n mut [u32]) -> impl FnMut(usize, Oriented) -> Oriented + 'n {
+    pub fn surface_from<'n>(&'n self, near: &'n mut [u32]) -> impl FnMut(usize, Oriented) -> Oriented + 'n {
         |index, goal| {
             near[index] = self.alike(goal, near[index]).0;
             self.oriented(near[index])

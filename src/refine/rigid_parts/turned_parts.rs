@@ -172,7 +172,7 @@ pub(super) fn settle(
     mut near: Vec<u32>,
     approach: Approach,
 ) -> Settled {
-    let motion = start.settled(places, &mut mapped.most_alike(&mut near), approach);
+    let motion = start.settled(places, &mut mapped.surface_from(&mut near), approach);
     let unlike = |goal: Oriented, near: u32| {
         let (near, unlike) = mapped.alike(goal, near);
         if approach.rounds == 0 { f64::from(unlike) } else { mapped.unlike_beside(goal, near) }

@@ -35,7 +35,7 @@ const GONE: f64 = 0.05;
 
 /// Images of all vertices of `own` by the rigid motion that puts it onto `target`, its partner or itself, from `images` on that of some of its vertices; `None` if no such motion
 /// is near. Some ten thousand steps on the surface.
-pub fn onto(
+pub fn fit_whole_shell(
     own: &Shell,
     target: &Shell,
     images: &[Option<TrianglePoint>],
@@ -186,7 +186,7 @@ mod tests {
     fn moved(own: &Shell, target: &Shell) -> Option<Vec<u32>> {
         let partners = (0..AROUND * ALONG).map(|vertex| mirrored(vertex, 2)).collect();
         let images = VertexMap::at_vertices(&target.triangles, partners).points.into_iter().map(Some);
-        let found = onto(own, target, &images.collect::<Vec<_>>(), SymmetryKind::Reflection)?;
+        let found = fit_whole_shell(own, target, &images.collect::<Vec<_>>(), SymmetryKind::Reflection)?;
         Some(found.partners)
     }
 
