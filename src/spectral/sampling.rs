@@ -7,6 +7,7 @@
 use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::twin_parts::TwinParts;
 use faer::{Mat, MatRef};
+use pulp::{Arch, Simd, WithSimd};
 
 /// Coordinates of the embedding that spreads the samples.
 pub const SPREAD_COORDINATES: usize = 8;
@@ -99,27 +100,53 @@ pub type Point = [f32; SPREAD_COORDINATES];
 
 /// Indices of `count` points, or of all, each the farthest from those before it, of equals the first. O(points x count).
 pub fn farthest_points(points: &[Point], count: usize) -> Vec<usize> {
-    let farther = |best: (usize, f32), other: (usize, f32)| if other.1 > best.1 { other } else { best };
+    let columns: [Vec<f32>; SPREAD_COORDINATES] =
+        std::array::from_fn(|j| points.iter().map(|point| point[j]).collect());
     // The first sample is the point farthest from the embedding's origin: a tip of the shape.
-    let radii = points.iter().map(|point| squared(point, &[0.0; SPREAD_COORDINATES]));
-    let (mut next, _) = radii.enumerate().fold((0, -1.0), farther);
-    let mut away = vec![f32::INFINITY; points.len()];
+    let mut away: Vec<f32> = points.iter().map(|point| squared(point, &[0.0; SPREAD_COORDINATES])).collect();
     let mut chosen = Vec::with_capacity(count);
     while chosen.len() < count.min(points.len()) {
+        let most = away.iter().fold(f32::NEG_INFINITY, |most, &away| if away > most { away } else { most });
+        let next = away.iter().position(|&away| away == most).unwrap_or(0);
+        if chosen.is_empty() {
+            away.fill(f32::INFINITY);
+        }
         chosen.push(next);
+        Arch::new().dispatch(Nearer { columns: &columns, newest: &points[next], away: &mut away });
         // Points in one place are chosen once each.
         away[next] = f32::NEG_INFINITY;
-        let newest = points[next];
-        let nearer = |(index, (away, point)): (usize, (&mut f32, &Point))| {
-            *away = squared(point, &newest).min(*away);
-            (index, *away)
-        };
-        (next, _) = away.iter_mut().zip(points).enumerate().map(nearer).fold((0, -1.0), farther);
     }
     chosen
 }
 
+/// Squared distances of points, by columns, from the nearest chosen one, with a new one; compiled for each instruction set.
+struct Nearer<'a> {
+    columns: &'a [Vec<f32>; SPREAD_COORDINATES],
+    newest: &'a Point,
+    away: &'a mut [f32],
+}
+
+impl WithSimd for Nearer<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let count = self.away.len();
+        let [a, b, c, d, e, f, g, h] = self.columns.each_ref().map(|column| &column[..count]);
+        let [p, q, r, s, t, u, v, w] = *self.newest;
+        for i in 0..count {
+            let [a, b, c, d] = [a[i] - p, b[i] - q, c[i] - r, d[i] - s];
+            let [e, f, g, h] = [e[i] - t, f[i] - u, g[i] - v, h[i] - w];
+            let even = (a * a + e * e) + (c * c + g * g);
+            let odd = (b * b + f * f) + (d * d + h * h);
+            let square = even + odd;
+            self.away[i] = if square < self.away[i] { square } else { self.away[i] };
+        }
+    }
+}
+
 /// Four sums side by side, for the vector units.
+#[inline]
 pub fn squared(a: &Point, b: &Point) -> f32 {
     let square = |i: usize| (a[i] - b[i]) * (a[i] - b[i]);
     let sums: [f32; 4] = std::array::from_fn(|i| square(i) + square(i + 4));
