@@ -29,9 +29,6 @@ const FARTHEST: f32 = 0.06;
 const LEAST_TRUST: f32 = 0.65;
 /// A shell that lies farther from its mirrored place than this part of its own sqrt(area) is not its own image: its twin may be missing.
 const BESIDE: f32 = 0.5;
-/// As its own image a shell counts as different in size by this part of the mean difference of the shells around it, but by no more than it lies beside its
-/// mirrored place: its own size says nothing.
-const UNLIKE_ITSELF: f64 = 0.5;
 /// Natural logarithm of the largest ratio of two partners' areas.
 const AREA_TOLERANCE: f64 = 0.3;
 /// Most shells that are assigned together.
@@ -232,17 +229,9 @@ fn pair_shells(
         // One that is its own image has no other of its connectivity nearby.
         let same = |&&target: &&usize| signature(target) == signature(source);
         let any_other = near.iter().filter(same).any(|&target| target != source);
-        let others: Vec<f64> = near
-            .iter()
-            .filter(|&&target| target != source)
-            .map(|&target| similar.differ(source, target))
-            .collect();
-        let own = UNLIKE_ITSELF * others.iter().sum::<f64>() / others.len().max(1) as f64;
         for &target in near.iter().filter(|target| !any_other || same(target)) {
             let gap = 0.5 * (places.mismatch(source, target) + places.mismatch(target, source));
-            let unlike =
-                if target == source { own.min(f64::from(gap)) } else { similar.differ(source, target) };
-            let both = gap.hypot(unlike as f32);
+            let both = gap.hypot(similar.differ(source, target) as f32);
             let is_beside = target == source && gap > BESIDE * shells[source].area().sqrt() as f32;
             if both < FARTHEST && !is_beside {
                 options.insert((source.min(target), source.max(target)), both);
