@@ -23,6 +23,7 @@ pub mod mirror_plane;
 pub mod proxy;
 pub mod question;
 pub mod report;
+pub mod rigid_chain;
 pub mod shell_symmetry;
 pub mod spectrum;
 pub mod stated_signs;

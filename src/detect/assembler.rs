@@ -6,7 +6,6 @@ use crate::base::error::Result;
 use crate::base::options::Options;
 use crate::base::progress::{CancelToken, Progress};
 use crate::base::symmetry_kind::SymmetryKind;
-use crate::base::threads;
 use crate::connectivity::automorphism::{Automorphism, Connectivity};
 use crate::connectivity::mirrored_vertices;
 use crate::detect::assembly::{PointMap, Summary, symmetry};
@@ -17,9 +16,10 @@ use crate::detect::filled_holes::FilledShell;
 use crate::detect::fixed_curve::{odd_function, zero_set};
 use crate::detect::mirror_plane::{MIRRORED, MOSTLY, MirrorPlane};
 use crate::detect::proxy::Proxy;
+use crate::detect::rigid_chain::RigidChain;
 use crate::detect::shell_symmetry::PreparedShell;
 use crate::geometry::adjacency::nearest_seeds;
-use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
+use crate::geometry::embedded_triangles::Fans;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{dot, point_areas, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell, anchors};
@@ -32,10 +32,6 @@ use crate::verify::hypothesis::{Hypothesis, exchanges_sheets};
 /// Distance of a plane's image from the surface, in sqrt(area), from which on a point has no partner.
 const LOST: f64 = 0.03;
 
-/// Shares of the surface of shells whose own form is asked how they are turned: the least, and the most, since larger ones are bodies, which a pose bends.
-const LEAST: f64 = 0.001;
-const MOST: f64 = 0.5;
-
 /// What completing the map of the searched shell to all shells needs.
 pub struct Gatherer<'a> {
     mesh: &'a Mesh,
@@ -45,6 +41,7 @@ pub struct Gatherer<'a> {
     connectivity: Option<&'a Connectivity>,
     /// Whether vertices that are mirrored where edges are not are looked for.
     mirrored_vertices: bool,
+    chain: RigidChain,
 }
 
 /// A map of the searched shell, or of its proxy.
@@ -70,7 +67,12 @@ impl<'a> Gatherer<'a> {
                 *anchor = proxy.nearest_vertex(*anchor);
             }
         }
-        Gatherer { mesh, shells, anchors, connectivity, mirrored_vertices }
+        Gatherer { mesh, shells, anchors, connectivity, mirrored_vertices, chain: RigidChain::default() }
+    }
+
+    /// The same with triangles that join parts of the first shell.
+    pub fn with_joints(self, joints: &[[u32; 3]]) -> Self {
+        Gatherer { chain: RigidChain::new(&self.shells[0], joints), ..self }
     }
 
     /// The symmetry that an exact bijection of the searched shell is, to which the shape agrees; its vertices go to `partners`.
@@ -149,7 +151,7 @@ impl<'a> Gatherer<'a> {
         progress: &Progress,
     ) -> Result<Symmetry> {
         let Known { searched, proxy, images, summary } = known;
-        let is_moved = self.settle_whole_shells(&mut map, summary.kind, threads, progress)?;
+        let is_moved = self.chain.settle(self.mesh, &mut map, summary.kind, threads, progress)?;
         if self.shells.len() > 1 {
             // The others follow what whole shells and vertices say of this one, if they say something.
             let is_settled = self.settle(&mut map, summary.kind, |_| true, threads, progress)?;
@@ -159,7 +161,7 @@ impl<'a> Gatherer<'a> {
             let solved = proxy.map_or(searched, |proxy| &proxy.shell);
             let images = settled.as_ref().unwrap_or(images);
             self.add_companions(&mut map, solved, images, summary.kind, progress)?;
-            self.settle_whole_shells(&mut map, summary.kind, threads, progress)?;
+            self.chain.settle(self.mesh, &mut map, summary.kind, threads, progress)?;
         }
         self.finished(map, summary, |_| true, threads, progress)
     }
@@ -181,59 +183,6 @@ impl<'a> Gatherer<'a> {
             SymmetryKind::HalfTurn => Vec::new(),
         };
         Ok(symmetry(self.mesh, &map, curve, summary))
-    }
-
-    /// Replaces images of shells that are not settled yet, and that a rigid motion puts onto the shell to which most of their points go. Says whether there was any.
-    fn settle_whole_shells(
-        &self,
-        map: &mut PointMap,
-        kind: SymmetryKind,
-        threads: usize,
-        progress: &Progress,
-    ) -> Result<bool> {
-        if self.mesh.shell_count < 2 {
-            return Ok(false);
-        }
-        progress.report("whole shells", 0.96)?;
-        let token = progress.token();
-        let shells = self.mesh.shells();
-        let total: f64 = shells.iter().map(Shell::area).sum();
-        let partner = |shell: &Shell| {
-            if !(LEAST..MOST).contains(&(shell.area() / total)) {
-                return None;
-            }
-            let is_open = |&&point: &&u32| {
-                let point = point as usize;
-                map.partner[point] != NONE && !map.settled[point] && !map.exact[point]
-            };
-            let mut counts = vec![0; shells.len()];
-            for &point in shell.points.iter().filter(is_open) {
-                counts[self.mesh.shell_of_point[map.partner[point as usize] as usize] as usize] += 1;
-            }
-            counts.iter().position(|&count| 2 * count > shell.points.len())
-        };
-        let fit = |shell: &Shell| -> Result<Option<(usize, VertexMap)>> {
-            token.check()?;
-            let Some(number) = partner(shell) else { return Ok(None) };
-            let target = &shells[number];
-            let on_target = |&point: &u32| {
-                let image = map.image[point as usize];
-                let triangle = target.triangle_of_local.binary_search(&image.triangle).ok()?;
-                (map.partner[point as usize] != NONE)
-                    .then_some(TrianglePoint { triangle: triangle as u32, ..image })
-            };
-            let images: Vec<Option<TrianglePoint>> = shell.points.iter().map(on_target).collect();
-            Ok(rigid_parts::fit_whole_shell(shell, target, &images, kind).map(|images| (number, images)))
-        };
-        let found: Result<Vec<_>> = threads::map(threads, shells.iter().collect(), fit).into_iter().collect();
-        let mut is_moved = false;
-        for (own, found) in found?.into_iter().enumerate() {
-            if let Some((target, images)) = found {
-                map.move_shell(self.mesh, &shells[own], &shells[target], &images, own == target);
-                is_moved = true;
-            }
-        }
-        Ok(is_moved)
     }
 
     /// Replaces images of points that are not settled yet by what vertices say of them, and by connectivity whose pairing `may_be` the symmetry. Says

@@ -26,6 +26,7 @@ pub struct Domain<'a> {
     pub filled: Option<FilledShell>,
     /// The shells that are joined to the first of those, and their likely twins.
     twins: &'a [[u32; 2]],
+    joints: &'a [[u32; 3]],
 }
 
 impl<'a> Domain<'a> {
@@ -34,7 +35,7 @@ impl<'a> Domain<'a> {
         // Who states signs means those of the functions that the mesh has as it is.
         let fills = question.mechanisms.filled_holes && !question.options.states_signs();
         let filled = FilledShell::new(&joined.shells[0], &joined.joints, fills);
-        Domain { question, shells: &joined.shells, filled, twins: &joined.twins }
+        Domain { question, shells: &joined.shells, filled, twins: &joined.twins, joints: &joined.joints }
     }
 
     /// The searched shell, its holes filled.
@@ -46,6 +47,7 @@ impl<'a> Domain<'a> {
     pub fn gatherer(&self, proxy: Option<&Proxy>) -> Gatherer<'_> {
         let Question { mesh, mechanisms, connectivity, .. } = self.question;
         Gatherer::new(mesh, self.shells, proxy, connectivity.as_ref(), mechanisms.mirrored_vertices)
+            .with_joints(self.joints)
     }
 
     /// The answer where the connectivity of the searched shell admits one reflection and the shape agrees with it: nothing is solved then.

@@ -22,6 +22,7 @@ pub(super) struct Oriented {
 }
 
 /// A point of a part and its image under the map.
+#[derive(Clone, Copy)]
 pub(super) struct Place {
     pub own: Oriented,
     pub image: Vector,
@@ -63,7 +64,8 @@ impl Motion {
         motion
     }
 
-    fn nearest(places: &[Place], mirrored: bool, weight: impl Fn(&Place) -> f64) -> Motion {
+    /// The motion nearest to what the map does.
+    pub fn nearest(places: &[Place], mirrored: bool, weight: impl Fn(&Place) -> f64) -> Motion {
         let (mut from, mut to, mut all) = ([0.0; 3], [0.0; 3], 0.0);
         let mut products = Matrix::default();
         for place in places {

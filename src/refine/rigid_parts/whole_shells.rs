@@ -22,6 +22,8 @@ const MANY: usize = 200;
 /// How a motion is brought to the surface, at first and in the end.
 const ROUGHLY: Approach = Approach { rounds: 6, noise: 0.0015, held: 0.05, free: true };
 const FINELY: Approach = Approach { rounds: 12, ..ROUGHLY };
+/// The same from where contacts put it.
+const FROM_AFAR: Approach = Approach { noise: 0.01, ..FINELY };
 /// Turns, in radians, about each axis of the shell.
 const TURNS: [f64; 4] = [-0.8, -0.4, 0.4, 0.8];
 /// Motions that are brought to the surface in the end.
@@ -29,16 +31,21 @@ const FOLLOWED: usize = 4;
 /// A shell lies on its partner if it leaves no more than this, and exactly if so little.
 const LIES_ON: f64 = 0.0008;
 const EXACTLY: f64 = 0.0001;
+/// One that is put where what it touches goes lies on its partner if it leaves no more than this, since the two may be cut differently, or so small a part
+/// of what the map leaves.
+const LIES_BESIDE: f64 = 0.002;
+const HALF: f64 = 0.5;
 /// What a motion leaves, and how far it goes from the map, that are as bad.
 const LEFT: f64 = 0.0003;
 const GONE: f64 = 0.05;
 
 /// Images of all vertices of `own` by the rigid motion that puts it onto `target`, its partner or itself, from `images` on that of some of its vertices; `None` if no such motion
-/// is near. Some ten thousand steps on the surface.
+/// is near. `contacts` are vertices that touch other shells, and where, in the target's unit, these say that they go. Some ten thousand steps on the surface.
 pub fn fit_whole_shell(
     own: &Shell,
     target: &Shell,
     images: &[Option<TrianglePoint>],
+    contacts: &[(u32, Vector)],
     kind: SymmetryKind,
 ) -> Option<VertexMap> {
     if own.scale == 0.0 || target.scale == 0.0 {
@@ -48,7 +55,8 @@ pub fn fit_whole_shell(
     let scaled = |shell: &Shell, factor: f64| -> Vec<Vector> {
         shell.positions.iter().map(|position| position.map(|x| factor * x)).collect()
     };
-    let (from, to) = (scaled(own, SIZE), scaled(target, SIZE * own.scale / target.scale));
+    let factor = SIZE * own.scale / target.scale;
+    let (from, to) = (scaled(own, SIZE), scaled(target, factor));
     let surface = Surface {
         walk: SurfaceWalk::new(&to, &target.triangles),
         positions: &to,
@@ -71,11 +79,19 @@ pub fn fit_whole_shell(
     if few.len() < 4 {
         return None;
     }
-    let start = Motion::between(&many, kind == SymmetryKind::Reflection);
+    let mirrored = kind == SymmetryKind::Reflection;
+    let start = Motion::between(&many, mirrored);
     let near = surface.settled(start, &many, FINELY);
-    let (_, motion) = match near.0 < EXACTLY {
+    let contact = |&(vertex, goal): &(u32, Vector)| Place {
+        own: Oriented { position: from[vertex as usize], normal: [0.0; 3] },
+        image: goal.map(|x| factor * x),
+        partner: 0,
+        weight: 1.0,
+    };
+    let held = Held { start, mirrored, contacts: contacts.iter().map(contact).collect() };
+    let (_, motion) = match near.0 < EXACTLY && held.contacts.is_empty() {
         true => near,
-        false => surface.best(near, start, &few, &many)?,
+        false => surface.best(near, &held, &few, &many)?,
     };
     let mut last = 0;
     let image = |(vertex, &position): (usize, &Vector)| {
@@ -112,37 +128,74 @@ impl Surface<'_> {
         (motion.left(places, &mut nearest), motion)
     }
 
-    /// The best of a motion and others from starts that are turned, if it lies on the surface.
-    fn best(
-        &self,
-        near: (f64, Motion),
-        start: Motion,
-        few: &[Place],
-        many: &[Place],
-    ) -> Option<(f64, Motion)> {
+    /// The vertex nearest to a place. O(vertices).
+    fn nearest(&self, goal: Vector) -> u32 {
+        let away = |vertex: &u32| squared_norm(subtract(self.positions[*vertex as usize], goal));
+        (0..self.positions.len() as u32).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(0)
+    }
+
+    /// The best of a motion and others, from starts that are turned and from where the shell is `held`, if it lies on the surface.
+    fn best(&self, near: (f64, Motion), held: &Held, few: &[Place], many: &[Place]) -> Option<(f64, Motion)> {
         let spread = Spread::of(many);
-        let axes = principal_axes(spread.moments).map(|axis| turned(&start.turn, axis));
+        let axes = principal_axes(spread.moments).map(|axis| turned(&held.start.turn, axis));
         let starts = axes.iter().flat_map(|&axis| TURNS.map(|angle| rotation(axis, angle)));
-        let about = start.of(spread.middle);
-        let cost = |(left, motion): &(f64, Motion), places: &[Place]| {
-            let moved = |place: &Place| {
-                squared_norm(subtract(motion.of(place.own.position), start.of(place.own.position)))
-            };
-            let gone = places.iter().map(moved).sum::<f64>() / places.len() as f64;
-            (left / LEFT).powi(2) + gone / (GONE * GONE)
-        };
+        let about = held.start.of(spread.middle);
         let mut roughly: Vec<(f64, Motion)> = starts
-            .map(|turn| self.settled(start.then_turned(&turn, about), few, ROUGHLY))
-            .map(|found| (cost(&found, few), found.1))
+            .map(|turn| self.settled(held.start.then_turned(&turn, about), few, ROUGHLY))
+            .map(|found| (held.cost(&found, few), found.1))
             .collect();
         roughly.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // The map says nothing of where that is on the surface.
+        let there = |motion: &Motion| -> Vec<Place> {
+            let at = |place: &Place| self.nearest(motion.of(place.own.position));
+            many.iter().map(|place| Place { partner: at(place), ..*place }).collect()
+        };
+        let settled = |start: Motion, approach: Approach| self.settled(start, &there(&start), approach);
+        let by_contacts = held.by_contacts(&spread).map(|start| settled(settled(start, FROM_AFAR).1, FINELY));
+        let least = LIES_BESIDE.max(HALF * near.0);
+        let lies_beside =
+            |found: &(f64, Motion)| found.0 < least && held.cost(found, many) < held.cost(&near, many);
         roughly
             .into_iter()
             .take(FOLLOWED)
             .map(|(_, motion)| self.settled(motion, many, FINELY))
             .chain([near])
             .filter(|found| found.0 < LIES_ON)
-            .min_by(|a, b| cost(a, many).total_cmp(&cost(b, many)))
+            .chain(by_contacts.filter(lies_beside))
+            .min_by(|a, b| held.cost(a, many).total_cmp(&held.cost(b, many)))
+    }
+}
+
+/// What says how a shell is turned beside its form: the shells that it touches, or the map.
+struct Held {
+    /// The motion nearest to the map.
+    start: Motion,
+    mirrored: bool,
+    /// Places that touch others, with where these go.
+    contacts: Vec<Place>,
+}
+
+impl Held {
+    /// How bad is what a motion leaves, and how far it goes from what holds the shell.
+    fn cost(&self, (left, motion): &(f64, Motion), places: &[Place]) -> f64 {
+        let from_map = |place: &Place| {
+            squared_norm(subtract(motion.of(place.own.position), self.start.of(place.own.position)))
+        };
+        let from_contact = |place: &Place| squared_norm(subtract(motion.of(place.own.position), place.image));
+        let gone = match self.contacts.len() {
+            0 => places.iter().map(from_map).sum::<f64>() / places.len() as f64,
+            count => self.contacts.iter().map(from_contact).sum::<f64>() / count as f64,
+        };
+        (left / LEFT).powi(2) + gone / (GONE * GONE)
+    }
+
+    /// The motion by the contacts and the middle, which weighs as much as they.
+    fn by_contacts(&self, spread: &Spread) -> Option<Motion> {
+        let own = Oriented { position: spread.middle, normal: [0.0; 3] };
+        let weight = self.contacts.len() as f64;
+        let middle = Place { own, image: self.start.of(spread.middle), partner: 0, weight };
+        let places: Vec<Place> = self.contacts.iter().copied().chain([middle]).collect();
+        (weight > 0.0).then(|| Motion::nearest(&places, self.mirrored, |place| place.weight))
     }
 }
 
@@ -182,12 +235,29 @@ mod tests {
         vertex / AROUND * AROUND + (AROUND - vertex % AROUND + steps) % AROUND
     }
 
+    /// What a map, mirrored and turned on by some steps of 15 degrees, and contacts say of a tube on another.
+    fn found(own: &Shell, target: &Shell, steps: u32, contacts: &[(u32, Vector)]) -> Option<Vec<u32>> {
+        let partners = (0..AROUND * ALONG).map(|vertex| mirrored(vertex, steps)).collect();
+        let images = VertexMap::at_vertices(&target.triangles, partners).points.into_iter().map(Some);
+        let images: Vec<_> = images.collect();
+        Some(fit_whole_shell(own, target, &images, contacts, SymmetryKind::Reflection)?.partners)
+    }
+
+    #[test]
+    fn what_lies_on_itself_in_several_turns_goes_where_it_touches_others() {
+        let own = tube(|[x, y, z]| [x, 0.9 * y, z]);
+        let turned: Vec<u32> = (0..AROUND * ALONG).map(|vertex| mirrored(vertex, 3)).collect();
+        let expected: Vec<u32> = (0..AROUND * ALONG).map(|vertex| mirrored(vertex, 0)).collect();
+        let contact = |vertex: u32| (vertex, own.positions[mirrored(vertex, 0) as usize]);
+        let contacts = [contact(2), contact(8), contact(13)];
+        assert_ne!(turned, expected);
+        assert_eq!(found(&own, &own, 0, &[]).as_ref(), Some(&expected));
+        assert_eq!(found(&own, &own, 12, &contacts).as_ref(), Some(&expected));
+    }
+
     /// Images of a tube on another by a map that is turned by two steps of 15 degrees.
     fn moved(own: &Shell, target: &Shell) -> Option<Vec<u32>> {
-        let partners = (0..AROUND * ALONG).map(|vertex| mirrored(vertex, 2)).collect();
-        let images = VertexMap::at_vertices(&target.triangles, partners).points.into_iter().map(Some);
-        let found = fit_whole_shell(own, target, &images.collect::<Vec<_>>(), SymmetryKind::Reflection)?;
-        Some(found.partners)
+        found(own, target, 2, &[])
     }
 
     #[test]
