@@ -6,8 +6,10 @@ Vertices carry their source in an INT layer: the number of the old vertex, or be
 """
 
 import bmesh
+import numpy as np
 
-from .half_line import LINE, LOSES, WINS
+from .half_faces import without_images
+from .half_labels import LINE, LOSES, STAYS, WINS
 
 #: INT layers of vertices and faces; the second says which faces are copies.
 SOURCE, COPIED = "sym_source", "sym_copied"
@@ -15,12 +17,29 @@ _LABEL = "sym_label"
 
 
 def rebuild(bm, halves):
-    """The faces of the losing half are gone afterwards, and copies of those of the winning half are there."""
+    """The losing half is the mirror image of the winning one afterwards. Faces that are so already stay, and so do the
+    vertices that have twins, and what else hangs on them."""
     label = _written(bm, halves)
-    _cut(bm, halves, label)
-    bmesh.ops.delete(bm, geom=[face for face in bm.faces if _is_lost(face, label)], context="FACES")
-    _copy(bm, [face for face in bm.faces if any(vertex[label] == WINS for vertex in face.verts)], label)
+    source = bm.verts.layers.int[SOURCE]
+    twin = halves.twin.tolist() + list(range(len(halves.twin), len(halves.twin) + len(halves.shares)))
+    for number in np.flatnonzero(halves.labels == LINE).tolist():
+        twin[number] = number
+    _cut(bm, halves, label, twin)
+    alone = _alone(bm, label, twin)
+    lost = [face for face in alone if _is_lost(face, label)]
+    copied = [face for face in alone if any(vertex[label] == WINS for vertex in face.verts)]
+    edges = dict.fromkeys(edge for face in lost for edge in face.edges)
+    vertices = {vertex[source]: vertex for vertex in bm.verts}
+    bmesh.ops.delete(bm, geom=lost, context="FACES_ONLY")
+    _copy(bm, copied, label, {own: vertices[other] for own, other in enumerate(twin) if other >= 0 and other in vertices})
+    _clean(bm, [edge for edge in edges if edge.is_valid], twin)
     bm.verts.layers.int.remove(bm.verts.layers.int[_LABEL])
+
+
+def _alone(bm, label, twin):
+    """The faces of both halves without mirror images."""
+    source, faces = bm.verts.layers.int[SOURCE], [face for face in bm.faces if face.verts[0][label] != STAYS]
+    return [faces[number] for number in without_images([[vertex[source] for vertex in face.verts] for face in faces], twin)]
 
 
 def _written(bm, halves):
@@ -34,7 +53,7 @@ def _written(bm, halves):
     return label
 
 
-def _cut(bm, halves, label):
+def _cut(bm, halves, label, twin):
     """Adds a vertex where the line crosses an edge, and edges between those."""
     source, count = bm.verts.layers.int[SOURCE], len(bm.verts)
     bm.edges.ensure_lookup_table()
@@ -43,8 +62,7 @@ def _cut(bm, halves, label):
         first = next(vertex for vertex in edge.verts if vertex[source] == start)
         cut = bmesh.utils.edge_split(edge, first, share)[1]
         cut[source], cut[label] = count + number, LINE
-    line = [vertex for vertex in bm.verts if vertex[label] == LINE]
-    for face in dict.fromkeys(face for vertex in line for face in vertex.link_faces):
+    for face in _alone(bm, label, twin):
         _split(face, label)
 
 
@@ -66,8 +84,8 @@ def _is_lost(face, label):
     return all(vertex[label] in (LOSES, LINE) for vertex in face.verts)
 
 
-def _copy(bm, faces, label):
-    """Copies faces inside out, and joins the copies to them along the line."""
+def _copy(bm, faces, label, twins):
+    """Copies faces inside out, and joins the copies to the twins, {number of a vertex: its twin}."""
     source, copied = bm.verts.layers.int[SOURCE], bm.faces.layers.int[COPIED]
     own = dict.fromkeys(vertex for face in faces for vertex in face.verts)
     answer = bmesh.ops.duplicate(bm, geom=faces)
@@ -75,7 +93,31 @@ def _copy(bm, faces, label):
     for face in copies:
         face[copied] = 1
     bmesh.ops.reverse_faces(bm, faces=copies)
-    twins = {vertex: answer["vert_map"][vertex] for vertex in own}
-    for vertex, twin in twins.items():
-        twin[source] = -1 - vertex[source]
-    bmesh.ops.weld_verts(bm, targetmap={twin: vertex for vertex, twin in twins.items() if vertex[label] == LINE})
+    joined = {}
+    for vertex in own:
+        copy, twin = answer["vert_map"][vertex], twins.get(vertex[source])
+        if twin is None:
+            copy[source] = -1 - vertex[source]
+        else:
+            joined[copy] = twin
+    bmesh.ops.weld_verts(bm, targetmap=joined)
+
+
+def _clean(bm, edges, twin):
+    """Removes those edges that have no faces any more, and their vertices, unless the other half has such ones."""
+    source = bm.verts.layers.int[SOURCE]
+    at = {vertex[source]: vertex for vertex in bm.verts}
+
+    def image(vertex):
+        number = vertex[source]
+        return at.get(twin[number]) if number >= 0 and twin[number] >= 0 else None
+
+    ends = dict.fromkeys(vertex for edge in edges for vertex in edge.verts)
+    for edge in edges:
+        others = [image(vertex) for vertex in edge.verts]
+        itself = set(others) == set(edge.verts)
+        if edge.is_wire and (itself or None in others or bm.edges.get(others) is None):
+            bm.edges.remove(edge)
+    for vertex in ends:
+        if not vertex.link_edges and (image(vertex) in (None, vertex)):
+            bm.verts.remove(vertex)

@@ -10,7 +10,7 @@ import numpy as np
 from mathutils.kdtree import KDTree
 
 from . import mesh_data, side_names, stored_map
-from .half_line import LOSES
+from .half_labels import LOSES
 from .neighbour_means import filled
 from .regions import parts, uv_islands
 from .rigid_pieces import brought
@@ -60,8 +60,7 @@ class Old:
             domain: {each.name: mesh_data.read_attribute(each) for each in mesh.attributes if _is_own(each, domain)}
             for domain in ("POINT", "CORNER")
         }
-        lift = mesh.attributes.get(stored_map.LIFT)
-        self.lift = 0 * self.positions if lift is None else mesh_data.read_attribute(lift).astype(float)
+        self.lift = stored_map.read_lift(mesh)
         ends = mesh_data.edges(mesh).astype(np.int64)
         self._left_out = [_left_out(key - self.positions, self.lift, ends, self.positions) for key in self.keys]
         self.uvs = {layer.name for layer in mesh.uv_layers}
