@@ -8,7 +8,7 @@ Vertices carry their source in an INT layer: the number of the old vertex, or be
 import bmesh
 import numpy as np
 
-from .half_faces import without_images
+from .half_faces import turned, without_images
 from .half_labels import LINE, LOSES, STAYS, WINS
 
 #: INT layers of vertices and faces; the second says which faces are copies.
@@ -25,13 +25,15 @@ def rebuild(bm, halves):
     for number in np.flatnonzero(halves.labels == LINE).tolist():
         twin[number] = number
     _cut(bm, halves, label, twin)
-    alone = _alone(bm, label, twin)
+    alone = _flip(_alone(bm, label, twin), source, label, twin)
     lost = [face for face in alone if _is_lost(face, label)]
     copied = [face for face in alone if any(vertex[label] == WINS for vertex in face.verts)]
+    copied += [edge for edge in bm.edges if edge.is_wire and _is_edited(edge, label, source, halves.edited, twin)]
     edges = dict.fromkeys(edge for face in lost for edge in face.edges)
     vertices = {vertex[source]: vertex for vertex in bm.verts}
+    joined = _copy(bm, copied, {own: vertices[other] for own, other in enumerate(twin) if other in vertices})
     bmesh.ops.delete(bm, geom=lost, context="FACES_ONLY")
-    _copy(bm, copied, label, {own: vertices[other] for own, other in enumerate(twin) if other >= 0 and other in vertices})
+    _join(bm, joined)
     _clean(bm, [edge for edge in edges if edge.is_valid], twin)
     bm.verts.layers.int.remove(bm.verts.layers.int[_LABEL])
 
@@ -40,6 +42,20 @@ def _alone(bm, label, twin):
     """The faces of both halves without mirror images."""
     source, faces = bm.verts.layers.int[SOURCE], [face for face in bm.faces if face.verts[0][label] != STAYS]
     return [faces[number] for number in without_images([[vertex[source] for vertex in face.verts] for face in faces], twin)]
+
+
+def _flip(faces, source, label, twin):
+    """Turns over losing faces whose mirror images were; the other faces."""
+    winning, losing = ([face for face in faces if any(v[label] == each for v in face.verts)] for each in (WINS, LOSES))
+    at = {turned([vertex[source] for vertex in reversed(face.verts)]): face for face in losing}
+    done = set()
+    for face in winning:
+        image = [twin[vertex[source]] for vertex in reversed(face.verts)]
+        other = at.get(turned(image))
+        if other is not None and min(image) >= 0:
+            other.normal_flip()
+            done |= {face, other}
+    return [face for face in faces if face not in done]
 
 
 def _written(bm, halves):
@@ -84,23 +100,35 @@ def _is_lost(face, label):
     return all(vertex[label] in (LOSES, LINE) for vertex in face.verts)
 
 
-def _copy(bm, faces, label, twins):
-    """Copies faces inside out, and joins the copies to the twins, {number of a vertex: its twin}."""
+def _is_edited(edge, label, source, edited, twin):
+    """Whether an edge of the winning half without faces, which has no twin, was edited."""
+    numbers = [vertex[source] for vertex in edge.verts]
+    wins = {vertex[label] for vertex in edge.verts} in ({WINS}, {WINS, LINE})
+    return wins and any(number < len(edited) and edited[number] and twin[number] < 0 for number in numbers)
+
+
+def _copy(bm, elements, twins):
+    """Copies faces, inside out, and edges without faces; {copy: vertex} of those to join to the `twins`, {number of a vertex:
+    its twin}."""
     source, copied = bm.verts.layers.int[SOURCE], bm.faces.layers.int[COPIED]
-    own = dict.fromkeys(vertex for face in faces for vertex in face.verts)
-    answer = bmesh.ops.duplicate(bm, geom=faces)
+    own = dict.fromkeys(vertex for element in elements for vertex in element.verts)
+    answer = bmesh.ops.duplicate(bm, geom=elements)
     copies = [element for element in answer["geom"] if isinstance(element, bmesh.types.BMFace)]
     for face in copies:
         face[copied] = 1
     bmesh.ops.reverse_faces(bm, faces=copies)
-    joined = {}
     for vertex in own:
-        copy, twin = answer["vert_map"][vertex], twins.get(vertex[source])
-        if twin is None:
-            copy[source] = -1 - vertex[source]
-        else:
-            joined[copy] = twin
+        answer["vert_map"][vertex][source] = -1 - vertex[source]
+    return {answer["vert_map"][vertex]: twins[vertex[source]] for vertex in own if vertex[source] in twins}
+
+
+def _join(bm, joined):
+    """Joins copies to their twins, {copy: vertex}; edges that were there stay as they are."""
+    kept = {edge: (edge.seam, edge.smooth) for vertex in set(joined.values()) for edge in vertex.link_edges}
     bmesh.ops.weld_verts(bm, targetmap=joined)
+    for edge, flags in kept.items():
+        if edge.is_valid:
+            edge.seam, edge.smooth = flags
 
 
 def _clean(bm, edges, twin):

@@ -9,9 +9,9 @@ from .regions import mirrored
 def without_images(faces, twin):
     """Numbers of those faces, lists of corners, whose mirror images are not among them; a vertex has a `twin` by its
     number, -1 for none."""
-    there = {_turned(face) for face in faces}
+    there = {turned(face) for face in faces}
     images = ([twin[corner] for corner in reversed(face)] for face in faces)
-    return [number for number, image in enumerate(images) if min(image) < 0 or _turned(image) not in there]
+    return [number for number, image in enumerate(images) if min(image) < 0 or turned(image) not in there]
 
 
 def lone(offsets, corners, twin):
@@ -22,7 +22,7 @@ def lone(offsets, corners, twin):
     return [faces[number] for number in without_images(faces, twin.tolist())]
 
 
-def _turned(corners):
+def turned(corners):
     """The corners of a face, from the least one on."""
     start = corners.index(min(corners))
     return tuple(corners[start:] + corners[:start])

@@ -27,6 +27,8 @@ class Halves:
     shares: np.ndarray
     twin: np.ndarray  # (vertices,) int, -1 for none
     images: np.ndarray  # (vertices, 3), NaN where they are not known
+    partner: np.ndarray  # (vertices,) int, also of duplicates; -1 where the copies of faces keep nothing of what was there
+    edited: np.ndarray  # (vertices,) bool: edges without faces at these are copied, too
 
     def models(self, source):
         """Numbers of the old vertices, or of the cuts, that those with the sources that `half_copy` writes are the mirror
@@ -35,6 +37,12 @@ class Halves:
         own = np.where(source < 0, -1 - source, source)
         labels, twin = np.append(self.labels, np.full(cuts, LINE)), np.append(self.twin, np.full(cuts, -1))
         return np.where((source >= 0) & (labels[own] == LOSES) & (twin[own] >= 0), twin[own], own)
+
+    def were(self, source):
+        """Numbers of the old vertices whose places the new ones have taken, as those of a part that was split off; -1 where
+        that is not known."""
+        partner = np.append(self.partner, np.full(len(self.shares), -1))
+        return np.where(source < 0, partner[np.where(source < 0, -1 - source, source)], source)
 
     def images_of(self, models):
         """(n, 3) the images of `models`."""
@@ -49,7 +57,8 @@ def of_shells(mesh, symmetry, winner, edges):
     found, count = partner >= 0, len(number)
     others = found & (partner != np.arange(len(partner)))  # on the line what was split off is its own image
     image = _most(shell[others], shell[partner[others]], count)
-    _refuse_holes(found | (side != 0) | (stored_map.read_edit(mesh) == stored_map.MADE), image[shell], mesh)
+    loose = np.bincount(np.asarray(mesh_data.polygons(mesh)[1]), minlength=len(partner)) == 0
+    _refuse_holes(found | (side != 0) | loose | (stored_map.read_edit(mesh) == stored_map.MADE), image[shell], mesh)
     balance = np.bincount(shell, side, count) / np.bincount(shell, minlength=count)
     whole = image == np.arange(count)
     paired = (image >= 0) & ~whole & (image[image] == np.arange(count))

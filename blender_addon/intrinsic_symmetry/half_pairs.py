@@ -36,8 +36,9 @@ def twins(mesh, symmetry, labels):
     their faces."""
     partner = symmetry.partner.astype(np.int64)
     itself = partner == np.arange(len(partner))
-    old = stored_map.read_edit(mesh) != stored_map.MADE
-    fits = np.where(itself, (symmetry.side == 0) & old, labels * labels[partner] == WINS * LOSES)
+    old, on_line = stored_map.read_edit(mesh) != stored_map.MADE, symmetry.side == 0
+    across = (labels * labels[partner] == WINS * LOSES) & ~(on_line | on_line[partner])
+    fits = np.where(itself, on_line & old, across)
     exact = vertex_map.pairs(symmetry)
     twin = np.where(exact & exact[partner] & (labels != STAYS) & fits, partner, -1)
     offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
@@ -118,7 +119,8 @@ class _Pairs:
         twin = np.where(self._labels == LINE, np.arange(len(self._twin)), self._twin)
         winning, losing, shares, edges = self._crossed(bm, half_faces.lone(self._offsets, self._corners, twin))
         images = np.where(np.isin(self._labels, (WINS, LINE))[:, None], self._images_of_changed(), np.nan)
-        return Halves(self._labels, edges, winning, losing, shares, twin, images)
+        edited = stored_map.read_edit(self._mesh) > 0
+        return Halves(self._labels, edges, winning, losing, shares, twin, images, self._partners(), edited)
 
     def _refuse_off_line(self):
         """Raises MeshProblem where vertices of the line were moved off the plane."""
@@ -175,12 +177,35 @@ class _Pairs:
             raise mesh_data.MeshProblem(f"{count:,} edges lie on one side alone, but join both: {_NOT_THROUGH}")
         return winning, losing, ahead / np.maximum(ahead + behind, 1e-30), np.array(list(found), np.int64)
 
+    def _at_originals(self):
+        """(vertices,) bool: duplicates that are where their originals are."""
+        partner = self._symmetry.partner.astype(np.int64)
+        original = np.where(vertex_map.whole(self._symmetry), self._twin[partner], -1)
+        away = np.linalg.norm(self._places - self._places[original], axis=1)
+        return (original >= 0) & (away <= self._least())
+
+    def _partners(self):
+        """(vertices,) the partners, also of duplicates; of those of the line that were split off it, where they were."""
+        partner = np.where(vertex_map.whole(self._symmetry), self._symmetry.partner.astype(np.int64), -1)
+        tree, line = KDTree(len(partner)), np.flatnonzero((self._labels == LINE) & ~self._made)
+        for vertex in line.tolist():
+            tree.insert(self._before[vertex], vertex)
+        tree.balance()
+        least = self._least()
+        for vertex in np.flatnonzero((partner == np.arange(len(partner))) & self._free).tolist() if len(line) else ():
+            _, there, away = tree.find(self._before[vertex])
+            partner[vertex] = there if away <= least[vertex] else -1
+        return partner
+
     def _images_of_changed(self):
-        """(vertices, 3) images of what was made or moved: about the plane, and of the line on it; in a pose, of moved vertices in their local frames,
+        """(vertices, 3) images of what was made or moved, or has no twin: about the plane, and of the line on it; in a pose, of moved vertices in their local frames,
         and of what was split off and moved, as its place was there. NaN where that is not known."""
-        images = np.where((self._at_rest & (self._made | self._was_moved))[:, None], self._images, np.nan)
+        changed = self._made | self._was_moved | (self._twin < 0)
+        images = np.where((self._at_rest & changed)[:, None], self._images, np.nan)
         on_line = self._labels == LINE
         images[on_line] = (images + self._places)[on_line] / 2
+        still = self._free & ~self._at_rest & self._at_originals()  # split off, but not moved
+        images[still] = self._places[self._symmetry.partner[still].astype(np.int64)]
         carried = self._was_moved & (self._twin >= 0) & ~stored_map.read_lift(self._mesh).any(axis=1)
         rows = np.flatnonzero(carried & (self._labels == WINS) & ~self._at_rest)
         if not len(rows) and self._at_rest[self._free].all():

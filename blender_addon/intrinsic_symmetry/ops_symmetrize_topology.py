@@ -179,7 +179,8 @@ class _Half:
         old.give_positions(object, mix, places, lifted, model, added)
         old.give_points(object, mix, copies, added)
         offsets, corners = mesh_data.polygons(mesh)
-        old.give_corners(mesh, self.copied_faces & ~added[corners[offsets[:-1]]], places)
+        had = old.give_faces(mesh, self.copied_faces, self._halves.were(self._source))
+        old.give_corners(mesh, self.copied_faces & ~had & ~added[corners[offsets[:-1]]], places)
         self.attached.renumber(self._source, old.positions, places)
 
     def _of_lone_shells(self, mesh, without):
