@@ -24,6 +24,8 @@ class _Entered:
 
 #: Shapes with which edit mode was entered first since a map was stored, (vertices, 3): number of the mesh, of its record.
 _began = {}
+#: Shapes with which it was left last: number of the mesh.
+_left = {}
 #: As many of a mesh are kept.
 _MOST_BEGAN = 8
 #: By the object's number in this session; nothing for one whose topology was edited, until edit mode is back.
@@ -51,11 +53,15 @@ def began(mesh, record):
 
 
 def _note_beginning(mesh):
+    """Keeps the shape with which edit mode is entered; what was moved outside of edit mode since it was left belongs to it."""
     record = mesh.get(undo.RECORD)
-    shapes = _began.setdefault(mesh.session_uid, {})
-    if record is None or record["vertices"] != len(mesh.vertices) or undo.number_of(record) in shapes:
+    if record is None or record["vertices"] != len(mesh.vertices):
         return
-    shapes[undo.number_of(record)] = mesh_data.positions(mesh)
+    shapes, now = _began.setdefault(mesh.session_uid, {}), mesh_data.positions(mesh)
+    shape, left = shapes.get(undo.number_of(record), now), _left.get(mesh.session_uid, now)
+    outside = now - left if len(left) == len(now) else np.zeros_like(now)
+    outside[now == shape] = 0  # an undo brought it back
+    shapes[undo.number_of(record)] = shape + outside
     while len(shapes) > _MOST_BEGAN:
         del shapes[next(iter(shapes))]
 
@@ -89,6 +95,8 @@ def _update(object):
     if object.mode == "EDIT":
         note(object)
     elif not mesh_data.passing:
+        if object.session_uid in _entered:
+            _left[object.data.session_uid] = mesh_data.positions(object.data)
         _entered.pop(object.session_uid, None)
     elif found is not None and found.topology != _topology(object.data):
         _entered[object.session_uid] = None
@@ -106,6 +114,7 @@ def _on_update(_scene, depsgraph):
 def _on_load(*_):
     _entered.clear()
     _began.clear()
+    _left.clear()
 
 
 def register():

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cuts a BMesh along the line between its halves, and puts a mirrored copy of the winning one in the other's place.
+"""Cuts a BMesh along the line between its halves, and makes the losing one the mirror image of the winning one: faces that
+have no mirror images are deleted from one, and copied from the other.
 
 Vertices carry their source in an INT layer: the number of the old vertex, or behind them that of the cut; a copy has
 -1 - source.
@@ -24,8 +25,12 @@ def rebuild(bm, halves):
     twin = halves.twin.tolist() + list(range(len(halves.twin), len(halves.twin) + len(halves.shares)))
     for number in np.flatnonzero(halves.labels == LINE).tolist():
         twin[number] = number
-    _cut(bm, halves, label, twin)
-    alone = _flip(_alone(bm, label, twin), source, label, twin)
+    apart = [vertex for vertex, is_so in zip(bm.verts, halves.apart.tolist()) if is_so]
+    apart += _cut(bm, halves, label)
+    for face in _alone(apart, source, label, twin):
+        apart += face.verts
+        _split(face, label)
+    alone = _flip(_alone(apart, source, label, twin), source, label, twin)
     lost = [face for face in alone if _is_lost(face, label)]
     copied = [face for face in alone if any(vertex[label] == WINS for vertex in face.verts)]
     copied += [edge for edge in bm.edges if edge.is_wire and _is_edited(edge, label, source, halves.edited, twin)]
@@ -34,13 +39,13 @@ def rebuild(bm, halves):
     joined = _copy(bm, copied, {own: vertices[other] for own, other in enumerate(twin) if other in vertices})
     bmesh.ops.delete(bm, geom=lost, context="FACES_ONLY")
     _join(bm, joined)
-    _clean(bm, [edge for edge in edges if edge.is_valid], twin)
+    _clean(bm, [edge for edge in edges if edge.is_valid], source, vertices, twin)
     bm.verts.layers.int.remove(bm.verts.layers.int[_LABEL])
 
 
-def _alone(bm, label, twin):
-    """The faces of both halves without mirror images."""
-    source, faces = bm.verts.layers.int[SOURCE], [face for face in bm.faces if face.verts[0][label] != STAYS]
+def _alone(apart, source, label, twin):
+    """The faces of both halves without mirror images, each of which has a vertex of `apart`."""
+    faces = list(dict.fromkeys(face for vertex in apart if vertex[label] != STAYS for face in vertex.link_faces))
     return [faces[number] for number in without_images([[vertex[source] for vertex in face.verts] for face in faces], twin)]
 
 
@@ -69,17 +74,18 @@ def _written(bm, halves):
     return label
 
 
-def _cut(bm, halves, label, twin):
-    """Adds a vertex where the line crosses an edge, and edges between those."""
+def _cut(bm, halves, label):
+    """Adds a vertex where the line crosses an edge; these vertices."""
     source, count = bm.verts.layers.int[SOURCE], len(bm.verts)
     bm.edges.ensure_lookup_table()
     edges = [bm.edges[number] for number in halves.edges.tolist()]
+    added = []
     for number, (edge, start, share) in enumerate(zip(edges, halves.winning.tolist(), halves.shares.tolist())):
         first = next(vertex for vertex in edge.verts if vertex[source] == start)
         cut = bmesh.utils.edge_split(edge, first, share)[1]
         cut[source], cut[label] = count + number, LINE
-    for face in _alone(bm, label, twin):
-        _split(face, label)
+        added.append(cut)
+    return added
 
 
 def _split(face, label):
@@ -131,14 +137,12 @@ def _join(bm, joined):
             edge.seam, edge.smooth = flags
 
 
-def _clean(bm, edges, twin):
-    """Removes those edges that have no faces any more, and their vertices, unless the other half has such ones."""
-    source = bm.verts.layers.int[SOURCE]
-    at = {vertex[source]: vertex for vertex in bm.verts}
+def _clean(bm, edges, source, vertices, twin):
+    """Removes those edges that have no faces any more, and their vertices, unless the other half has such ones; `vertices` by
+    their numbers."""
 
     def image(vertex):
-        number = vertex[source]
-        return at.get(twin[number]) if number >= 0 and twin[number] >= 0 else None
+        return vertices.get(twin[vertex[source]])
 
     ends = dict.fromkeys(vertex for edge in edges for vertex in edge.verts)
     for edge in edges:
@@ -147,5 +151,5 @@ def _clean(bm, edges, twin):
         if edge.is_wire and (itself or None in others or bm.edges.get(others) is None):
             bm.edges.remove(edge)
     for vertex in ends:
-        if not vertex.link_edges and (image(vertex) in (None, vertex)):
+        if not vertex.link_edges and image(vertex) in (None, vertex):
             bm.verts.remove(vertex)

@@ -15,11 +15,12 @@ def without_images(faces, twin):
 
 
 def lone(offsets, corners, twin):
-    """Lists of corners of the faces without mirror images, of (faces + 1,) offsets, (n,) corners, and (vertices,) twins."""
+    """Lists of corners of the faces without mirror images, of (faces + 1,) offsets, (n,) corners, and (vertices,) twins; and
+    (vertices,) bool, such that each of these faces has one of them."""
     apart = ~mirrored(offsets, corners, twin)
-    rows = np.flatnonzero(np.logical_and.reduceat(apart[corners], offsets[:-1]))
+    rows = np.flatnonzero(np.logical_or.reduceat(apart[corners], offsets[:-1]))
     faces = [corners[offsets[row] : offsets[row + 1]].tolist() for row in rows]
-    return [faces[number] for number in without_images(faces, twin.tolist())]
+    return [faces[number] for number in without_images(faces, twin.tolist())], apart
 
 
 def turned(corners):

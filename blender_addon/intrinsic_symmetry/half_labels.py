@@ -26,6 +26,7 @@ class Halves:
     losing: np.ndarray
     shares: np.ndarray
     twin: np.ndarray  # (vertices,) int, -1 for none
+    apart: np.ndarray  # (vertices,) bool: each face without a mirror image has one of them
     images: np.ndarray  # (vertices, 3), NaN where they are not known
     partner: np.ndarray  # (vertices,) int, also of duplicates; -1 where the copies of faces keep nothing of what was there
     edited: np.ndarray  # (vertices,) bool: edges without faces at these are copied, too

@@ -46,8 +46,8 @@ def halves(bm, mesh, symmetry, labels):
     _refuse_moved(mesh, np.where(exact, symmetry.partner.astype(np.int64), -1), labels)
     winning, losing, shares, crossed = _crossings(labels, edges, distance)
     least = np.where(known[winning] & known[losing], *_LEAST)
-    twin, images, edited = np.full(len(labels), -1), np.full(positions.shape, np.nan), np.zeros(len(labels), bool)
-    return Halves(labels, crossed, winning, losing, np.clip(shares, least, 1 - least), twin, images, twin, edited)
+    none, some, images = np.full(len(labels), -1), np.ones(len(labels), bool), np.full(positions.shape, np.nan)
+    return Halves(labels, crossed, winning, losing, np.clip(shares, least, 1 - least), none, some, images, none, ~some)
 
 
 def _refuse_moved(mesh, partner, labels):

@@ -51,15 +51,16 @@ def twins(mesh, symmetry, labels):
     return np.where(alike | touched | itself, twin, -1)
 
 
-def halves(bm, mesh, symmetry, labels, twin):
-    """The Halves of a mesh with the labels of its shells, and twins. Raises MeshProblem."""
-    return _Pairs(mesh, symmetry, labels, twin).halves(bm)
+def halves(bm, mesh, symmetry, labels, twin, winner):
+    """The Halves of a mesh with the labels of its shells, and twins, of which the side `winner`, 1 or -1, stays. Raises
+    MeshProblem."""
+    return _Pairs(mesh, symmetry, labels, twin, winner).halves(bm)
 
 
 class _Pairs:
     """Arrays have one row a vertex."""
 
-    def __init__(self, mesh, symmetry, labels, twin):
+    def __init__(self, mesh, symmetry, labels, twin, winner):
         self._mesh, self._symmetry, self._twin = mesh, symmetry, twin
         self._ends, self._places = mesh_data.edges(mesh).astype(np.int64), mesh_data.positions(mesh).astype(float)
         self._offsets, self._corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
@@ -70,37 +71,38 @@ class _Pairs:
         self._before = self._places - self._moved
         self._reach = longest_edges(self._ends, self._places)
         self._was_moved = self._moved.any(axis=1)
+        replaced = stored_map.edits(mesh)[winner > 0] > 0  # what was edited on the losing side
+        self._replaced = replaced & (twin >= 0) & (self._was_moved | self._made)[np.maximum(twin, 0)]
         still = (twin >= 0) & ~stored_map.is_changed(mesh, symmetry.partner) & ~self._was_moved
         self._still = still & ~self._was_moved[np.maximum(twin, 0)]
-        self._images, self._at_rest, self._height = self._mirror()
+        self._images, self._at_rest, self._height, self._sideways = self._mirror()
 
     def _mirror(self):
         """Images of vertices; whether they are those about the plane; and how far vertices are from the middle, on the
-        winning side."""
+        winning side; and, at rest, how far they were moved so."""
         images = self._symmetry.surface_points.positions(self._places)
         pairs = np.flatnonzero(self._still)
-        images, exact = rigid_pieces.exact(images, self._places, ~self._still, self._still, self._ends, sign=-1)
+        images, _ = rigid_pieces.exact(images, self._places, ~self._still, self._still, self._ends, sign=-1)
         side = np.where(self._symmetry.side == 0, 0, np.where(self._labels == LOSES, -1, 1))
         height = side * np.linalg.norm(np.nan_to_num(images) - self._places, axis=1) / 2
         at_rest = np.zeros(len(images), bool)
         if len(pairs) < 3 or not (self._labels[pairs] == WINS).any():
-            return images, at_rest, height
+            return images, at_rest, height, 0 * height
         plane = fitted_plane(self._places[pairs], self._places[self._twin[pairs]], np.ones(len(pairs)))
         mirror = plane.reflect(self._places)
         off = np.linalg.norm(mirror - self._places[self._twin], axis=1)
         at_rest = self._agreed(self._still & (off <= _OFF * self._reach))
         way = self._places @ plane.normal - plane.offset
         way *= np.sign(way[pairs] @ self._labels[pairs])
-        return np.where(at_rest[:, None], mirror, images), at_rest, np.where(at_rest, way, height)
+        sideways = np.where(at_rest, self._moved @ plane.normal, 0)
+        return np.where(at_rest[:, None], mirror, images), at_rest, np.where(at_rest, way, height), sideways
 
     def _agreed(self, agrees):
         """(vertices,) bool: those whose surroundings agree, (vertices,) bool, with the plane. What is apart from all that
         is still was at those that are nearest to where it was."""
-        found, tree = agrees.copy(), KDTree(len(agrees))
-        for vertex in np.flatnonzero(self._still).tolist():
-            tree.insert(self._places[vertex], vertex)
-        tree.balance()
-        for piece, around in self._pieces():
+        found, pieces = agrees.copy(), self._pieces()
+        tree = None if all(len(around) for _, around in pieces) else _tree(self._places, self._still)
+        for piece, around in pieces:
             if not len(around):
                 around = [tree.find(place)[1] for place in self._before[piece].tolist()]
             found[piece] = agrees[around].mean() >= _MOST
@@ -117,16 +119,15 @@ class _Pairs:
         self._label()
         bm.verts.ensure_lookup_table()
         twin = np.where(self._labels == LINE, np.arange(len(self._twin)), self._twin)
-        winning, losing, shares, edges = self._crossed(bm, half_faces.lone(self._offsets, self._corners, twin))
+        lone, apart = half_faces.lone(self._offsets, self._corners, twin)
+        winning, losing, shares, edges = self._crossed(bm, lone)
         images = np.where(np.isin(self._labels, (WINS, LINE))[:, None], self._images_of_changed(), np.nan)
         edited = stored_map.read_edit(self._mesh) > 0
-        return Halves(self._labels, edges, winning, losing, shares, twin, images, self._partners(), edited)
+        return Halves(self._labels, edges, winning, losing, shares, twin, apart, images, self._partners(), edited)
 
     def _refuse_off_line(self):
         """Raises MeshProblem where vertices of the line were moved off the plane."""
-        least = self._least()
-        there = self._was_moved & (self._labels == LINE) & self._at_rest & (np.abs(self._height) > least)
-        if count := np.count_nonzero(there):
+        if count := np.count_nonzero((self._labels == LINE) & (np.abs(self._sideways) > self._least())):
             raise mesh_data.MeshProblem(
                 f"{count:,} vertices of the line between left and right were moved off it: move them back. Nothing is changed"
             )
@@ -187,29 +188,28 @@ class _Pairs:
     def _partners(self):
         """(vertices,) the partners, also of duplicates; of those of the line that were split off it, where they were."""
         partner = np.where(vertex_map.whole(self._symmetry), self._symmetry.partner.astype(np.int64), -1)
-        tree, line = KDTree(len(partner)), np.flatnonzero((self._labels == LINE) & ~self._made)
-        for vertex in line.tolist():
-            tree.insert(self._before[vertex], vertex)
-        tree.balance()
-        least = self._least()
-        for vertex in np.flatnonzero((partner == np.arange(len(partner))) & self._free).tolist() if len(line) else ():
+        tree, least = _tree(self._before, (self._labels == LINE) & ~self._made), self._least()
+        for vertex in np.flatnonzero((partner == np.arange(len(partner))) & self._free).tolist():
             _, there, away = tree.find(self._before[vertex])
-            partner[vertex] = there if away <= least[vertex] else -1
+            partner[vertex] = there if there is not None and away <= least[vertex] else -1
         return partner
 
     def _images_of_changed(self):
-        """(vertices, 3) images of what was made or moved, or has no twin: about the plane, and of the line on it; in a pose, of moved vertices in their local frames,
-        and of what was split off and moved, as its place was there. NaN where that is not known."""
-        changed = self._made | self._was_moved | (self._twin < 0)
+        """(vertices, 3) images of what was made or moved, or has no twin, and of what became part of the line; NaN where they
+        are not known."""
+        changed = self._made | self._was_moved | self._replaced | (self._twin < 0)
         images = np.where((self._at_rest & changed)[:, None], self._images, np.nan)
         on_line = self._labels == LINE
-        images[on_line] = (images + self._places)[on_line] / 2
-        still = self._free & ~self._at_rest & self._at_originals()  # split off, but not moved
+        images[on_line] = np.where(self._free[on_line, None], (images + self._places)[on_line] / 2, np.nan)
+        return images if self._at_rest[changed & (self._labels == WINS)].all() else self._in_pose(images)
+
+    def _in_pose(self, images):
+        """Images with those in a pose: of duplicates at their originals, of moved vertices in their local frames, and of what was
+        split off and moved, as its place was there."""
+        still = self._free & ~self._at_rest & self._at_originals()
         images[still] = self._places[self._symmetry.partner[still].astype(np.int64)]
-        carried = self._was_moved & (self._twin >= 0) & ~stored_map.read_lift(self._mesh).any(axis=1)
+        carried = (self._was_moved | self._replaced) & (self._twin >= 0) & ~stored_map.read_lift(self._mesh).any(axis=1)
         rows = np.flatnonzero(carried & (self._labels == WINS) & ~self._at_rest)
-        if not len(rows) and self._at_rest[self._free].all():
-            return images
         twin, moved = self._twin[rows], np.where((self._labels == WINS)[:, None], self._moved, 0)
         images[rows] = (self._before + self._symmetry.carry_displacement(self._before, moved, Merge.SWAP))[twin]
         were = self._symmetry.surface_points.positions(self._places)
@@ -221,3 +221,12 @@ class _Pairs:
                 now, then = np.split(rigid_pieces.brought(self._before[piece], were[piece], both, -1), 2)
                 images[piece] = were[piece] + now - then
         return images
+
+
+def _tree(places, chosen):
+    """The chosen ones, (vertices,) bool, at (vertices, 3) places."""
+    tree = KDTree(len(places))
+    for vertex in np.flatnonzero(chosen).tolist():
+        tree.insert(places[vertex], vertex)
+    tree.balance()
+    return tree

@@ -19,9 +19,9 @@ from .regions import components
 
 
 class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator):
-    """Replace one half of the mesh by a mirrored copy of the other half's faces, in any pose. The copy lies on the
-    surface that was there, and takes positions, shape keys, weights, colors and UVs from it; materials, seams, creases
-    and sharp edges are the winning half's. So an extrusion or a loop cut on one side arrives on the other one"""
+    """Make one half of the mesh the mirror image of the other half's faces, in any pose. Faces that are so already stay.
+    Copies lie on the surface that was there, and take positions, shape keys, weights, colors and UVs from it; materials,
+    seams, creases and sharp edges are the winning half's. So an extrusion or a loop cut on one side arrives on the other"""
 
     bl_idname = "intrinsic_symmetry.symmetrize_topology"
     bl_label = "Symmetrize Topology"
@@ -203,7 +203,7 @@ def _halves(bm, mesh, symmetry, winner):
     twin = half_pairs.twins(mesh, symmetry, labels)
     if twin is None:
         return half_line.halves(bm, mesh, symmetry, labels)
-    return half_pairs.halves(bm, mesh, symmetry, labels, twin)
+    return half_pairs.halves(bm, mesh, symmetry, labels, twin, winner)
 
 
 def _taken(mesh, name):

@@ -206,6 +206,32 @@ def test_issue_38_a_pose_that_was_made_before_edit_mode_is_not_mirrored(monkey):
     assert _away(positions(monkey.data), places).max() < 1e-6
 
 
+def test_issue_38_a_pose_between_two_visits_of_edit_mode_is_not_mirrored(monkey):
+    """What was moved in edit mode is."""
+    enter("EDIT")
+    _pull_wide(monkey, (0.5, -0.5, -0.3), 0.3, (0, -0.1, 0))
+    enter("OBJECT")
+    places = positions(monkey.data)
+    places[places[:, 0] > 0.9] += (0, 0, 0.3)
+    monkey.data.vertices.foreach_set("co", places.astype(np.float32).ravel())
+    monkey.data.update()
+    edited = _edit(monkey, _nearest_faces(monkey.data, (0.3, -0.7, -0.3), 4), _fatten(0.05))
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    now, ear = positions(monkey.data), edited[:, 0] > 0.9
+    assert _away(now, edited[edited[:, 0] > 1e-4]).max() < 1e-6
+    assert _away(now, edited[(edited[:, 0] > 1e-4) & ~ear] * MIRROR).max() < 1e-5
+    assert _away(now, edited[ear] * MIRROR).max() > 0.2 and _away(now, edited[edited[:, 0] < -0.9]).max() < 1e-6
+
+
+def test_issue_38_an_edit_of_the_losing_side_is_taken_back(monkey, capfd):
+    before = positions(monkey.data)
+    right = _nearest_faces(monkey.data, (-0.5, -0.6, 0.4), 20, _middles(monkey.data)[:, 0] < -0.02)
+    _edit(monkey, right, _fatten(0.1))
+    assert "is replaced" in said(capfd, ops.symmetrize_topology, direction="LEFT_TO_RIGHT")
+    _assert_mirrored(monkey.data)
+    assert len(monkey.data.vertices) == len(before) and _away(positions(monkey.data), before).max() < 1e-5
+
+
 def _decorate(mesh):
     """Materials, seams, sharp edges, creases, face values and UVs that differ between left and right."""
     for name in ("skin", "cloth", "hair"):
