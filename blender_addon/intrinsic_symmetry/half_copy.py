@@ -51,13 +51,14 @@ def _alone(apart, source, label, twin):
 
 def _flip(faces, source, label, twin):
     """Turns over losing faces whose mirror images were; the other faces."""
-    winning, losing = ([face for face in faces if any(v[label] == each for v in face.verts)] for each in (WINS, LOSES))
+    paired = [face for face in faces if all(twin[vertex[source]] >= 0 for vertex in face.verts)]
+    winning, losing = ([face for face in paired if any(v[label] == each for v in face.verts)] for each in (WINS, LOSES))
     at = {turned([vertex[source] for vertex in reversed(face.verts)]): face for face in losing}
     done = set()
     for face in winning:
         image = [twin[vertex[source]] for vertex in reversed(face.verts)]
         other = at.get(turned(image))
-        if other is not None and min(image) >= 0:
+        if other is not None:
             other.normal_flip()
             done |= {face, other}
     return [face for face in faces if face not in done]

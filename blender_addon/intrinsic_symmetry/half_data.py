@@ -63,6 +63,7 @@ class Old:
         of_faces = [each for each in mesh.attributes if is_of_faces(each)]
         for domain in ("FACE", "EDGE"):
             self.values[domain] = {each.name: mesh_data.read_attribute(each) for each in of_faces if each.domain == domain}
+        self._kinds = {each.name: each.data_type for each in mesh.attributes}
         self.lift = stored_map.read_lift(mesh)
         self.ends = ends = mesh_data.edges(mesh).astype(np.int64)
         self._left_out = [_left_out(key - self.positions, self.lift, ends, self.positions) for key in self.keys]
@@ -110,9 +111,13 @@ class Old:
         their corners and edges; `was`, (vertices,), are the numbers that the vertices had. (faces,) bool, which ones."""
         offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
         touched = np.isin(self.corners, was[corners[np.repeat(copied, np.diff(offsets))]])
-        old = {frozenset(self._old_face(face)): face for face in np.flatnonzero(np.logical_and.reduceat(touched, self.offsets[:-1]))}
-        pairs = {"FACE": [], "CORNER": [], "EDGE": []}
-        edges = {frozenset(ends): row for row, ends in enumerate(self.ends.tolist())} if old and self.values["EDGE"] else {}
+        chosen = np.flatnonzero(np.logical_and.reduceat(touched, self.offsets[:-1]))
+        old = {frozenset(self._old_face(face)): face for face in chosen}
+        found, pairs = np.zeros(len(copied), bool), {"FACE": [], "CORNER": [], "EDGE": []}
+        count = {"FACE": len(copied), "CORNER": len(corners), "EDGE": len(mesh.edges)}
+        if not old:
+            return found
+        edges = {frozenset(ends): row for row, ends in enumerate(self.ends.tolist())} if self.values["EDGE"] else {}
         edge_of = mesh_data.read_attribute(mesh.attributes[".corner_edge"])
         for face in np.flatnonzero(copied).tolist():
             loops = np.arange(offsets[face], offsets[face + 1])
@@ -128,10 +133,11 @@ class Old:
         for domain, rows in pairs.items():
             rows, sources = np.array(rows, np.int64).reshape(-1, 2).T
             for name, values in self.values[domain].items() if len(rows) else ():
+                if name not in mesh.attributes:  # Blender leaves out flags that nothing has
+                    mesh_data.write_attribute(mesh, name, self._kinds[name], np.zeros(count[domain]), domain)
                 now = mesh_data.read_attribute(mesh.attributes[name])
                 now[rows] = values[sources]
                 mesh_data.update_attribute(mesh.attributes[name], now)
-        found = np.zeros(len(copied), bool)
         found[[face for face, _ in pairs["FACE"]]] = True
         return found
 

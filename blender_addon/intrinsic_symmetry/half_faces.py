@@ -9,9 +9,10 @@ from .regions import mirrored
 def without_images(faces, twin):
     """Numbers of those faces, lists of corners, whose mirror images are not among them; a vertex has a `twin` by its
     number, -1 for none."""
-    there = {turned(face) for face in faces}
-    images = ([twin[corner] for corner in reversed(face)] for face in faces)
-    return [number for number, image in enumerate(images) if min(image) < 0 or turned(image) not in there]
+    paired = [number for number, face in enumerate(faces) if min(twin[corner] for corner in face) >= 0]
+    there = {turned(faces[number]) for number in paired}
+    found = {number for number in paired if turned([twin[corner] for corner in reversed(faces[number])]) in there}
+    return [number for number in range(len(faces)) if number not in found]
 
 
 def lone(offsets, corners, twin):

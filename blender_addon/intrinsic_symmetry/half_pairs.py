@@ -195,23 +195,24 @@ class _Pairs:
         return partner
 
     def _images_of_changed(self):
-        """(vertices, 3) images of what was made or moved, or has no twin, and of what became part of the line; NaN where they
-        are not known."""
+        """(vertices, 3) images of what was made or moved, or has no twin, and of what became part of the line; of duplicates
+        at their originals, the partners of these. NaN where they are not known."""
         changed = self._made | self._was_moved | self._replaced | (self._twin < 0)
         images = np.where((self._at_rest & changed)[:, None], self._images, np.nan)
         on_line = self._labels == LINE
         images[on_line] = np.where(self._free[on_line, None], (images + self._places)[on_line] / 2, np.nan)
+        still = self._free & (self._labels == WINS) & self._at_originals()
+        images[still] = self._places[self._symmetry.partner[still].astype(np.int64)]
         return images if self._at_rest[changed & (self._labels == WINS)].all() else self._in_pose(images)
 
     def _in_pose(self, images):
-        """Images with those in a pose: of duplicates at their originals, of moved vertices in their local frames, and of what was
-        split off and moved, as its place was there."""
-        still = self._free & ~self._at_rest & self._at_originals()
-        images[still] = self._places[self._symmetry.partner[still].astype(np.int64)]
+        """Images with those in a pose: of moved vertices in their local frames, and of what was split off and moved, as its
+        place was there."""
         carried = (self._was_moved | self._replaced) & (self._twin >= 0) & ~stored_map.read_lift(self._mesh).any(axis=1)
         rows = np.flatnonzero(carried & (self._labels == WINS) & ~self._at_rest)
         twin, moved = self._twin[rows], np.where((self._labels == WINS)[:, None], self._moved, 0)
-        images[rows] = (self._before + self._symmetry.carry_displacement(self._before, moved, Merge.SWAP))[twin]
+        if len(rows):
+            images[rows] = (self._before + self._symmetry.carry_displacement(self._before, moved, Merge.SWAP))[twin]
         were = self._symmetry.surface_points.positions(self._places)
         were[rows] = self._before[twin]
         for piece, around in self._pieces():

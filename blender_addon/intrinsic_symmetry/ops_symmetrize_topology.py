@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Give one half of the mesh the other half's vertices, edges and faces, across the map, in any pose."""
 
+import functools
+
 import bmesh
 import bpy
 import intrinsym
@@ -130,6 +132,10 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
             self.warn(f"{object.data.users - 1} more objects use this mesh, and change with it")
 
 
+#: A vertex has moved if it did so by more than this share of the size.
+_MOVED = 1e-6
+
+
 class _Half:
     """A mesh whose half was rebuilt, and its map."""
 
@@ -169,11 +175,13 @@ class _Half:
         if (moving & ~known).any():
             whole, loose, fitted = mix.weights.max(axis=1) > vertex_map.WHOLE, moving & ~known, mirrored | line
             kept = fitted & ~loose & (known | whole & exact)
-            form = half_form.Form(mesh, old.surface, mix, model.of(old.positions), loose, fitted, whole, kept, added & ~known)
+            models = model.of(old.positions)
+            form = half_form.Form(mesh, old.surface, mix, models, loose, fitted, whole, kept, added & ~known)
             feet = old.positions - old.lift
             beside = np.linalg.norm(mix.of(symmetry.surface_points.positions(feet)) - model.of(feet), axis=1)
             places = form.placed(images, lifted(old.lift), beside, model.of(without), model.of(self._changed))
-        shifted = mirrored & ~copies & (np.abs(places - mix.of(old.positions)).max(axis=1) > 1e-6 * np.ptp(places, axis=0).max())
+        away = np.abs(places - mix.of(old.positions)).max(axis=1)
+        shifted = mirrored & ~copies & (away > _MOVED * np.ptp(places, axis=0).max())
         self.moved, self.changed = np.count_nonzero(shifted), copies | shifted | model.of(self._changed | self._moved)
         mix.take(copies & model.of(without), old.surface, places)
         old.give_positions(object, mix, places, lifted, model, added)
@@ -192,10 +200,13 @@ class _Half:
         """A function of the (old vertices, 3) lift: that of the new ones; of those `moving`, (vertices,) bool, it is that of
         their models, turned as the surface is from there to where the mix is."""
         old = self._old
-        if not old.lift.any():
-            return model.of
-        turns = mix.of(local_frames.turns(symmetry, old.positions - old.lift))
-        return lambda lift: np.where(moving[:, None], np.einsum("vxy,vy->vx", turns, model.of(lift)), mix.of(lift))
+        turns = functools.cache(lambda: mix.of(local_frames.turns(symmetry, old.positions - old.lift)))
+
+        def lifted(lift):
+            turned = np.einsum("vxy,vy->vx", turns(), model.of(lift)) if lift.any() else 0 * model.of(lift)
+            return np.where(moving[:, None], turned, mix.of(lift))
+
+        return lifted
 
 
 def _halves(bm, mesh, symmetry, winner):

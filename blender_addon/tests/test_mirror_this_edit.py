@@ -255,7 +255,8 @@ def _belongings(mesh, chosen):
     found = {}
     for face in np.array(mesh.polygons)[chosen]:
         loops = list(face.loop_indices)
-        edges = sorted((mesh.edges[at].use_seam, mesh.edges[at].use_edge_sharp, float(crease[at])) for at in edge_of[loops])
+        own = [mesh.edges[at] for at in edge_of[loops]]
+        edges = sorted((edge.use_seam, edge.use_edge_sharp, float(crease[edge.index])) for edge in own)
         uvs = sorted(map(tuple, uv[loops].tolist()))
         found[tuple(np.round(face.center, 4))] = (face.material_index, float(value[face.index]), edges, uvs)
     return found
@@ -285,6 +286,25 @@ def test_issue_38_the_other_side_keeps_what_belongs_to_its_faces(monkey, steps):
     assert {middle: now.get(middle) for middle in before} == before
 
 
+def test_issue_38_flags_that_only_the_replaced_faces_have_stay(monkey):
+    """Blender drops a layer of flags when nothing has any."""
+    mesh = monkey.data
+    faces = _nearest_faces(mesh, (0.5, -0.6, 0.4), 4)
+    images = [int(_nearest(_middles(mesh), [place])[0]) for place in _middles(mesh)[faces] * MIRROR]
+    others = [key for face in images[1:] for key in mesh.polygons[face].edge_keys]
+    inner = next(key for key in mesh.polygons[images[0]].edge_keys if key in others)
+    next(edge for edge in mesh.edges if edge.key == inner).use_seam = True
+    mesh.materials.append(bpy.data.materials.new("skin"))
+    mesh.materials.append(bpy.data.materials.new("cloth"))
+    for face in images:
+        mesh.polygons[face].material_index = 1
+    _edit(monkey, faces, bpy.ops.mesh.split)
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    assert sum(edge.use_seam for edge in mesh.edges) == 1
+    cloth = [face.center.x for face in mesh.polygons if face.material_index == 1]
+    assert len(cloth) == 4 and max(cloth) < 0
+
+
 def test_issue_38_without_an_edit_nothing_is_overwritten(monkey, capfd):
     _decorate(monkey.data)
     everything = np.ones(len(monkey.data.polygons), bool)
@@ -296,17 +316,16 @@ def test_issue_38_without_an_edit_nothing_is_overwritten(monkey, capfd):
 def test_issue_38_faces_turned_over_at_the_line_stay_in_place(monkey):
     before, faces = positions(monkey.data), len(monkey.data.polygons)
     chosen = _nearest_faces(monkey.data, (0.1, -0.7, 0.3), 20, _middles(monkey.data)[:, 0] > 0)
-    normals = {tuple(np.round(monkey.data.polygons[face].center, 4)): np.array(monkey.data.polygons[face].normal) for face in chosen}
+    own = [monkey.data.polygons[face] for face in chosen]
+    middles, normals = np.array([face.center for face in own]), np.array([face.normal for face in own])
     assert _at_line(monkey.data)[chosen].any()
     _edit(monkey, chosen, bpy.ops.mesh.flip_normals)
     assert ops.symmetrize_topology() == {"FINISHED"}
-    assert len(monkey.data.polygons) == faces and np.array_equal(np.sort(before, axis=0), np.sort(positions(monkey.data), axis=0))
+    assert len(monkey.data.polygons) == faces and _away(positions(monkey.data), before).max() == 0
     monkey.data.update()
-    turned = [face for face in monkey.data.polygons if tuple(np.round(np.abs(face.center) * np.sign(face.center) * MIRROR, 4)) in normals]
-    assert len(turned) == 20
-    for face in turned:
-        own = normals[tuple(np.round(np.abs(face.center) * np.sign(face.center) * MIRROR, 4))]
-        assert np.dot(np.array(face.normal) * MIRROR, own) < -0.99
+    images = _nearest(_middles(monkey.data), middles * MIRROR)
+    now = np.array([monkey.data.polygons[image].normal for image in images.astype(int)])
+    assert len(set(images)) == 20 and np.einsum("fx,fx->f", now * MIRROR, normals).max() < -0.99
 
 
 def test_issue_38_a_wire_of_the_other_side_hangs_on(monkey):
@@ -379,7 +398,7 @@ def test_issue_38_a_line_that_was_moved_off_is_refused(monkey):
 def _dissolve_across(object):
     """Makes one face of some on the left and one on the right, and moves its left corners over to the right."""
     middles, left = _middles(object.data), _middles(object.data)[:, 0] > 0
-    place = middles[np.flatnonzero(_at_line(object.data))[np.abs(middles[_at_line(object.data)] - (0, 0.4, 0.6)).sum(axis=1).argmin()]]
+    place = middles[_nearest_faces(object.data, (0, 0.4, 0.6), 1, _at_line(object.data))[0]]
     faces = [*_nearest_faces(object.data, place, 3, left), *_nearest_faces(object.data, place * MIRROR, 1, ~left)]
     edit_faces(object, faces)
     bpy.ops.mesh.dissolve_faces()
