@@ -179,11 +179,11 @@ class _Pairs:
         return winning, losing, ahead / np.maximum(ahead + behind, 1e-30), np.array(list(found), np.int64)
 
     def _at_originals(self):
-        """(vertices,) bool: duplicates that are where their originals are."""
+        """(vertices,) bool: duplicates that were not moved, and are where their originals are."""
         partner = self._symmetry.partner.astype(np.int64)
         original = np.where(vertex_map.whole(self._symmetry), self._twin[partner], -1)
         away = np.linalg.norm(self._places - self._places[original], axis=1)
-        return (original >= 0) & (away <= self._least())
+        return (original >= 0) & (away <= self._least()) & ~self._was_moved
 
     def _partners(self):
         """(vertices,) the partners, also of duplicates; of those of the line that were split off it, where they were."""

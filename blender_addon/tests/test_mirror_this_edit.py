@@ -169,6 +169,15 @@ def test_issue_38_what_was_moved_beside_an_extrusion_is_carried(monkey, mode, or
     assert _away(positions(monkey.data), edited[edited[:, 0] > -1e-4]).max() < 1e-6
 
 
+def test_issue_38_what_was_split_off_and_moved_with_what_is_around_it_is_carried(monkey):
+    edit_faces(monkey, _nearest_faces(monkey.data, (0.8, -0.3, 0.3), 4))
+    bpy.ops.mesh.split()
+    _pull_wide(monkey, (0.8, -0.3, 0.3), 0.5, (0.02, 0, 0.12))
+    enter("OBJECT")
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    _assert_mirrored(monkey.data)
+
+
 def test_issue_38_what_was_moved_is_carried_after_an_update_too(monkey):
     _extrude_and_pull(monkey, ("pull", "extrude"))
     ops.carry()
@@ -223,10 +232,11 @@ def test_issue_38_a_pose_between_two_visits_of_edit_mode_is_not_mirrored(monkey)
     assert _away(now, edited[ear] * MIRROR).max() > 0.2 and _away(now, edited[edited[:, 0] < -0.9]).max() < 1e-6
 
 
-def test_issue_38_an_edit_of_the_losing_side_is_taken_back(monkey, capfd):
+@pytest.mark.parametrize("steps", [[_fatten(0.1)], [bpy.ops.mesh.split, _grab(-0.05, 0.02, 0.1)]], ids=["extrude", "split, move"])
+def test_issue_38_an_edit_of_the_losing_side_is_taken_back(monkey, steps, capfd):
     before = positions(monkey.data)
     right = _nearest_faces(monkey.data, (-0.5, -0.6, 0.4), 20, _middles(monkey.data)[:, 0] < -0.02)
-    _edit(monkey, right, _fatten(0.1))
+    _edit(monkey, right, *steps)
     assert "is replaced" in said(capfd, ops.symmetrize_topology, direction="LEFT_TO_RIGHT")
     _assert_mirrored(monkey.data)
     assert len(monkey.data.vertices) == len(before) and _away(positions(monkey.data), before).max() < 1e-5
