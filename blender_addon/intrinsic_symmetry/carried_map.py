@@ -13,7 +13,7 @@ import intrinsym
 import numpy as np
 from mathutils.kdtree import KDTree
 
-from . import mesh_data, rigid_pieces, stored_map, vertex_map
+from . import edit_moves, mesh_data, rigid_pieces, stored_map, vertex_map
 from .carried_walk import pairs
 from .image_surface import CLOSE, ON, ImageSurface
 from .neighbour_means import between, filled, longest_edges, shortest_edges
@@ -242,10 +242,15 @@ class CarriedMap:
         return lift
 
     def edit(self):
-        """(vertices,) what this edit, or one before, did: `stored_map.MADE`, or moved, or `LOST`. After `found`."""
+        """(vertices,) what this edit, or one before, did: `stored_map.MADE`, or moved, `LOST` or `REFACED`. After `found`."""
         before = np.where(self.new, 0, stored_map.read_edit(self._mesh))
         lost = self._had & ~self.new & (self.partner < 0)
-        return np.select([lost, self._made], [stored_map.LOST, stored_map.MADE], before)
+        faces = self._edited & (before == 0)
+        return np.select([lost, self._made, faces], [stored_map.LOST, stored_map.MADE, stored_map.REFACED], before)
+
+    def moved(self):
+        """(vertices, 3) how far old vertices were moved, and duplicates from their originals."""
+        return edit_moves.before_carry(self._mesh, self._known, self._known & ~self.new)
 
     def _mirror(self, kind):
         """Gives what was made or moved its images and its sides where all that is around it has one rigid motion."""
@@ -254,7 +259,7 @@ class CarriedMap:
             self._target, self._places, self._made, fitted, self._ends, sign=_SIGN[kind]
         )
         self._target, self._found, self._mirrored = target, self._found | found, found
-        self._side[found & self._made & ~(self._duplicates & (self._side == 0))] = np.nan
+        self._side[found & self._made & ~self._duplicates] = np.nan
 
     def _fill(self, kind):
         """Gives the vertices without images those of a piece of the surface that fits around, and the other values the
@@ -276,12 +281,13 @@ class CarriedMap:
         self._take_sides()
 
     def _take_sides(self):
-        """Gives shells that are new all over, and have no images, the side of the surface nearest to them."""
+        """Gives shells that are new all over, and no duplicates, the side of the surface nearest to them."""
         shell = components(len(self.new), self._ends)
         self._added = ~np.isin(shell, shell[~self.new])
         surface = Surface(self._mesh, self._places, ~self._added, np.all) if self._added.any() else None
         if surface is not None and len(surface.faces):
-            self._side[self._added] = np.sign(surface.vertex_mix(self._places[self._added]).of(self._side))
+            rows = np.flatnonzero(self._added & ~np.isin(shell, shell[self._known]))
+            self._side[rows] = np.sign(surface.vertex_mix(self._places[rows]).of(self._side)) if len(rows) else 0
 
     def _match_added(self, sign):
         """Pairs shells that were added on both sides, as far as one is nearly where the other has its mirror image."""

@@ -9,7 +9,7 @@ vertices or mixes it, and mixes the second, so that they agree on old vertices a
 import intrinsym
 import numpy as np
 
-from . import mesh_data, stored_map, undo
+from . import edit_moves, mesh_data, stored_map, undo
 from .carried_map import CarriedMap
 from .regions import components
 
@@ -38,6 +38,7 @@ def _bring(mesh):
     carried = CarriedMap(mesh, core_mesh, new_of, original, ours)
     symmetry = carried.found(intrinsym.SymmetryKind(record["kind"]))
     symmetry.fixed_curve, lift, edit = _lines(mesh, new_of), carried.lifted(), carried.edit()
+    moved = carried.moved()
     left = (1, record["left_from"])
     stored_map.store(mesh, core_mesh, symmetry, record.get("doubtful", False), left, record["exact_share"])
     edits = np.array(carried.edits)
@@ -45,6 +46,8 @@ def _bring(mesh):
     mesh[stored_map.RECORD].update({"edited": (edits + record.get("edited", (0, 0))).tolist(), "edited_side": side})
     if lift.any():
         mesh_data.write_attribute(mesh, stored_map.LIFT, "FLOAT_VECTOR", lift)
+    if moved.any():
+        mesh_data.write_attribute(mesh, stored_map.MOVED, "FLOAT_VECTOR", moved)
     if edit.any():
         mesh_data.write_attribute(mesh, stored_map.EDIT, "INT", edit)
     lost = f", {carried.lost:,} have lost their mirror image" if carried.lost else ""
@@ -62,7 +65,8 @@ def _identities(mesh, record):
     original = np.where(belongs & same & (old >= 0) & (old < record["vertices"]), old, -1)
     new_of = np.full(record["vertices"], -1)
     there = np.flatnonzero(original >= 0)[::-1]
-    new_of[original[there]] = there  # the first of several
+    there = there[np.argsort(-np.linalg.norm(edit_moves.since_stored(mesh)[there], axis=1), kind="stable")]
+    new_of[original[there]] = there  # of several the first one that is nearest to where it was
     original[_astray(mesh, new_of, original)] = -1
     if (new_of >= 0).mean() < _LEAST_LEFT:
         raise stored_map.ChangedMesh
@@ -70,11 +74,14 @@ def _identities(mesh, record):
 
 
 def _astray(mesh, new_of, original):
-    """(vertices,) bool: duplicates that no edges between duplicates join to their original: those of a subdivision."""
+    """(vertices,) bool: duplicates that no edges between duplicates join to their original: those of a subdivision. What
+    was split off is no longer connected to it."""
     ends = mesh_data.edges(mesh).astype(np.int64)
+    shell = components(len(original), ends)
     ends = ends[(original[ends[:, 0]] == original[ends[:, 1]]) & (original[ends[:, 0]] >= 0)]
     group = components(len(original), ends)
-    return (original >= 0) & (group != group[new_of[original]])
+    first = new_of[original]
+    return (original >= 0) & (group != group[first]) & (shell == shell[first])
 
 
 def _lines(mesh, new_of):

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from . import mesh_data
+from . import mesh_data, undo
 
 
 @dataclass(frozen=True)
@@ -22,6 +22,12 @@ class _Entered:
     before: tuple | None = None  # the edited shape that was mirrored, and what it started from; undo leads back there
 
 
+#: Shapes with which edit mode was entered first since a map was stored, (vertices, 3): number of the mesh, of its record.
+_began = {}
+#: Shapes with which it was left last: number of the mesh.
+_left = {}
+#: As many of a mesh are kept.
+_MOST_BEGAN = 8
 #: By the object's number in this session; nothing for one whose topology was edited, until edit mode is back.
 _entered = {}
 
@@ -40,10 +46,32 @@ def is_lost(object):
     return _entered.get(object.session_uid, object) is None
 
 
+def began(mesh, record):
+    """(vertices, 3) float32 the base shape with which edit mode was entered first since the record of this number was
+    stored, or nothing; its vertices are those of the record."""
+    return _began.get(mesh.session_uid, {}).get(record)
+
+
+def _note_beginning(mesh):
+    """Keeps the shape with which edit mode is entered; what was moved outside of edit mode since it was left belongs to it."""
+    record = mesh.get(undo.RECORD)
+    if record is None or record["vertices"] != len(mesh.vertices):
+        return
+    shapes, now = _began.setdefault(mesh.session_uid, {}), mesh_data.positions(mesh)
+    shape, left = shapes.get(undo.number_of(record), now), _left.get(mesh.session_uid, now)
+    outside = now - left if len(left) == len(now) else np.zeros_like(now)
+    outside[now == shape] = 0  # an undo brought it back
+    shapes[undo.number_of(record)] = shape + outside
+    while len(shapes) > _MOST_BEGAN:
+        del shapes[next(iter(shapes))]
+
+
 def note(object):
     """Keeps the shape of an object in edit mode, if that of the shape key is not kept yet. The mesh has it, as edits
     are in the edit mesh."""
     found, key = _entered.get(object.session_uid), mesh_data.key_name(object)
+    if object.session_uid not in _entered:
+        _note_beginning(object.data)
     if found is None or found.key != key:
         _entered[object.session_uid] = _Entered(key, _topology(object.data), mesh_data.shown_positions(object))
 
@@ -67,6 +95,8 @@ def _update(object):
     if object.mode == "EDIT":
         note(object)
     elif not mesh_data.passing:
+        if object.session_uid in _entered:
+            _left[object.data.session_uid] = mesh_data.positions(object.data)
         _entered.pop(object.session_uid, None)
     elif found is not None and found.topology != _topology(object.data):
         _entered[object.session_uid] = None
@@ -83,6 +113,8 @@ def _on_update(_scene, depsgraph):
 @bpy.app.handlers.persistent
 def _on_load(*_):
     _entered.clear()
+    _began.clear()
+    _left.clear()
 
 
 def register():

@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cuts a BMesh along the line between its halves, and puts a mirrored copy of the winning one in the other's place.
+"""Cuts a BMesh along the line between its halves, and makes the losing one the mirror image of the winning one: faces that
+have no mirror images are deleted from one, and copied from the other.
 
 Vertices carry their source in an INT layer: the number of the old vertex, or behind them that of the cut; a copy has
 -1 - source.
 """
 
 import bmesh
+import numpy as np
 
-from .half_line import LINE, LOSES, WINS
+from .half_faces import turned, without_images
+from .half_labels import LINE, LOSES, STAYS, WINS
 
 #: INT layers of vertices and faces; the second says which faces are copies.
 SOURCE, COPIED = "sym_source", "sym_copied"
@@ -15,12 +18,50 @@ _LABEL = "sym_label"
 
 
 def rebuild(bm, halves):
-    """The faces of the losing half are gone afterwards, and copies of those of the winning half are there."""
+    """The losing half is the mirror image of the winning one afterwards. Faces that are so already stay, and so do the
+    vertices that have twins, and what else hangs on them."""
     label = _written(bm, halves)
-    _cut(bm, halves, label)
-    bmesh.ops.delete(bm, geom=[face for face in bm.faces if _is_lost(face, label)], context="FACES")
-    _copy(bm, [face for face in bm.faces if any(vertex[label] == WINS for vertex in face.verts)], label)
+    source = bm.verts.layers.int[SOURCE]
+    twin = halves.twin.tolist() + list(range(len(halves.twin), len(halves.twin) + len(halves.shares)))
+    for number in np.flatnonzero(halves.labels == LINE).tolist():
+        twin[number] = number
+    apart = [vertex for vertex, is_so in zip(bm.verts, halves.apart.tolist()) if is_so]
+    apart += _cut(bm, halves, label)
+    for face in _alone(apart, source, label, twin):
+        apart += face.verts
+        _split(face, label)
+    alone = _flip(_alone(apart, source, label, twin), source, label, twin)
+    lost = [face for face in alone if _is_lost(face, label)]
+    copied = [face for face in alone if any(vertex[label] == WINS for vertex in face.verts)]
+    copied += [edge for edge in bm.edges if edge.is_wire and _is_edited(edge, label, source, halves.edited, twin)]
+    edges = dict.fromkeys(edge for face in lost for edge in face.edges)
+    vertices = {vertex[source]: vertex for vertex in bm.verts}
+    joined = _copy(bm, copied, {own: vertices[other] for own, other in enumerate(twin) if other in vertices})
+    bmesh.ops.delete(bm, geom=lost, context="FACES_ONLY")
+    _join(bm, joined)
+    _clean(bm, [edge for edge in edges if edge.is_valid], source, vertices, twin)
     bm.verts.layers.int.remove(bm.verts.layers.int[_LABEL])
+
+
+def _alone(apart, source, label, twin):
+    """The faces of both halves without mirror images, each of which has a vertex of `apart`."""
+    faces = list(dict.fromkeys(face for vertex in apart if vertex[label] != STAYS for face in vertex.link_faces))
+    return [faces[number] for number in without_images([[vertex[source] for vertex in face.verts] for face in faces], twin)]
+
+
+def _flip(faces, source, label, twin):
+    """Turns over losing faces whose mirror images were; the other faces."""
+    paired = [face for face in faces if all(twin[vertex[source]] >= 0 for vertex in face.verts)]
+    winning, losing = ([face for face in paired if any(v[label] == each for v in face.verts)] for each in (WINS, LOSES))
+    at = {turned([vertex[source] for vertex in reversed(face.verts)]): face for face in losing}
+    done = set()
+    for face in winning:
+        image = [twin[vertex[source]] for vertex in reversed(face.verts)]
+        other = at.get(turned(image))
+        if other is not None:
+            other.normal_flip()
+            done |= {face, other}
+    return [face for face in faces if face not in done]
 
 
 def _written(bm, halves):
@@ -35,17 +76,17 @@ def _written(bm, halves):
 
 
 def _cut(bm, halves, label):
-    """Adds a vertex where the line crosses an edge, and edges between those."""
+    """Adds a vertex where the line crosses an edge; these vertices."""
     source, count = bm.verts.layers.int[SOURCE], len(bm.verts)
     bm.edges.ensure_lookup_table()
     edges = [bm.edges[number] for number in halves.edges.tolist()]
+    added = []
     for number, (edge, start, share) in enumerate(zip(edges, halves.winning.tolist(), halves.shares.tolist())):
         first = next(vertex for vertex in edge.verts if vertex[source] == start)
         cut = bmesh.utils.edge_split(edge, first, share)[1]
         cut[source], cut[label] = count + number, LINE
-    line = [vertex for vertex in bm.verts if vertex[label] == LINE]
-    for face in dict.fromkeys(face for vertex in line for face in vertex.link_faces):
-        _split(face, label)
+        added.append(cut)
+    return added
 
 
 def _split(face, label):
@@ -66,16 +107,50 @@ def _is_lost(face, label):
     return all(vertex[label] in (LOSES, LINE) for vertex in face.verts)
 
 
-def _copy(bm, faces, label):
-    """Copies faces inside out, and joins the copies to them along the line."""
+def _is_edited(edge, label, source, edited, twin):
+    """Whether an edge of the winning half without faces, which has no twin, was edited."""
+    numbers = [vertex[source] for vertex in edge.verts]
+    wins = {vertex[label] for vertex in edge.verts} in ({WINS}, {WINS, LINE})
+    return wins and any(number < len(edited) and edited[number] and twin[number] < 0 for number in numbers)
+
+
+def _copy(bm, elements, twins):
+    """Copies faces, inside out, and edges without faces; {copy: vertex} of those to join to the `twins`, {number of a vertex:
+    its twin}."""
     source, copied = bm.verts.layers.int[SOURCE], bm.faces.layers.int[COPIED]
-    own = dict.fromkeys(vertex for face in faces for vertex in face.verts)
-    answer = bmesh.ops.duplicate(bm, geom=faces)
+    own = dict.fromkeys(vertex for element in elements for vertex in element.verts)
+    answer = bmesh.ops.duplicate(bm, geom=elements)
     copies = [element for element in answer["geom"] if isinstance(element, bmesh.types.BMFace)]
     for face in copies:
         face[copied] = 1
     bmesh.ops.reverse_faces(bm, faces=copies)
-    twins = {vertex: answer["vert_map"][vertex] for vertex in own}
-    for vertex, twin in twins.items():
-        twin[source] = -1 - vertex[source]
-    bmesh.ops.weld_verts(bm, targetmap={twin: vertex for vertex, twin in twins.items() if vertex[label] == LINE})
+    for vertex in own:
+        answer["vert_map"][vertex][source] = -1 - vertex[source]
+    return {answer["vert_map"][vertex]: twins[vertex[source]] for vertex in own if vertex[source] in twins}
+
+
+def _join(bm, joined):
+    """Joins copies to their twins, {copy: vertex}; edges that were there stay as they are."""
+    kept = {edge: (edge.seam, edge.smooth) for vertex in set(joined.values()) for edge in vertex.link_edges}
+    bmesh.ops.weld_verts(bm, targetmap=joined)
+    for edge, flags in kept.items():
+        if edge.is_valid:
+            edge.seam, edge.smooth = flags
+
+
+def _clean(bm, edges, source, vertices, twin):
+    """Removes those edges that have no faces any more, and their vertices, unless the other half has such ones; `vertices` by
+    their numbers."""
+
+    def image(vertex):
+        return vertices.get(twin[vertex[source]])
+
+    ends = dict.fromkeys(vertex for edge in edges for vertex in edge.verts)
+    for edge in edges:
+        others = [image(vertex) for vertex in edge.verts]
+        itself = set(others) == set(edge.verts)
+        if edge.is_wire and (itself or None in others or bm.edges.get(others) is None):
+            bm.edges.remove(edge)
+    for vertex in ends:
+        if not vertex.link_edges and image(vertex) in (None, vertex):
+            bm.verts.remove(vertex)

@@ -10,7 +10,7 @@ import numpy as np
 from mathutils.kdtree import KDTree
 
 from . import mesh_data, side_names, stored_map
-from .half_line import LOSES
+from .half_labels import LOSES
 from .neighbour_means import filled
 from .regions import parts, uv_islands
 from .rigid_pieces import brought
@@ -60,9 +60,12 @@ class Old:
             domain: {each.name: mesh_data.read_attribute(each) for each in mesh.attributes if _is_own(each, domain)}
             for domain in ("POINT", "CORNER")
         }
-        lift = mesh.attributes.get(stored_map.LIFT)
-        self.lift = 0 * self.positions if lift is None else mesh_data.read_attribute(lift).astype(float)
-        ends = mesh_data.edges(mesh).astype(np.int64)
+        of_faces = [each for each in mesh.attributes if is_of_faces(each)]
+        for domain in ("FACE", "EDGE"):
+            self.values[domain] = {each.name: mesh_data.read_attribute(each) for each in of_faces if each.domain == domain}
+        self._kinds = {each.name: each.data_type for each in mesh.attributes}
+        self.lift = stored_map.read_lift(mesh)
+        self.ends = ends = mesh_data.edges(mesh).astype(np.int64)
         self._left_out = [_left_out(key - self.positions, self.lift, ends, self.positions) for key in self.keys]
         self.uvs = {layer.name for layer in mesh.uv_layers}
         self.surface = Surface(mesh, self.positions - self.lift, halves.labels == LOSES)
@@ -102,6 +105,44 @@ class Old:
             flipped = side_names.counterpart_columns([group.name for group in object.vertex_groups])
             new[added] = np.pad(now[added], ((0, 0), (0, 1)))[:, flipped]
             write_weights(object, now, new)
+
+    def give_faces(self, mesh, copied, was):
+        """Attributes of copied faces, (faces,) bool, that there were before, as those that were split off or pulled out, and of
+        their corners and edges; `was`, (vertices,), are the numbers that the vertices had. (faces,) bool, which ones."""
+        offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
+        touched = np.isin(self.corners, was[corners[np.repeat(copied, np.diff(offsets))]])
+        chosen = np.flatnonzero(np.logical_and.reduceat(touched, self.offsets[:-1]))
+        old = {frozenset(self._old_face(face)): face for face in chosen}
+        found, pairs = np.zeros(len(copied), bool), {"FACE": [], "CORNER": [], "EDGE": []}
+        count = {"FACE": len(copied), "CORNER": len(corners), "EDGE": len(mesh.edges)}
+        if not old:
+            return found
+        edges = {frozenset(ends): row for row, ends in enumerate(self.ends.tolist())} if self.values["EDGE"] else {}
+        edge_of = mesh_data.read_attribute(mesh.attributes[".corner_edge"])
+        for face in np.flatnonzero(copied).tolist():
+            loops = np.arange(offsets[face], offsets[face + 1])
+            numbers = was[corners[loops]].tolist()
+            before = old.get(frozenset(numbers))
+            if before is None or len(self._old_face(before)) != len(numbers):
+                continue
+            pairs["FACE"].append((face, before))
+            places = {vertex: self.offsets[before] + at for at, vertex in enumerate(self._old_face(before))}
+            pairs["CORNER"] += [(loop, places[number]) for loop, number in zip(loops, numbers)]
+            ends = zip(edge_of[loops], zip(numbers, numbers[1:] + numbers[:1]))
+            pairs["EDGE"] += [(edge, edges[frozenset(each)]) for edge, each in ends if frozenset(each) in edges]
+        for domain, rows in pairs.items():
+            rows, sources = np.array(rows, np.int64).reshape(-1, 2).T
+            for name, values in self.values[domain].items() if len(rows) else ():
+                if name not in mesh.attributes:  # Blender leaves out flags that nothing has
+                    mesh_data.write_attribute(mesh, name, self._kinds[name], np.zeros(count[domain]), domain)
+                now = mesh_data.read_attribute(mesh.attributes[name])
+                now[rows] = values[sources]
+                mesh_data.update_attribute(mesh.attributes[name], now)
+        found[[face for face, _ in pairs["FACE"]]] = True
+        return found
+
+    def _old_face(self, face):
+        return self.corners[self.offsets[face] : self.offsets[face + 1]].tolist()
 
     def give_corners(self, mesh, copied, places):
         """Attributes of the corners of copied faces, (faces,) bool; the vertices are at `places`."""

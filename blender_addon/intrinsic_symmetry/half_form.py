@@ -45,14 +45,15 @@ class Form:
         self._ends = mesh_data.edges(mesh).astype(np.int64)
         self._faces = _Faces(mesh, whole, models)
 
-    def placed(self, lift, beside, without, made):
-        """(vertices, 3) the places of all vertices: off the surface by `lift`, (vertices, 3). Otherwise where an edit has
+    def placed(self, images, lift, beside, without, made):
+        """(vertices, 3) the places of all vertices: `images`, (vertices, 3), if they are numbers; off the surface by `lift`, (vertices, 3). Otherwise where an edit has
         `made` it, (vertices,) bool, that is far, or its foot is not at the place that the mix says, but `beside` it,
         (vertices,), where the models have no images, `without`, (vertices,) bool, or where they are folded. Of those that
         are drawn smooth the mix is changed."""
         reach = longest_edges(self._ends, self._models)
         far = (np.linalg.norm(lift, axis=1) > _FAR * reach) | lift.any(axis=1) & (beside > _BESIDE * reach)
         places = self._mix.of(self._surface.positions) + np.where((self._copies & far)[:, None], 0, lift)
+        places = np.where(np.isfinite(images), images, places)
         made = (made | without | lift.any(axis=1)) & self._copies & ~self._added
         places, exact = rigid_pieces.exact(places, self._models, made, self._kept, self._ends, sign=-1)
         free = self._copies & ~(self._kept | self._added | exact)
@@ -71,7 +72,7 @@ class Form:
         """Places of which each shell that was added is moved by one rigid motion, that of what is nearest to it."""
         if not self._added.any():
             return places
-        others = self._copies & ~self._added
+        others = self._fitted & ~self._added
         surface = Surface(self._mesh, self._models, others)
         for shell in parts(self._added, self._ends):
             places[shell] = rigid_pieces.beside(shell, places, self._models, surface, others, self._ends, sign=-1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which half of a mesh stays, and along which vertices and edges it ends.
+"""Along which vertices and edges a half of a mesh ends, where left and right do not share their faces.
 
 The sides of the stored map are cleaned until each shell has one winning and one losing region. The line between them
 goes through the vertices that the map has on it, as far as these may all lie there, and is then moved onto others that
@@ -8,16 +8,12 @@ of the winning side and one of the losing side (a simple point: A. Rosenfeld, "C
 so that both regions stay connected, and the winning one has a border without crossings.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from . import mesh_data, rigid_pieces, stored_map, vertex_map
+from .half_labels import LINE, LOSES, STAYS, WINS, Halves
 from .regions import components, mirrored
 
-#: Labels of vertices: of the half that stays, of the half that is replaced, on the line between them, and of shells
-#: that stay as they are.
-WINS, LOSES, LINE, STAYS = 1, -1, 0, 2
 #: The line goes through a vertex if it crosses one of its edges in this first share of the edge: a vertex of which is
 #: known exactly where it has its image, or which was made by an edit, and another one.
 _NEAR = 0.02, 0.3
@@ -25,22 +21,9 @@ _NEAR = 0.02, 0.3
 _LEAST = 0.02, 0.1
 
 
-@dataclass(frozen=True)
-class Halves:
-    """Labels of the vertices, and where the line crosses an edge: its winning end, its losing end, and the share of the
-    way from one to the other."""
-
-    labels: np.ndarray  # (vertices,) int
-    edges: np.ndarray  # (crossed edges,) numbers of the edges
-    winning: np.ndarray
-    losing: np.ndarray
-    shares: np.ndarray
-
-
-def halves(bm, mesh, symmetry, winner):
-    """The Halves of a mesh, of which `bm` is a BMesh; `winner`, 1 or -1, is the side that stays. Raises MeshProblem."""
+def halves(bm, mesh, symmetry, labels):
+    """The Halves of a mesh, of which `bm` is a BMesh, with the labels of its shells. Raises MeshProblem."""
     edges, positions = mesh_data.edges(mesh).astype(np.int64), mesh_data.positions(mesh).astype(float)
-    labels = _labels(mesh, symmetry, winner, edges)
     labels = np.where(_stray(labels, edges), -labels, labels)
     labels[_deserted(mesh, labels, symmetry.side == 0)] = LOSES
     bm.verts.ensure_lookup_table()
@@ -63,51 +46,8 @@ def halves(bm, mesh, symmetry, winner):
     _refuse_moved(mesh, np.where(exact, symmetry.partner.astype(np.int64), -1), labels)
     winning, losing, shares, crossed = _crossings(labels, edges, distance)
     least = np.where(known[winning] & known[losing], *_LEAST)
-    return Halves(labels, crossed, winning, losing, np.clip(shares, least, 1 - least))
-
-
-def _labels(mesh, symmetry, winner, edges):
-    """(vertices,) what the map says, shell by shell."""
-    partner, side = symmetry.partner.astype(np.int64), symmetry.side.astype(int) * winner
-    shell = components(len(partner), edges)
-    number, shell = np.unique(shell, return_inverse=True)
-    found, count = partner >= 0, len(number)
-    image = _most(shell[found], shell[partner[found]], count)
-    _refuse_holes(found | (side != 0), image[shell], mesh)
-    balance = np.bincount(shell, side, count) / np.bincount(shell, minlength=count)
-    whole = image == np.arange(count)
-    paired = (image >= 0) & ~whole & (image[image] == np.arange(count))
-    both = [np.bincount(shell[side * sign > 0], minlength=count) > 0 for sign in (1, -1)]
-    crossed = whole & both[0] & both[1]
-    apart = np.where(balance >= balance[image], WINS, LOSES)
-    apart = np.where((balance == balance[image]) & (np.arange(count) > image), LOSES, apart)
-    of_shell = np.where(paired, apart, STAYS)
-    of_shell[(image < 0) & (balance == 1)] = WINS  # it was added, or its image was deleted
-    deserted = np.bincount(shell, stored_map.read_edit(mesh) == stored_map.LOST, count) > 0
-    of_shell[(image < 0) & (balance == -1) & deserted] = LOSES
-    split = (image >= 0) & ~whole & ~paired  # off a shell that has a mirror image, or is its own
-    of_shell[split & crossed[image]] = np.where(balance > 0, WINS, LOSES)[split & crossed[image]]
-    of_shell[split & paired[image]] = -of_shell[image[split & paired[image]]]
-    return np.where(crossed[shell], np.where(side < 0, LOSES, WINS), of_shell[shell])
-
-
-def _most(rows, columns, count):
-    """(count,) the most frequent column of each row, -1 where it has none."""
-    pairs, votes = np.unique(rows * count + columns, return_counts=True)
-    found = np.full(count, -1)
-    order = np.argsort(votes, kind="stable")
-    found[pairs[order] // count] = pairs[order] % count
-    return found
-
-
-def _refuse_holes(known, image, mesh):
-    """Raises MeshProblem where a shell has a mirror image, but some of its vertices have neither image nor side."""
-    without = int((~known & (image >= 0)).sum())
-    if without:
-        raise mesh_data.MeshProblem(
-            f"{without:,} of {len(mesh.vertices):,} vertices have no mirror image: "
-            "Select Without Mirror Image shows where"
-        )
+    none, some, images = np.full(len(labels), -1), np.ones(len(labels), bool), np.full(positions.shape, np.nan)
+    return Halves(labels, crossed, winning, losing, np.clip(shares, least, 1 - least), none, some, images, none, ~some)
 
 
 def _refuse_moved(mesh, partner, labels):

@@ -5,7 +5,7 @@ import intrinsym
 import numpy as np
 
 from . import mesh_data, stored_map, vertex_map
-from .half_line import LINE, STAYS, WINS
+from .half_labels import LINE, LOSES, STAYS
 from .regions import components, mirrored
 
 
@@ -35,12 +35,15 @@ def known(mesh, core_mesh, halves, source, winner, sides):
     count, model = len(halves.labels) + len(halves.shares), np.where(source < 0, -1 - source, source)
     labels = np.append(halves.labels, np.full(len(halves.shares), LINE))[model]
     own, copied = np.arange(len(source)), source < 0
+    twin = np.append(halves.twin, np.full(len(halves.shares), -1))[model]
     at = np.full(2 * count, -1)
     at[model + count * copied] = own
-    partner = np.where(labels == LINE, own, at[model + count * ~copied])
+    other = at[model + count * ~copied]
+    partner = np.where(labels == LINE, own, np.where((other < 0) & (twin >= 0), at[twin], other))
     partner = np.where(labels == STAYS, -1, partner)
-    side = np.where(labels == WINS, np.where(copied, -winner, winner), 0)
-    side = np.where(labels == STAYS, np.append(sides, np.zeros(len(halves.shares), int))[model], side)
+    side = np.where(copied | (labels == LOSES), -winner, winner) * (labels != LINE)
+    stays = (labels == STAYS) | (partner < 0)
+    side = np.where(stays, np.append(sides, np.zeros(len(halves.shares), int))[model], side)
     points = vertex_map.at_vertices(core_mesh, partner)
     partner = np.where(points.faces == vertex_map.NONE, -1, partner)
     kind = intrinsym.SymmetryKind.REFLECTION

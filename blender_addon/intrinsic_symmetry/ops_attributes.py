@@ -144,10 +144,16 @@ def _corners(symmetry, mesh, attribute, values, how_far):
     return _blend(attribute, values, *_corner_images(symmetry, mesh, values, how_far, is_number))
 
 
+def normals(mesh):
+    """(corners, 3) float32."""
+    values = np.empty((len(mesh.loops), 3), np.float32)
+    mesh.corner_normals.foreach_get("vector", values.reshape(-1))
+    return values
+
+
 def _mirror_normals(symmetry, mesh, how_far):
     """Those of face corners, turned with the surface."""
-    own = np.empty((len(mesh.loops), 3), np.float32)
-    mesh.corner_normals.foreach_get("vector", own.reshape(-1))
+    own = normals(mesh)
     image, share = _corner_images(symmetry, mesh, own, how_far, True)
     turn = local_frames.turns(symmetry, mesh_data.positions(mesh))[mesh_data.polygons(mesh).corners]
     new = blend(own, np.einsum("nij,nj->ni", turn, image), share)

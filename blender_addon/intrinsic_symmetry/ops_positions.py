@@ -7,14 +7,11 @@ import bpy
 import numpy as np
 from intrinsym import Merge
 
-from . import assembly, entered, mesh_data
+from . import assembly, entered, mesh_data, stored_map
 from .asymmetry import reference, size
 from .mirroring import DIRECTIONS, MERGE, ConfidenceProperties, MirrorProperties, blend
 from .operator_base import MapOperator, MeshOperator
 
-#: POINT attribute, FLOAT_VECTOR: positions of the shape that is being edited, when they were remembered. That of a
-#: shape key ends in a number made of the key's name, so that what was edited on one is not mirrored on another.
-REMEMBERED = "sym_remembered"
 #: An edit that counts, as a share of the largest one; how far edits of both sides may differ, as a share of their own.
 _STILL, _ALIKE = 1e-3, 0.1
 
@@ -26,23 +23,34 @@ def remembered_name(object):
 
 def _name_for(object, key):
     if key is None or key == object.data.shape_keys.reference_key:
-        return REMEMBERED
-    return f"{REMEMBERED}_{zlib.crc32(key.name.encode()):08x}"
+        return stored_map.REMEMBERED
+    return f"{stored_map.REMEMBERED}_{zlib.crc32(key.name.encode()):08x}"
 
 
 def _another_is(object):
     """In words, that the shape of another shape key is remembered, or nothing."""
     keys, names = object.data.shape_keys, object.data.attributes.keys()
-    if remembered_name(object) in names or not any(name.startswith(REMEMBERED) for name in names):
+    if remembered_name(object) in names or not any(name.startswith(stored_map.REMEMBERED) for name in names):
         return None
     there = [key.name for key in keys.key_blocks if _name_for(object, key) in names] if keys else []
     what = f'The shape key "{there[0]}" is remembered' if there else "A shape key that is gone is remembered"
     return f"{what}, and another shape is active: make it active, or Remember Shape again, then edit"
 
 
+def renew(object, changed):
+    """What is remembered becomes the shape of now at the `changed` vertices, (vertices,) bool."""
+    keys = object.data.shape_keys
+    shapes = {_name_for(object, key): key for key in (keys.key_blocks if keys else [])}
+    for name in [name for name in object.data.attributes.keys() if name.startswith(stored_map.REMEMBERED)]:
+        key = shapes.get(name)
+        now = mesh_data.positions(object.data) if name == stored_map.REMEMBERED or key is None else mesh_data.key_positions(key)
+        values = mesh_data.read_attribute(object.data.attributes[name])
+        mesh_data.update_attribute(object.data.attributes[name], np.where(changed[:, None], now, values))
+
+
 def forget(mesh):
     """Removes what is remembered."""
-    for name in [name for name in mesh.attributes.keys() if name.startswith(REMEMBERED)]:
+    for name in [name for name in mesh.attributes.keys() if name.startswith(stored_map.REMEMBERED)]:
         mesh_data.remove_attribute(mesh, name)
 
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Give one half of the mesh the other half's vertices, edges and faces, across the map, in any pose."""
 
+import functools
+
 import bmesh
 import bpy
 import intrinsym
@@ -8,20 +10,20 @@ import numpy as np
 from intrinsym import Merge, SymmetryKind
 
 from . import (
-    half_copy, half_data, half_form, half_line, half_map, left_side, local_frames, mesh_data, ops_attributes,
-    stored_map, vertex_map,
+    edit_moves, half_copy, half_data, half_form, half_labels, half_line, half_map, half_pairs, left_side, local_frames,
+    mesh_data, ops_attributes, stored_map, vertex_map,
 )
 from .counterparts import listed
 from .mirroring import DIRECTIONS, MERGE
 from .operator_base import MapOperator
-from .ops_positions import forget
+from .ops_positions import renew
 from .regions import components
 
 
 class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator):
-    """Replace one half of the mesh by a mirrored copy of the other half's faces, in any pose. The copy lies on the
-    surface that was there, and takes positions, shape keys, weights, colors and UVs from it; materials, seams, creases
-    and sharp edges are the winning half's. So an extrusion or a loop cut on one side arrives on the other one"""
+    """Make one half of the mesh the mirror image of the other half's faces, in any pose. Faces that are so already stay.
+    Copies lie on the surface that was there, and take positions, shape keys, weights, colors and UVs from it; materials,
+    seams, creases and sharp edges are the winning half's. So an extrusion or a loop cut on one side arrives on the other"""
 
     bl_idname = "intrinsic_symmetry.symmetrize_topology"
     bl_label = "Symmetrize Topology"
@@ -41,49 +43,65 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         direction = self._direction(mesh)
         winner = 1 if MERGE[direction] == Merge.POSITIVE_WINS else -1
         before, left_from = len(mesh.polygons), mesh[stored_map.RECORD]["left_from"]
-        if half_map.is_mirrored(mesh, symmetry, winner):
+        if half_map.is_mirrored(mesh, symmetry, winner) and not edit_moves.after_carry(mesh).any():
             return self._keep(object, symmetry, direction)
         self._say_what_is_replaced(mesh, symmetry, winner)
         half = _Half(object, symmetry, winner)
-        forget(mesh)
         half.fill(object, symmetry)
+        renew(object, half.changed)
         if mode == "EDIT" and half.attached.names:
             self.warn(f"Undo in edit mode does not take back the vertices of {listed(half.attached.names)}")
         stored_map.store(mesh, half.core_mesh, half.known, left=(1, left_from), exact_share=1.0)
         mesh.update()
-        self._mirror_normals(object, direction)
+        if self.direction != "EDITED":
+            self._mirror_attributes(half.known, mesh, direction)
+        self._mirror_normals(object, direction, half.copied_faces)
         self._say_lone(half.known)
-        copied = np.count_nonzero(half.copies)
         way = "Left to right" if winner > 0 else "Right to left"
-        return f"{way}: {copied:,} vertices are copies; {len(mesh.polygons):,} faces now, {before:,} before"
+        moved = f", {half.moved:,} were moved" if half.moved else ""
+        copied = np.count_nonzero(half.copies)
+        return f"{way}: {copied:,} vertices are copies{moved}; {len(mesh.polygons):,} faces now, {before:,} before"
 
     def _keep(self, object, symmetry, direction):
-        """Where the faces are mirrored already: what belongs to faces and edges goes over, and nothing is renumbered."""
+        """Where the faces are mirrored already nothing is renumbered. What belongs to faces and edges goes over, if a direction
+        was chosen."""
         mesh, core_mesh = object.data, intrinsym.Mesh(mesh_data.positions(object.data), mesh_data.polygons(object.data))
         found = (symmetry.partner >= 0).astype(float)
         points = vertex_map.at_vertices(core_mesh, symmetry.partner)
         exact = core_mesh.restore(symmetry.kind, symmetry.partner, found, symmetry.side, points)
         exact.fixed_curve, record = stored_map.fixed_lines(mesh), mesh[stored_map.RECORD]
         stored_map.store(mesh, core_mesh, exact, record["doubtful"], (1, record["left_from"]), exact_share=1.0)
+        changed = self._mirror_attributes(exact, mesh, direction) if self.direction != "EDITED" else []
+        mesh.update()
+        self._mirror_normals(object, direction, np.zeros(len(mesh.polygons), bool))
+        self._say_lone(exact)
+        return f"The faces are mirrored already: {f'only {listed(changed)} changed' if changed else 'nothing to do'}"
+
+    def _mirror_attributes(self, symmetry, mesh, direction):
+        """Mirrors attributes of faces and edges; names of those that changed."""
         changed = []
         for name in [each.name for each in mesh.attributes if half_data.is_of_faces(each)]:
-            values, new = ops_attributes.of_elements(exact, mesh, mesh.attributes[name], MERGE[direction])
+            values, new = ops_attributes.of_elements(symmetry, mesh, mesh.attributes[name], MERGE[direction])
             if not np.array_equal(values, new):
                 mesh_data.update_attribute(mesh.attributes[name], new)
                 changed.append(name)
-        mesh.update()
-        self._mirror_normals(object, direction)
-        self._say_lone(exact)
-        return f"The faces are mirrored already: {f'only {listed(changed)} changed' if changed else 'nothing to do'}"
+        return changed
 
     def _say_lone(self, symmetry):
         if lone := np.count_nonzero(symmetry.partner < 0):
             self.warn(f"{lone:,} vertices of parts without a mirror image stay alone")
 
-    def _mirror_normals(self, object, direction):
-        if object.data.has_custom_normals:
-            with bpy.context.temp_override(active_object=object, object=object):
-                bpy.ops.intrinsic_symmetry.mirror_attribute(name="custom_normal", direction=direction)
+    def _mirror_normals(self, object, direction, faces):
+        """Mirrors custom normals; those of some faces, (faces,) bool, alone if no direction was chosen."""
+        mesh = object.data
+        if not mesh.has_custom_normals or self.direction == "EDITED" and not faces.any():
+            return
+        before = ops_attributes.normals(mesh)
+        with bpy.context.temp_override(active_object=object, object=object):
+            bpy.ops.intrinsic_symmetry.mirror_attribute(name="custom_normal", direction=direction)
+        if self.direction == "EDITED":
+            chosen = np.repeat(faces, np.diff(mesh_data.polygons(mesh)[0]))
+            mesh.normals_split_custom_set(np.where(chosen[:, None], ops_attributes.normals(mesh), before).tolist())
 
     def _direction(self, mesh):
         """The one that was chosen, or from the edited side."""
@@ -114,6 +132,10 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
             self.warn(f"{object.data.users - 1} more objects use this mesh, and change with it")
 
 
+#: A vertex has moved if it did so by more than this share of the size.
+_MOVED = 1e-6
+
+
 class _Half:
     """A mesh whose half was rebuilt, and its map."""
 
@@ -121,16 +143,17 @@ class _Half:
         mesh, bm = object.data, bmesh.new()
         try:
             bm.from_mesh(mesh, face_normals=False, vertex_normals=False)
-            self._halves = halves = half_line.halves(bm, mesh, symmetry, winner)
-            if not (symmetry.partner[halves.labels == half_line.WINS] >= 0).any():
+            self._halves = halves = _halves(bm, mesh, symmetry, winner)
+            if not (symmetry.partner[halves.labels == half_labels.WINS] >= 0).any():
                 raise mesh_data.MeshProblem("No part of the mesh has a mirror image on the other side")
             self._changed = stored_map.is_changed(mesh, symmetry.partner)
+            self._moved = edit_moves.after_carry(mesh).any(axis=1)
             self._old, self.attached = half_data.Old(object, halves), half_data.Attached(mesh)
             half_copy.rebuild(bm, halves)
             bm.to_mesh(mesh)
         finally:
             bm.free()
-        self._source, self._copied = _taken(mesh, half_copy.SOURCE), _taken(mesh, half_copy.COPIED) > 0
+        self._source, self.copied_faces = _taken(mesh, half_copy.SOURCE), _taken(mesh, half_copy.COPIED) > 0
         self.copies = self._source < 0
         self.core_mesh = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
         self.known = half_map.known(mesh, self.core_mesh, halves, self._source, winner, symmetry.side)
@@ -138,22 +161,34 @@ class _Half:
     def fill(self, object, symmetry):
         """Places the copy, and gives it what was there; `symmetry` is the map of the old mesh."""
         mesh, old, copies = object.data, self._old, self.copies
-        models = np.where(copies, -1 - self._source, self._source)
+        models = self._halves.models(self._source)
+        mirrored = copies | (models != self._source)  # of the losing half
         mix, model = (half_data.vertex_mix(each, self._halves, symmetry) for each in (self._source, models))
-        line = self.known.partner == np.arange(len(copies))
-        whole = mix.weights.max(axis=1) > vertex_map.WHOLE
-        without = symmetry.partner < 0
+        line, without = self.known.partner == np.arange(len(copies)), symmetry.partner < 0
+        images = np.where((mirrored | line)[:, None], self._halves.images_of(models), np.nan)
+        exact = model.of(vertex_map.pairs(symmetry) & ~self._changed & ~old.lift.any(axis=1))
+        known = np.isfinite(images).all(axis=1)
+        moving = copies | mirrored & (known | ~exact)
         added = copies & self._of_lone_shells(mesh, model.of(without))
-        kept = (copies | line) & whole & model.of(vertex_map.pairs(symmetry) & ~self._changed & ~old.lift.any(axis=1))
-        form = half_form.Form(mesh, old.surface, mix, model.of(old.positions), copies, copies | line, whole, kept, added)
-        feet, lifted = old.positions - old.lift, self._lifted(mix, model, symmetry)
-        beside = np.linalg.norm(mix.of(symmetry.surface_points.positions(feet)) - model.of(feet), axis=1)
-        places = form.placed(lifted(old.lift), beside, model.of(without), model.of(self._changed))
+        lifted = self._lifted(mix, model, moving, symmetry)
+        places = np.where(known[:, None], images, mix.of(old.positions))
+        if (moving & ~known).any():
+            whole, loose, fitted = mix.weights.max(axis=1) > vertex_map.WHOLE, moving & ~known, mirrored | line
+            kept = fitted & ~loose & (known | whole & exact)
+            models = model.of(old.positions)
+            form = half_form.Form(mesh, old.surface, mix, models, loose, fitted, whole, kept, added & ~known)
+            feet = old.positions - old.lift
+            beside = np.linalg.norm(mix.of(symmetry.surface_points.positions(feet)) - model.of(feet), axis=1)
+            places = form.placed(images, lifted(old.lift), beside, model.of(without), model.of(self._changed))
+        away = np.abs(places - mix.of(old.positions)).max(axis=1)
+        shifted = mirrored & ~copies & (away > _MOVED * np.ptp(places, axis=0).max())
+        self.moved, self.changed = np.count_nonzero(shifted), copies | shifted | model.of(self._changed | self._moved)
         mix.take(copies & model.of(without), old.surface, places)
         old.give_positions(object, mix, places, lifted, model, added)
         old.give_points(object, mix, copies, added)
         offsets, corners = mesh_data.polygons(mesh)
-        old.give_corners(mesh, self._copied & ~added[corners[offsets[:-1]]], places)
+        had = old.give_faces(mesh, self.copied_faces, self._halves.were(self._source))
+        old.give_corners(mesh, self.copied_faces & ~had & ~added[corners[offsets[:-1]]], places)
         self.attached.renumber(self._source, old.positions, places)
 
     def _of_lone_shells(self, mesh, without):
@@ -161,14 +196,25 @@ class _Half:
         shell = components(len(without), mesh_data.edges(mesh).astype(np.int64))
         return ~np.isin(shell, shell[~without])
 
-    def _lifted(self, mix, model, symmetry):
-        """A function of the (old vertices, 3) lift: that of the new ones; of copies it is that of their models, turned as
-        the surface is from there to where the mix is."""
-        old, copies = self._old, self.copies[:, None]
-        if not old.lift.any():
-            return model.of
-        turns = mix.of(local_frames.turns(symmetry, old.positions - old.lift))
-        return lambda lift: np.where(copies, np.einsum("vxy,vy->vx", turns, model.of(lift)), mix.of(lift))
+    def _lifted(self, mix, model, moving, symmetry):
+        """A function of the (old vertices, 3) lift: that of the new ones; of those `moving`, (vertices,) bool, it is that of
+        their models, turned as the surface is from there to where the mix is."""
+        old = self._old
+        turns = functools.cache(lambda: mix.of(local_frames.turns(symmetry, old.positions - old.lift)))
+
+        def lifted(lift):
+            turned = np.einsum("vxy,vy->vx", turns(), model.of(lift)) if lift.any() else 0 * model.of(lift)
+            return np.where(moving[:, None], turned, mix.of(lift))
+
+        return lifted
+
+
+def _halves(bm, mesh, symmetry, winner):
+    labels = half_labels.of_shells(mesh, symmetry, winner, mesh_data.edges(mesh).astype(np.int64))
+    twin = half_pairs.twins(mesh, symmetry, labels)
+    if twin is None:
+        return half_line.halves(bm, mesh, symmetry, labels)
+    return half_pairs.halves(bm, mesh, symmetry, labels, twin, winner)
 
 
 def _taken(mesh, name):

@@ -44,9 +44,14 @@ _TRACES = {**dict(zip(NUMBERS, ("INT", "FLOAT"))), PLACE: "FLOAT_VECTOR", IMAGE:
 _GOLDEN = np.uint64(0x9E3779B97F4A7C15)
 #: FLOAT_VECTOR: how far vertices stand off the surface that the map speaks of, after `carry`.
 LIFT = "sym_lift"
-#: INT: what an edit did, after `carry`: MADE the vertex or moved it, or LOST its mirror image.
+#: INT: what an edit did, after `carry`: MADE the vertex or moved it, LOST its mirror image, or gave it other faces.
 EDIT = "sym_edit"
-MADE, LOST = 1, 2
+MADE, LOST, REFACED = 1, 2, 3
+#: FLOAT_VECTOR: how far an edit has moved old vertices, and duplicates from their originals, after `carry`.
+MOVED = "sym_moved"
+#: FLOAT_VECTOR: positions of the shape that is being edited, when they were remembered. That of a shape key ends in a
+#: number made of the key's name, so that what was edited on one is not mirrored on another.
+REMEMBERED = "sym_remembered"
 #: What an imported PLY or glTF file says of its further symmetries. It does not belong to the map that is kept.
 _FURTHER = re.compile(r"(sym_(vertex|confidence|side)|_SYM_(VERTEX|CONFIDENCE|SIDE))_\d+")
 _NONE = 2**32 - 1
@@ -62,9 +67,24 @@ def is_own(name):
 
 
 def read_edit(mesh):
-    """(vertices,) MADE or LOST by an edit since the map was found; 0 for others."""
+    """(vertices,) MADE, LOST or REFACED by an edit since the map was found; 0 for others."""
     attribute = mesh.attributes.get(EDIT)
     return np.zeros(len(mesh.vertices), int) if attribute is None else mesh_data.read_attribute(attribute)
+
+
+def read_lift(mesh):
+    """(vertices, 3) how far each vertex stands off the surface that the map speaks of."""
+    return _vectors(mesh, LIFT)
+
+
+def read_moved(mesh):
+    """(vertices, 3) how far an edit has moved each vertex, or a duplicate from its original, since the map was found."""
+    return _vectors(mesh, MOVED)
+
+
+def _vectors(mesh, name):
+    attribute = mesh.attributes.get(name)
+    return np.zeros((len(mesh.vertices), 3)) if attribute is None else mesh_data.read_attribute(attribute).astype(float)
 
 
 def is_changed(mesh, partner):
@@ -132,7 +152,7 @@ def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X), exact_sh
     values.update(zip(CORNERS, points.corners.T.astype(np.int64)))
     undo.remember(mesh)
     _remove_further(mesh)
-    for name in {LIFT, EDIT} & set(mesh.attributes.keys()):
+    for name in {LIFT, EDIT, MOVED} & set(mesh.attributes.keys()):
         mesh_data.remove_attribute(mesh, name)
     for name, array in values.items():
         given = np.where(array == _NONE, -1, array) if KINDS[name] == "INT" else array
@@ -303,7 +323,7 @@ def clear(mesh):
     """Removes the map and its record."""
     undo.remember(mesh)
     _remove_further(mesh)
-    for name in (*KINDS, *_TRACES, LIFT, EDIT):
+    for name in (*KINDS, *_TRACES, LIFT, EDIT, MOVED):
         if name in mesh.attributes:
             mesh_data.remove_attribute(mesh, name)
     if RECORD in mesh:

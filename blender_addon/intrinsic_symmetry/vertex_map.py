@@ -29,11 +29,15 @@ def at_vertices(core_mesh, partner):
     return intrinsym.SurfacePoints(unsigned(np.where(place < 0, -1, face)), unsigned(triangles), weights)
 
 
+def whole(symmetry):
+    """(vertices,) bool: those whose images are vertices."""
+    return (symmetry.surface_points.barycentrics.max(axis=1) > WHOLE) & (symmetry.partner >= 0)
+
+
 def pairs(symmetry):
     """(vertices,) bool: those that are the exact images of their images."""
     partner = symmetry.partner.astype(np.int64)
-    exact = symmetry.surface_points.barycentrics.max(axis=1) > WHOLE
-    return exact & (partner >= 0) & (partner[partner] == np.arange(len(partner)))
+    return whole(symmetry) & (partner[partner] == np.arange(len(partner)))
 
 
 def between(source, target, points, kind):

@@ -546,18 +546,21 @@ def test_issue_38_an_edit_at_the_line_arrives_exactly(steps, make, across):
     assert _nearest(now, before[still & (before[:, 0] < -1e-3)])[:, 1].max() < 1e-5, "what was not edited does not move"
 
 
-def test_issue_38_what_would_move_unedited_vertices_is_refused():
-    """The left half of a belt becomes one face. Nothing changes then."""
+def test_issue_38_half_a_belt_that_becomes_one_face_moves_no_vertex():
+    """Its mirror image shares the edges of the line with it."""
     bpy.ops.mesh.primitive_uv_sphere_add()
     object = bpy.context.object
     _noisy_map(object, 0, 0)
     edit_faces(object, [face.index for face in object.data.polygons if face.center.x > 0 and abs(face.center.z) < 0.3])
     bpy.ops.mesh.dissolve_faces()
     enter("OBJECT")
-    before, faces = positions(object.data), _faces(object.data)
-    with pytest.raises(RuntimeError, match="Nothing is changed"):
-        ops.symmetrize_topology()
-    assert np.array_equal(positions(object.data), before) and _faces(object.data) == faces
+    edited, count = positions(object.data), sum(face.center.x > 1e-5 for face in object.data.polygons)
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    _assert_mirrored(object.data)
+    now = positions(object.data)
+    assert _nearest(edited, now)[:, 1].max() < 1e-6, "no vertex moves or is made"
+    assert _nearest(now, edited[edited[:, 0] > -1e-5])[:, 1].max() < 1e-6, "the edited half is as it was"
+    assert len(object.data.polygons) == 2 * count
 
 
 @pytest.mark.parametrize("step", [

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which faces have mirror images. No bpy here."""
+
+import numpy as np
+
+from .regions import mirrored
+
+
+def without_images(faces, twin):
+    """Numbers of those faces, lists of corners, whose mirror images are not among them; a vertex has a `twin` by its
+    number, -1 for none."""
+    paired = [number for number, face in enumerate(faces) if min(twin[corner] for corner in face) >= 0]
+    there = {turned(faces[number]) for number in paired}
+    found = {number for number in paired if turned([twin[corner] for corner in reversed(faces[number])]) in there}
+    return [number for number in range(len(faces)) if number not in found]
+
+
+def lone(offsets, corners, twin):
+    """Lists of corners of the faces without mirror images, of (faces + 1,) offsets, (n,) corners, and (vertices,) twins; and
+    (vertices,) bool, such that each of these faces has one of them."""
+    apart = ~mirrored(offsets, corners, twin)
+    rows = np.flatnonzero(np.logical_or.reduceat(apart[corners], offsets[:-1]))
+    faces = [corners[offsets[row] : offsets[row + 1]].tolist() for row in rows]
+    return [faces[number] for number in without_images(faces, twin.tolist())], apart
+
+
+def turned(corners):
+    """The corners of a face, from the least one on."""
+    start = corners.index(min(corners))
+    return tuple(corners[start:] + corners[:start])

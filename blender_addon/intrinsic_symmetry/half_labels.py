@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a vertex is in a mesh whose half is rebuilt: labels, shell by shell, and what the two ways to find the line
+between the halves (`half_pairs`, `half_line`) answer."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from . import mesh_data, stored_map
+from .regions import components
+
+#: Labels of vertices: of the half that stays, of the half that is replaced, on the line between them, and of shells
+#: that stay as they are.
+WINS, LOSES, LINE, STAYS = 1, -1, 0, 2
+
+
+@dataclass(frozen=True)
+class Halves:
+    """Labels of the vertices, and where the line crosses an edge: its winning end, its losing end, and the share of the
+    way from one to the other. A losing vertex with a twin stays, and so do faces whose mirror images are there; the twin
+    of a vertex on the line is itself. Winning vertices may have known images, and so may those on the line, which go there."""
+
+    labels: np.ndarray  # (vertices,) int
+    edges: np.ndarray  # (crossed edges,) numbers of the edges
+    winning: np.ndarray
+    losing: np.ndarray
+    shares: np.ndarray
+    twin: np.ndarray  # (vertices,) int, -1 for none
+    apart: np.ndarray  # (vertices,) bool: each face without a mirror image has one of them
+    images: np.ndarray  # (vertices, 3), NaN where they are not known
+    partner: np.ndarray  # (vertices,) int, also of duplicates; -1 where the copies of faces keep nothing of what was there
+    edited: np.ndarray  # (vertices,) bool: edges without faces at these are copied, too
+
+    def models(self, source):
+        """Numbers of the old vertices, or of the cuts, that those with the sources that `half_copy` writes are the mirror
+        images of, and of the others themselves."""
+        cuts = len(self.shares)
+        own = np.where(source < 0, -1 - source, source)
+        labels, twin = np.append(self.labels, np.full(cuts, LINE)), np.append(self.twin, np.full(cuts, -1))
+        return np.where((source >= 0) & (labels[own] == LOSES) & (twin[own] >= 0), twin[own], own)
+
+    def were(self, source):
+        """Numbers of the old vertices whose places the new ones have taken, as those of a part that was split off; -1 where
+        that is not known."""
+        partner = np.append(self.partner, np.full(len(self.shares), -1))
+        return np.where(source < 0, partner[np.where(source < 0, -1 - source, source)], source)
+
+    def images_of(self, models):
+        """(n, 3) the images of `models`."""
+        return np.vstack([self.images, np.full((len(self.shares), 3), np.nan)])[models]
+
+
+def of_shells(mesh, symmetry, winner, edges):
+    """(vertices,) what the map says, shell by shell."""
+    partner, side = symmetry.partner.astype(np.int64), symmetry.side.astype(int) * winner
+    shell = components(len(partner), edges)
+    number, shell = np.unique(shell, return_inverse=True)
+    found, count = partner >= 0, len(number)
+    others = found & (partner != np.arange(len(partner)))  # on the line what was split off is its own image
+    image = _most(shell[others], shell[partner[others]], count)
+    loose = np.bincount(np.asarray(mesh_data.polygons(mesh)[1]), minlength=len(partner)) == 0
+    _refuse_holes(found | (side != 0) | loose | (stored_map.read_edit(mesh) == stored_map.MADE), image[shell], mesh)
+    balance = np.bincount(shell, side, count) / np.bincount(shell, minlength=count)
+    whole = image == np.arange(count)
+    paired = (image >= 0) & ~whole & (image[image] == np.arange(count))
+    both = [np.bincount(shell[side * sign > 0], minlength=count) > 0 for sign in (1, -1)]
+    crossed = whole & both[0] & both[1]
+    apart = np.where(balance >= balance[image], WINS, LOSES)
+    apart = np.where((balance == balance[image]) & (np.arange(count) > image), LOSES, apart)
+    of_shell = np.where(paired, apart, STAYS)
+    of_shell[(image < 0) & (balance == 1)] = WINS  # it was added, or its image was deleted
+    deserted = np.bincount(shell, stored_map.read_edit(mesh) == stored_map.LOST, count) > 0
+    of_shell[(image < 0) & (balance == -1) & deserted] = LOSES
+    split = (image >= 0) & ~whole & ~paired  # off a shell that has a mirror image, or is its own
+    of_shell[split & crossed[image]] = np.where(balance > 0, WINS, LOSES)[split & crossed[image]]
+    of_shell[split & paired[image]] = -of_shell[image[split & paired[image]]]
+    return np.where(crossed[shell], np.where(side < 0, LOSES, WINS), of_shell[shell])
+
+
+def _most(rows, columns, count):
+    """(count,) the most frequent column of each row, -1 where it has none."""
+    pairs, votes = np.unique(rows * count + columns, return_counts=True)
+    found = np.full(count, -1)
+    order = np.argsort(votes, kind="stable")
+    found[pairs[order] // count] = pairs[order] % count
+    return found
+
+
+def _refuse_holes(known, image, mesh):
+    """Raises MeshProblem where a shell has a mirror image, but some of its vertices have neither image nor side."""
+    without = int((~known & (image >= 0)).sum())
+    if without:
+        raise mesh_data.MeshProblem(
+            f"{without:,} of {len(mesh.vertices):,} vertices have no mirror image: "
+            "Select Without Mirror Image shows where"
+        )

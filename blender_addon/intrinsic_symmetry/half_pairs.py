@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The halves of a mesh whose left and right have the same faces, apart from what an edit did.
+
+Vertices that are each other's images are twins. What an edit has made is on the side of the old vertices that its faces
+touch; of what touches both sides, and of the line, the places decide. A face that lies on both sides without being its own
+mirror image is cut. Where the twins around an edit are mirrored about one plane, so are the images of the edit.
+"""
+
+import numpy as np
+from intrinsym import Merge
+from mathutils.kdtree import KDTree
+
+from . import edit_moves, half_faces, mesh_data, rigid_pieces, stored_map, vertex_map
+from .asymmetry import fitted_plane
+from .half_labels import LINE, LOSES, STAYS, WINS, Halves
+from .neighbour_means import longest_edges
+from .regions import components, mirrored, parts
+
+#: Share of the vertices that no edit has touched whose faces are mirrored.
+_SHARED = 0.9
+#: A vertex is on the line if it is nearer than this share of its longest edge, or of the size of the mesh.
+_ON, _AT = 1e-3, 1e-6
+#: A twin is mirrored about the plane if it is off by less than this share of its longest edge; and the twins around an edit
+#: are if this share of them is.
+_OFF, _MOST = 0.05, 0.9
+#: Rings of vertices around an edit that say whether the plane is its own.
+_RINGS = 2
+_NOT_THROUGH = (
+    "the line between left and right cannot go through the edit. Nothing is changed. Make the edit in smaller steps, or on "
+    "both sides"
+)
+
+
+def twins(mesh, symmetry, labels):
+    """(vertices,) the twin of each vertex, -1 for none, itself on the line; or nothing where left and right do not share
+    their faces."""
+    partner = symmetry.partner.astype(np.int64)
+    itself = partner == np.arange(len(partner))
+    old, on_line = stored_map.read_edit(mesh) != stored_map.MADE, symmetry.side == 0
+    across = (labels * labels[partner] == WINS * LOSES) & ~(on_line | on_line[partner])
+    fits = np.where(itself, on_line & old, across)
+    exact = vertex_map.pairs(symmetry)
+    twin = np.where(exact & exact[partner] & (labels != STAYS) & fits, partner, -1)
+    offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
+    touched = stored_map.read_edit(mesh) > 0
+    touched |= touched[partner] & (partner >= 0)
+    alike, used = mirrored(offsets, corners, twin), np.bincount(corners, minlength=len(partner)) > 0
+    counted = ~touched & (partner >= 0) & used & (labels != STAYS)
+    if not counted.any() or alike[counted].mean() < _SHARED:
+        return None
+    return np.where(alike | touched | itself, twin, -1)
+
+
+def halves(bm, mesh, symmetry, labels, twin, winner):
+    """The Halves of a mesh with the labels of its shells, and twins, of which the side `winner`, 1 or -1, stays. Raises
+    MeshProblem."""
+    return _Pairs(mesh, symmetry, labels, twin, winner).halves(bm)
+
+
+class _Pairs:
+    """Arrays have one row a vertex."""
+
+    def __init__(self, mesh, symmetry, labels, twin, winner):
+        self._mesh, self._symmetry, self._twin = mesh, symmetry, twin
+        self._ends, self._places = mesh_data.edges(mesh).astype(np.int64), mesh_data.positions(mesh).astype(float)
+        self._offsets, self._corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
+        self._labels = np.where(twin == np.arange(len(twin)), LINE, labels)
+        self._made = stored_map.read_edit(mesh) == stored_map.MADE
+        self._free = (twin < 0) & (labels != STAYS) & self._made
+        self._moved = edit_moves.after_carry(mesh)
+        self._before = self._places - self._moved
+        self._reach = longest_edges(self._ends, self._places)
+        self._was_moved = self._moved.any(axis=1)
+        replaced = stored_map.edits(mesh)[winner > 0] > 0  # what was edited on the losing side
+        self._replaced = replaced & (twin >= 0) & (self._was_moved | self._made)[np.maximum(twin, 0)]
+        still = (twin >= 0) & ~stored_map.is_changed(mesh, symmetry.partner) & ~self._was_moved
+        self._still = still & ~self._was_moved[np.maximum(twin, 0)]
+        self._images, self._at_rest, self._height, self._sideways = self._mirror()
+
+    def _mirror(self):
+        """Images of vertices; whether they are those about the plane; and how far vertices are from the middle, on the
+        winning side; and, at rest, how far they were moved so."""
+        images = self._symmetry.surface_points.positions(self._places)
+        pairs = np.flatnonzero(self._still)
+        images, _ = rigid_pieces.exact(images, self._places, ~self._still, self._still, self._ends, sign=-1)
+        side = np.where(self._symmetry.side == 0, 0, np.where(self._labels == LOSES, -1, 1))
+        height = side * np.linalg.norm(np.nan_to_num(images) - self._places, axis=1) / 2
+        at_rest = np.zeros(len(images), bool)
+        if len(pairs) < 3 or not (self._labels[pairs] == WINS).any():
+            return images, at_rest, height, 0 * height
+        plane = fitted_plane(self._places[pairs], self._places[self._twin[pairs]], np.ones(len(pairs)))
+        mirror = plane.reflect(self._places)
+        off = np.linalg.norm(mirror - self._places[self._twin], axis=1)
+        at_rest = self._agreed(self._still & (off <= _OFF * self._reach))
+        way = self._places @ plane.normal - plane.offset
+        way *= np.sign(way[pairs] @ self._labels[pairs])
+        sideways = np.where(at_rest, self._moved @ plane.normal, 0)
+        return np.where(at_rest[:, None], mirror, images), at_rest, np.where(at_rest, way, height), sideways
+
+    def _agreed(self, agrees):
+        """(vertices,) bool: those whose surroundings agree, (vertices,) bool, with the plane. What is apart from all that
+        is still was at those that are nearest to where it was."""
+        found, pieces = agrees.copy(), self._pieces()
+        tree = None if all(len(around) for _, around in pieces) else _tree(self._places, self._still)
+        for piece, around in pieces:
+            if not len(around):
+                around = [tree.find(place)[1] for place in self._before[piece].tolist()]
+            found[piece] = agrees[around].mean() >= _MOST
+        return found
+
+    def _pieces(self):
+        """Of each connected piece that is not still: its vertices, and the still ones around it."""
+        inside = ~self._still & (self._labels != STAYS)
+        near = rigid_pieces.grown(inside, self._ends, _RINGS) & (self._still | inside)
+        return [(piece[inside[piece]], piece[self._still[piece]]) for piece in parts(near, self._ends)]
+
+    def halves(self, bm):
+        self._refuse_off_line()
+        self._label()
+        bm.verts.ensure_lookup_table()
+        twin = np.where(self._labels == LINE, np.arange(len(self._twin)), self._twin)
+        lone, apart = half_faces.lone(self._offsets, self._corners, twin)
+        winning, losing, shares, edges = self._crossed(bm, lone)
+        images = np.where(np.isin(self._labels, (WINS, LINE))[:, None], self._images_of_changed(), np.nan)
+        edited = stored_map.read_edit(self._mesh) > 0
+        return Halves(self._labels, edges, winning, losing, shares, twin, apart, images, self._partners(), edited)
+
+    def _refuse_off_line(self):
+        """Raises MeshProblem where vertices of the line were moved off the plane."""
+        if count := np.count_nonzero((self._labels == LINE) & (np.abs(self._sideways) > self._least())):
+            raise mesh_data.MeshProblem(
+                f"{count:,} vertices of the line between left and right were moved off it: move them back. Nothing is changed"
+            )
+
+    def _least(self):
+        """(vertices,) how far from the middle a vertex is on the line."""
+        return np.maximum(_ON * self._reach, _AT * np.ptp(self._places, axis=0).max())
+
+    def _label(self):
+        """Gives what an edit has made its labels."""
+        on_plane = self._free & (np.abs(self._height) <= self._least())
+        region = components(len(self._free), self._ends[(self._free & ~on_plane)[self._ends].all(axis=1)])
+        fixed = np.where(self._free, STAYS, self._labels)
+        wins, loses = (self._touched(fixed == label, region) for label in (WINS, LOSES))
+        by_place = np.where(self._height < 0, LOSES, WINS)
+        label = np.select([wins & ~loses, loses & ~wins, wins & loses], [WINS, LOSES, by_place], self._labels)
+        labels = np.where(self._free & ~on_plane, label, fixed)
+        wins, loses = (self._touched(labels == each, np.arange(len(labels))) for each in (WINS, LOSES))
+        line = on_plane & self._joined(on_plane, (labels == LINE) | on_plane & wins & loses)
+        labels[on_plane] = np.where(loses & ~wins, LOSES, WINS)[on_plane]
+        labels[line] = LINE
+        self._labels = labels
+
+    def _touched(self, flags, region):
+        """(vertices,) bool: those of whose region a face has one of the flags, (vertices,) bool."""
+        found = np.zeros(len(flags), bool)
+        if len(self._corners):
+            faces = np.logical_or.reduceat(flags[self._corners], self._offsets[:-1])
+            found[region[self._corners[np.repeat(faces, np.diff(self._offsets))]]] = True
+        return found[region]
+
+    def _joined(self, chosen, seeds):
+        """(vertices,) bool: the chosen ones that edges between them join to seeds, both (vertices,) bool."""
+        group = components(len(chosen), self._ends[(chosen | seeds)[self._ends].all(axis=1)])
+        return chosen & np.isin(group, group[seeds])
+
+    def _crossed(self, bm, faces):
+        """Winning ends, losing ends, shares and numbers of the edges at which faces are cut."""
+        found = {}
+        for corners in faces:
+            for pair in zip(corners, corners[1:] + corners[:1]):
+                if sorted(self._labels[list(pair)]) == [LOSES, WINS]:
+                    edge = bm.edges.get([bm.verts[vertex] for vertex in pair])
+                    found[edge.index] = sorted(pair, key=lambda vertex: -self._labels[vertex])
+        winning, losing = np.array(list(found.values()), np.int64).reshape(-1, 2).T
+        ahead, behind = self._height[winning], -self._height[losing]
+        if count := np.count_nonzero((ahead <= 0) | (behind <= 0)):
+            raise mesh_data.MeshProblem(f"{count:,} edges lie on one side alone, but join both: {_NOT_THROUGH}")
+        return winning, losing, ahead / np.maximum(ahead + behind, 1e-30), np.array(list(found), np.int64)
+
+    def _at_originals(self):
+        """(vertices,) bool: duplicates that were not moved, and are where their originals are."""
+        partner = self._symmetry.partner.astype(np.int64)
+        original = np.where(vertex_map.whole(self._symmetry), self._twin[partner], -1)
+        away = np.linalg.norm(self._places - self._places[original], axis=1)
+        return (original >= 0) & (away <= self._least()) & ~self._was_moved
+
+    def _partners(self):
+        """(vertices,) the partners, also of duplicates; of those of the line that were split off it, where they were."""
+        partner = np.where(vertex_map.whole(self._symmetry), self._symmetry.partner.astype(np.int64), -1)
+        tree, least = _tree(self._before, (self._labels == LINE) & ~self._made), self._least()
+        for vertex in np.flatnonzero((partner == np.arange(len(partner))) & self._free).tolist():
+            _, there, away = tree.find(self._before[vertex])
+            partner[vertex] = there if there is not None and away <= least[vertex] else -1
+        return partner
+
+    def _images_of_changed(self):
+        """(vertices, 3) images of what was made or moved, or has no twin, and of what became part of the line; of duplicates
+        at their originals, the partners of these. NaN where they are not known."""
+        changed = self._made | self._was_moved | self._replaced | (self._twin < 0)
+        images = np.where((self._at_rest & changed)[:, None], self._images, np.nan)
+        on_line = self._labels == LINE
+        images[on_line] = np.where(self._free[on_line, None], (images + self._places)[on_line] / 2, np.nan)
+        still = self._free & (self._labels == WINS) & self._at_originals()
+        images[still] = self._places[self._symmetry.partner[still].astype(np.int64)]
+        return images if self._at_rest[changed & (self._labels == WINS)].all() else self._in_pose(images)
+
+    def _in_pose(self, images):
+        """Images with those in a pose: of moved vertices in their local frames, and of what was split off and moved, as its
+        place was there."""
+        carried = (self._was_moved | self._replaced) & (self._twin >= 0) & ~stored_map.read_lift(self._mesh).any(axis=1)
+        rows = np.flatnonzero(carried & (self._labels == WINS) & ~self._at_rest)
+        twin, moved = self._twin[rows], np.where((self._labels == WINS)[:, None], self._moved, 0)
+        if len(rows):
+            images[rows] = (self._before + self._symmetry.carry_displacement(self._before, moved, Merge.SWAP))[twin]
+        were = self._symmetry.surface_points.positions(self._places)
+        were[rows] = self._before[twin]
+        for piece, around in self._pieces():
+            piece = piece[(self._labels[piece] == WINS) & ~self._at_rest[piece] & np.isfinite(were[piece]).all(axis=1)]
+            if not len(around) and len(piece) > 2:
+                both = np.vstack([self._places[piece], self._before[piece]])
+                now, then = np.split(rigid_pieces.brought(self._before[piece], were[piece], both, -1), 2)
+                images[piece] = were[piece] + now - then
+        return images
+
+
+def _tree(places, chosen):
+    """The chosen ones, (vertices,) bool, at (vertices, 3) places."""
+    tree = KDTree(len(places))
+    for vertex in np.flatnonzero(chosen).tolist():
+        tree.insert(places[vertex], vertex)
+    tree.balance()
+    return tree
