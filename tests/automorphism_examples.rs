@@ -128,20 +128,34 @@ fn half_edges_are_made_only_where_colours_repeat() {
         let mut connectivity = Connectivity::of(&Example::read_mesh(name)).unwrap().expect(name);
         assert!(connectivity.find_unrivalled(|_| true, &quiet).unwrap().is_some(), "{name}");
     }
-    // A body beside a creature that is meshed apart.
-    let (human, mut other) = (Example::read_mesh("human"), Example::read_mesh("quadruped"));
-    let count = human.positions.len() as u32;
-    let shift = other.positions.len() as u32;
-    other.positions.extend(&human.positions);
-    let last = *other.polygon_offsets.last().unwrap();
-    other.polygon_points.extend(human.polygon_points.iter().map(|point| point + shift));
-    other.polygon_offsets.extend(human.polygon_offsets[1..].iter().map(|offset| offset + last));
-    other.shell_of_point.extend(vec![1; count as usize]);
-    other.shell_count = 2;
-    let found =
-        Connectivity::of(&other).unwrap().unwrap().find_unrivalled(|_| true, &quiet).unwrap().unwrap();
-    assert_eq!(found.covered, count as usize);
-    assert!(!found.complete, "nothing was sought on the creature");
+    // A body beside creatures that are meshed apart.
+    let human = Example::read_mesh("human");
+    let count = human.positions.len();
+    for creatures in [1, 4] {
+        let mut all = human.clone();
+        for _ in 0..creatures {
+            add(&mut all, &Example::read_mesh("quadruped"));
+        }
+        assert_eq!(
+            creatures == 1,
+            2 * count > all.positions.len(),
+            "the body has less than half beside four"
+        );
+        let found =
+            Connectivity::of(&all).unwrap().unwrap().find_unrivalled(|_| true, &quiet).unwrap().unwrap();
+        assert_eq!(found.covered, count);
+        assert!(!found.complete, "nothing was sought on the creature");
+    }
+}
+
+/// Adds another mesh's only shell.
+fn add(mesh: &mut Mesh, other: &Mesh) {
+    let (shift, last) = (mesh.positions.len() as u32, *mesh.polygon_offsets.last().unwrap());
+    mesh.positions.extend(&other.positions);
+    mesh.polygon_points.extend(other.polygon_points.iter().map(|point| point + shift));
+    mesh.polygon_offsets.extend(other.polygon_offsets[1..].iter().map(|offset| offset + last));
+    mesh.shell_of_point.extend(vec![mesh.shell_count as u32; other.positions.len()]);
+    mesh.shell_count += 1;
 }
 
 #[test]

@@ -66,8 +66,8 @@ pub struct Automorphism {
     pub covered: usize,
     /// Whether every shell is mapped by a bijection of the whole of it.
     pub complete: bool,
-    /// Whether a point's pair belongs to the only bijection that the connectivity of its shell admits, which
-    /// holds most of the vertices, or to the only pairing of six tenths of them. Shape can say nothing against it: no mesh is so by chance.
+    /// Whether a point's pair belongs to the only bijection that the connectivity of the main shell admits,
+    /// or to the only pairing of six tenths of its vertices. Shape can say nothing against it: no mesh is so by chance.
     pub unrivalled: Vec<bool>,
 }
 
@@ -113,7 +113,7 @@ pub struct Connectivity {
     in_part: bool,
 }
 
-/// How many bijections the main shell has, as far as it is known.
+/// How many bijections the main shell, the largest of many vertices, has, as far as it is known.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Bijections {
     Unknown,
@@ -182,7 +182,7 @@ impl Connectivity {
     ///
     /// `estimate` holds the estimated partner of each point or [`NONE`], `confidence` a weight in 0..=1; both
     /// have one entry per point. A bijection of a whole shell is accepted if its mean distance from the
-    /// estimate is a small number of edges; on a shell with most of the vertices also if the connectivity
+    /// estimate is a small number of edges; on the main shell also if the connectivity
     /// admits no other and a third of the estimate agrees, or there is none; so is a pairing of most of that shell. `None` if no shell has either.
     ///
     /// # Errors
@@ -260,9 +260,9 @@ impl Connectivity {
 
 /// What walking whole shells gave.
 struct WholeShells {
-    /// The shell with most of the vertices, if it has no bijection.
+    /// The main shell, if it has no bijection.
     defective: Option<usize>,
-    /// The shell with most of the vertices, if its bijection is the only one.
+    /// The main shell, if its bijection is the only one.
     unrivalled: Option<usize>,
     /// How many bijections that shell has.
     bijections: Bijections,

@@ -19,8 +19,8 @@ use crate::mesh::{Mesh, Shell};
 use crate::search::sign_network::SignNetwork;
 use crate::verify::outcome::{CONFIDENT, Outcome};
 
-/// A mirror plane in space from whose [`Detection::worth`] on it is the answer, and nothing is searched.
-const AT_REST: f64 = 0.9;
+/// A mirror plane in space, or one shell's mirrored connectivity, from whose [`Detection::worth`] on it is the answer, and nothing is searched.
+const ENOUGH: f64 = 0.9;
 /// How often parts without a counterpart are taken away.
 const ROUNDS: usize = 3;
 
@@ -68,25 +68,33 @@ fn answer(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Dete
     let at_rest = question.at_rest()?;
     clock.lap("mirror plane");
     match at_rest {
-        Some(at_rest) if at_rest.worth() >= AT_REST => Ok(at_rest),
+        Some(at_rest) if at_rest.worth() >= ENOUGH => Ok(at_rest),
         other => better(other, searched(question, plans, clock)),
     }
 }
 
-/// The answer of the joined shells; if it is doubtful that of the largest one alone, if that is worth more.
+/// The answer of the largest shell's connectivity, if it says nearly all; or of the joined shells; if that is doubtful that of the largest one alone, if that is worth more.
 fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
     // Twins are those of one symmetry, and stated signs those of the largest shell's functions.
     let joined = match question.options.asks_for_one() {
         true => JoinedShells::new(question.mesh, question.mesh.shells()),
         false => JoinedShells::alone(question.mesh.shells()),
     };
-    let is_alone = joined.twins.is_empty();
-    let found = of_parts(question, joined, plans, clock)?;
-    if is_alone || found.outcome == Outcome::Found {
-        return Ok(found);
+    if joined.twins.is_empty() {
+        return of_parts(question, joined, plans, clock);
     }
     let alone = JoinedShells::alone(question.mesh.shells());
-    better(Some(found), of_parts(question, alone, plans, clock))
+    // A body of mirrored connectivity knows better than all that it wears.
+    let exact = Domain::new(question, &alone).exact()?;
+    if let Some(exact) = exact.filter(|exact| exact.worth() >= ENOUGH) {
+        clock.lap("correspondence");
+        return Ok(exact);
+    }
+    let found = of_parts(question, joined, plans, clock)?;
+    match found.outcome {
+        Outcome::Found => Ok(found),
+        _ => better(Some(found), of_parts(question, alone, plans, clock)),
+    }
 }
 
 /// The answer of shells; or of what is left of the first without its parts that have no counterpart, if that is much more plausible.

@@ -62,6 +62,7 @@ impl JoinedShells {
         let contacts = Contacts::between(mesh, &shells[..members]);
         let distances = contacts.distances(mesh, &shells[..members]);
         let mut twins = twins::likely(mesh, &shells[..members], &distances);
+        contacts.add_hubs(&mut twins);
         contacts.drop_held(&mut twins);
         if twins.iter().filter(|twin| **twin != NONE).count() < 2 {
             return JoinedShells::alone(shells);
@@ -191,6 +192,23 @@ impl Contacts {
         largest
     }
 
+    /// Makes shells without a twin their own if they touch twins mostly in pairs, as a trunk touches both arms.
+    fn add_hubs(&self, twins: &mut [u32]) {
+        let touching = self.touching();
+        let touch = |a: usize, b: usize| touching.contains(&[a.min(b), a.max(b)]);
+        let alone = (0..twins.len()).filter(|&own| twins[own] == NONE);
+        let is_hub = |&own: &usize| {
+            let swaps = |&other: &usize| twins[other] != NONE && twins[other] as usize != other;
+            let (both, one): (Vec<usize>, Vec<usize>) = (0..twins.len())
+                .filter(swaps)
+                .filter(|&other| touch(own, other))
+                .partition(|&other| touch(own, twins[other] as usize));
+            both.len() > one.len()
+        };
+        let hubs: Vec<usize> = alone.filter(is_hub).collect();
+        hubs.into_iter().for_each(|own| twins[own] = own as u32);
+    }
+
     /// Takes their twins from shells that touch others only where the twins of both are not near each other, as a sword that is its own mirror image touches one hand.
     fn drop_held(&self, twins: &mut [u32]) {
         let near: HashSet<[usize; 2]> = self.near.iter().map(|contact| contact.shells).collect();
@@ -296,4 +314,20 @@ fn contact(
         }
     }
     Contact { shells, distance: near.first().map_or(f64::INFINITY, |near| near.0), joints }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_trunk_between_twins_is_its_own_and_what_one_of_them_holds_is_not() {
+        // A trunk, two arms that touch it, a rod that one of them holds, and a bag on the trunk.
+        let touching = [[0, 1], [0, 2], [1, 3], [0, 4]];
+        let near = touching.map(|shells| Contact { shells, distance: 0.0, joints: Vec::new() });
+        let contacts = Contacts { places: Vec::new(), trees: Vec::new(), near: near.into() };
+        let mut twins = [NONE, 2, 1, NONE, NONE];
+        contacts.add_hubs(&mut twins);
+        assert_eq!(twins, [0, 2, 1, NONE, NONE]);
+    }
 }

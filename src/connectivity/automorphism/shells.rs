@@ -3,10 +3,13 @@
 use crate::mesh::NONE;
 use crate::mesh::half_edges::HalfEdges;
 
+/// The main shell has one in so many of the vertices, or more: a body under its clothes.
+const MAIN: usize = 4;
+
 /// Vertices grouped by shell, breadth first within each.
 pub(super) struct Shells {
-    /// Vertices of the mesh, those of shells that are left out included.
-    total: usize,
+    /// The one shell with more vertices than any other, if these are many.
+    main: Option<usize>,
     shell_of: Vec<u32>,
     starts: Vec<usize>,
     order: Vec<u32>,
@@ -16,7 +19,7 @@ impl Shells {
     /// Floods from each vertex not reached yet; `left_out` vertices of the mesh have no half-edges.
     pub fn new(half_edges: &HalfEdges, left_out: usize) -> Self {
         let mut shells = Shells {
-            total: half_edges.vertex_count() + left_out,
+            main: None,
             shell_of: vec![NONE; half_edges.vertex_count()],
             starts: Vec::new(),
             order: Vec::new(),
@@ -28,6 +31,10 @@ impl Shells {
             }
         }
         shells.starts.push(shells.order.len());
+        let total = half_edges.vertex_count() + left_out;
+        let by_size = shells.by_size();
+        let size = |place: usize| by_size.get(place).map_or(0, |&shell| shells.vertices(shell).len());
+        shells.main = by_size.first().copied().filter(|_| MAIN * size(0) > total && size(0) > size(1));
         shells
     }
 
@@ -55,9 +62,9 @@ impl Shells {
         shells
     }
 
-    /// Whether a shell has most of the vertices of the mesh.
+    /// Whether a shell has more vertices than any other, and many.
     pub fn is_main(&self, shell: usize) -> bool {
-        2 * self.vertices(shell).len() > self.total
+        self.main == Some(shell)
     }
 
     /// Vertices of a shell, breadth first.
