@@ -156,3 +156,37 @@ fn the_plane_that_mirrors_more_is_taken() {
         assert!(10 * right > 9 * partner.len(), "{width} {nose} {height}: {right} of {}", partner.len());
     }
 }
+
+/// A posed body of mirrored connectivity under two coats, cut at random, over most of it.
+fn dressed() -> PolygonMesh {
+    let body = example("human");
+    let (mut positions, mut faces) = (body.positions.clone(), faces_of(&body));
+    let mut heights: Vec<f64> = body.positions.iter().map(|at| at[2]).collect();
+    heights.sort_by(f64::total_cmp);
+    let top = heights[heights.len() * 7 / 10];
+    let cut = with_random_diagonals(&body);
+    for scale in [1.02, 1.04] {
+        let first = positions.len() as u32;
+        positions.extend(body.positions.iter().map(|at| at.map(|x| scale * x)));
+        let is_covered =
+            |face: &Vec<u32>| face.iter().all(|&corner| body.positions[corner as usize][2] < top);
+        let coat = faces_of(&cut).into_iter().filter(is_covered);
+        faces.extend(coat.map(|face| face.iter().map(|corner| corner + first).collect()));
+    }
+    polygon_mesh(&positions, &faces)
+}
+
+fn faces_of(mesh: &PolygonMesh) -> Vec<Vec<u32>> {
+    let ends = mesh.face_offsets.windows(2);
+    ends.map(|ends| mesh.face_vertices[ends[0] as usize..ends[1] as usize].to_vec()).collect()
+}
+
+#[test]
+fn a_body_of_mirrored_connectivity_is_followed_by_what_it_wears() {
+    let dressed = dressed();
+    let truth = example_truth("human");
+    let found = found(&dressed);
+    assert!(found.report.evidence().contains("connectivity"), "nothing was searched");
+    let partner = &found.symmetries[0].partner;
+    assert!(truth.iter().zip(partner).all(|(&truth, &partner)| truth as i32 == partner));
+}
