@@ -157,7 +157,7 @@ fn the_plane_that_mirrors_more_is_taken() {
     }
 }
 
-/// A posed body of mirrored connectivity under two coats, cut at random, over most of it.
+/// A posed body of mirrored connectivity under two coats, cut at random, over most of it, and a round hat.
 fn dressed() -> PolygonMesh {
     let body = example("human");
     let (mut positions, mut faces) = (body.positions.clone(), faces_of(&body));
@@ -173,6 +173,10 @@ fn dressed() -> PolygonMesh {
         let coat = faces_of(&cut).into_iter().filter(is_covered);
         faces.extend(coat.map(|face| face.iter().map(|corner| corner + first).collect()));
     }
+    let (hat, first) = (geodesic_sphere(6), positions.len() as u32);
+    let head = body.positions.iter().copied().max_by(|a, b| a[2].total_cmp(&b[2])).expect("vertices");
+    positions.extend(hat.positions.iter().map(|at| [0, 1, 2].map(|axis| head[axis] + 0.12 * at[axis])));
+    faces.extend(hat.face_vertices.chunks(3).map(|face| face.iter().map(|corner| corner + first).collect()));
     polygon_mesh(&positions, &faces)
 }
 
