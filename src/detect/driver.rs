@@ -76,24 +76,26 @@ fn answer(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Dete
 /// The answer of the largest shell's connectivity, if it says nearly all; or of the joined shells; if that is doubtful that of the largest one alone, if that is worth more.
 fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
     // Twins are those of one symmetry, and stated signs those of the largest shell's functions.
+    let alone = || JoinedShells::alone(question.mesh.shells());
     let joined = match question.options.asks_for_one() {
         true => JoinedShells::new(question.mesh, question.mesh.shells()),
-        false => JoinedShells::alone(question.mesh.shells()),
+        false => alone(),
     };
     if joined.twins.is_empty() {
         return of_parts(question, joined, plans, clock);
     }
-    let alone = JoinedShells::alone(question.mesh.shells());
     // A body of mirrored connectivity knows better than all that it wears.
-    let exact = Domain::new(question, &alone).exact()?;
-    if let Some(exact) = exact.filter(|exact| exact.worth() >= ENOUGH) {
+    if question.unrivalled.is_some()
+        && let Some(exact) = Domain::new(question, &alone()).exact()?
+        && exact.worth() >= ENOUGH
+    {
         clock.lap("correspondence");
         return Ok(exact);
     }
     let found = of_parts(question, joined, plans, clock)?;
     match found.outcome {
         Outcome::Found => Ok(found),
-        _ => better(Some(found), of_parts(question, alone, plans, clock)),
+        _ => better(Some(found), of_parts(question, alone(), plans, clock)),
     }
 }
 

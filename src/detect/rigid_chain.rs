@@ -25,7 +25,7 @@ pub struct RigidChain {
     contacts: Vec<[u32; 2]>,
 }
 
-/// Shells whose map is settled, with the partner of each.
+/// The shells of a mesh in their order along the chain.
 struct Links<'a> {
     mesh: &'a Mesh,
     shells: &'a [Shell],
@@ -148,15 +148,9 @@ impl Links<'_> {
 mod tests {
     use super::*;
     use crate::base::limits::Limits;
-    use crate::geometry::vertex_map::VertexMap;
     use crate::mesh::PolygonMesh;
 
-    /// Corner of a block with bits for its sides, mirrored in some axes.
-    fn mirrored(corner: u32, axes: u32) -> u32 {
-        corner ^ axes
-    }
-
-    /// A block, and a smaller one on each side of it.
+    /// A block, and a smaller one on each side of it. A bit of a corner's number says on which side of an axis it is.
     fn blocks() -> Mesh {
         let bit = |corner: u32, axis: u32| f64::from(corner >> axis & 1) - 0.5;
         let block = |x: f64, [w, d, h]: [f64; 3]| {
@@ -178,25 +172,25 @@ mod tests {
     fn what_lies_on_itself_in_two_ways_follows_what_changes_places() {
         let mesh = blocks();
         let shells = mesh.shells();
-        let token = crate::base::progress::CancelToken::default();
         let settled = |contacts: Vec<[u32; 2]>| {
             let mut map = PointMap::empty(&mesh);
             // The arms change places, the middle is mirrored to its back.
             for (own, target, axes) in [(0, 0, 2), (1, 2, 1), (2, 1, 1)] {
-                let partners = (0..8).map(|corner| mirrored(corner, axes)).collect();
+                let partners = (0..8).map(|corner| corner ^ axes).collect();
                 let images = VertexMap::at_vertices(&shells[target].triangles, partners);
                 map.insert(&shells[own], &shells[target], &images, &[1.0; 8]);
             }
-            let progress = Progress::new(None, token.clone());
             let chain = RigidChain { contacts };
-            chain.settle(&mesh, &mut map, SymmetryKind::Reflection, 1, &progress).expect("an answer");
+            chain
+                .settle(&mesh, &mut map, SymmetryKind::Reflection, 1, &Progress::default())
+                .expect("an answer");
             (0..8).map(|corner| map.partner[corner]).collect::<Vec<u32>>()
         };
-        let onto = |axes: u32| (0..8).map(|corner| mirrored(corner, axes)).collect::<Vec<u32>>();
+        let onto = |axes: u32| (0..8).map(|corner| corner ^ axes).collect::<Vec<u32>>();
         assert_eq!(settled(Vec::new()), onto(2));
         // The middle's left side touches the left arm's right one.
         let touching = (0..4u32).map(|k| 2 * k).flat_map(|left| {
-            let arm = 8 + mirrored(left, 1);
+            let arm = 8 + (left ^ 1);
             [[left, arm], [arm, left]]
         });
         assert_eq!(settled(touching.collect()), onto(1));

@@ -119,7 +119,7 @@ pub fn farthest_points(points: &[Point], count: usize) -> Vec<usize> {
     chosen
 }
 
-/// Squared distances of points, by columns, from the nearest chosen one, with a new one; compiled for each instruction set.
+/// Squared distances of points, by columns, from the nearest chosen one, with a new one, summed as by [`squared`]; compiled for each instruction set.
 struct Nearer<'a> {
     columns: &'a [Vec<f32>; SPREAD_COORDINATES],
     newest: &'a Point,

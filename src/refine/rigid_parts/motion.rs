@@ -64,7 +64,7 @@ impl Motion {
         motion
     }
 
-    /// The motion nearest to what the map does.
+    /// The motion nearest to what the map does, each place by a `weight`.
     pub fn nearest(places: &[Place], mirrored: bool, weight: impl Fn(&Place) -> f64) -> Motion {
         let (mut from, mut to, mut all) = ([0.0; 3], [0.0; 3], 0.0);
         let mut products = Matrix::default();

@@ -2,7 +2,7 @@
 //!
 //! What is round tells a map of eigenfunctions little of how it is turned, but it is seldom round to the last digit. So the rigid motion nearest to the map, and others that are
 //! turned from it, are brought to the partner's surface (Y. Chen, G. Medioni, "Object modelling by registration of multiple range images", 1992); one
-//! that comes to lie on it is the map of the whole shell.
+//! that comes to lie on it is the map of the whole shell. Where the shell touches others, these say of one more start, and of which motion is nearest.
 
 use super::motion::{Approach, Motion, Oriented, Place, Spread};
 use crate::base::symmetry_kind::SymmetryKind;
@@ -244,15 +244,13 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_on_itself_in_several_turns_goes_where_it_touches_others() {
+    fn what_its_map_turns_far_goes_where_it_touches_others() {
         let own = tube(|[x, y, z]| [x, 0.9 * y, z]);
-        let turned: Vec<u32> = (0..AROUND * ALONG).map(|vertex| mirrored(vertex, 3)).collect();
         let expected: Vec<u32> = (0..AROUND * ALONG).map(|vertex| mirrored(vertex, 0)).collect();
         let contact = |vertex: u32| (vertex, own.positions[mirrored(vertex, 0) as usize]);
-        let contacts = [contact(2), contact(8), contact(13)];
-        assert_ne!(turned, expected);
-        assert_eq!(found(&own, &own, 0, &[]).as_ref(), Some(&expected));
-        assert_eq!(found(&own, &own, 12, &contacts).as_ref(), Some(&expected));
+        let turned = |contacts: &[(u32, Vector)]| found(&own, &own, 12, contacts);
+        assert_ne!(turned(&[]).as_ref(), Some(&expected));
+        assert_eq!(turned(&[2, 8, 13].map(contact)).as_ref(), Some(&expected));
     }
 
     /// Images of a tube on another by a map that is turned by two steps of 15 degrees.
