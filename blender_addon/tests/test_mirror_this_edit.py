@@ -20,13 +20,21 @@ def monkey():
     return bpy.context.object
 
 
-def _away(places, wanted):
-    """(wanted,) how far the nearest of the places is."""
+def _found(places, wanted):
+    """(wanted, 2) the nearest of the places, by its number, and how far it is."""
     tree = KDTree(len(places))
     for number, place in enumerate(places):
         tree.insert(place, number)
     tree.balance()
-    return np.array([tree.find(place)[2] for place in wanted])
+    return np.array([tree.find(place)[1:] for place in wanted]).reshape(-1, 2)
+
+
+def _away(places, wanted):
+    return _found(places, wanted)[:, 1]
+
+
+def _nearest(places, wanted):
+    return _found(places, wanted)[:, 0].astype(int)
 
 
 def _middles(mesh):
@@ -103,14 +111,6 @@ def test_issue_38_faces_split_off_and_moved_keep_their_form_in_a_pose(human):
     assert np.abs(between[0] - between[1]).max() < 0.05 * size, "its form"
     moved = np.linalg.norm(now[partner[own]] - before[_nearest(before, now[partner[own]])], axis=1)
     assert moved.min() > 1e-3
-
-
-def _nearest(places, wanted):
-    tree = KDTree(len(places))
-    for number, place in enumerate(places):
-        tree.insert(place, number)
-    tree.balance()
-    return np.array([tree.find(place)[1] for place in wanted])
 
 
 @pytest.mark.parametrize("count", [1, 2])
