@@ -2,7 +2,7 @@
 //!
 //! Two shells of one connectivity and one size are twins, hardly by chance. Others may be if they are similar in size. Twins are as far from the twins of others as
 //! these are from each other, along the surface: so a sword in one hand, which would be its own mirror image by itself, has none. The involution of the
-//! shells that is worth most is sought by single changes.
+//! shells that is worth most is sought by single changes, from each of the pairs of a shell that may have several twins.
 
 use crate::connectivity::automorphism::{Signature, shell_signatures};
 use crate::mesh::vector::{Vector, cross, dot};
@@ -83,8 +83,35 @@ struct Involution<'a> {
 }
 
 impl Involution<'_> {
-    /// After the best single changes, as long as there are some.
+    /// The one of most worth after the best single changes, from no twins, and from each pair of a shell that may have several.
     fn settled(mut self) -> Vec<u32> {
+        let mut best = (f64::NEG_INFINITY, Vec::new());
+        for start in [None].into_iter().chain(self.rivals().into_iter().map(Some)) {
+            self.twins.fill(NONE);
+            if let Some([a, b]) = start {
+                self.apply(&[(a, b as u32), (b, a as u32)]);
+            }
+            self.settle();
+            let worth = self.worth(&Vec::from_iter(self.twins.iter().copied().enumerate()));
+            if worth > best.0 {
+                best = (worth, self.twins.clone());
+            }
+        }
+        best.1
+    }
+
+    /// The pairs of the largest shell that may have several twins, as one of the legs of an insect.
+    fn rivals(&self) -> Vec<[usize; 2]> {
+        let count = self.twins.len();
+        let twins_of = |a: usize| {
+            let is_likely = |b: &usize| *b != a && self.evidence[a * count + b] > 0.0;
+            Vec::from_iter((0..count).filter(is_likely).map(|b| [a, b]))
+        };
+        (0..count).map(twins_of).find(|pairs| pairs.len() > 1).unwrap_or_default()
+    }
+
+    /// Makes the best single changes, as long as there are some.
+    fn settle(&mut self) {
         let count = self.weights.len();
         loop {
             let changes = (0..count).flat_map(|a| (a..count).map(Some).chain([None]).map(move |b| (a, b)));
@@ -96,7 +123,7 @@ impl Involution<'_> {
                     best = Some((gain, change));
                 }
             }
-            let Some((_, change)) = best else { return self.twins };
+            let Some((_, change)) = best else { return };
             self.apply(&change);
         }
     }
@@ -161,4 +188,30 @@ fn sizes(shell: &Shell) -> [f64; 3] {
     let unit = shell.scale.max(f64::MIN_POSITIVE).recip();
     // A sheet holds nothing to speak of.
     [unit, unit * (volume.abs() + 0.01).cbrt(), unit * extent]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn legs_in_rows_change_sides_and_not_places_in_the_row() {
+        // Two legs on the left, two on the right, and a head.
+        let places: [[f64; 2]; 5] = [[-0.3, 0.3], [-0.3, -0.3], [0.3, 0.3], [0.3, -0.3], [0.0, 0.6]];
+        let weights = vec![0.2, 0.2, 0.2, 0.2, 0.15];
+        let between = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+        let distances: Vec<f64> = places.iter().flat_map(|&a| places.map(|b| between(a, b))).collect();
+        let of = |pair: usize| match (pair / 5, pair % 5) {
+            (a, b) if a == b => ITSELF,
+            (a, b) if a.max(b) == 4 => -SAME_SIZE,
+            _ => SAME_SIZE,
+        };
+        let nearness: Vec<f64> = distances.iter().map(|distance| (-distance / NEARBY).exp()).collect();
+        let around = |row: &[f64]| row.iter().zip(&weights).map(|(near, weight)| near * weight).sum();
+        let around = nearness.chunks(5).map(around).collect();
+        let evidence = (0..25).map(of).collect();
+        let twins = vec![NONE; 5];
+        let involution = Involution { evidence, weights, distances: &distances, nearness, around, twins };
+        assert_eq!(involution.settled(), [2, 3, 0, 1, 4]);
+    }
 }
