@@ -14,15 +14,18 @@ pub struct Adjacency {
 }
 
 impl Adjacency {
-    /// From the directed edges of a symmetric relation on `count` points; duplicates and loops are left out.
-    /// O(points + edges log degree).
-    pub fn new(count: usize, edges: impl Iterator<Item = (u32, u32)> + Clone) -> Adjacency {
-        let edges = edges.filter(|(from, to)| from != to);
-        let (starts, items) = bucket(edges.clone().map(|(from, _)| from), count);
-        let ends: Vec<u32> = edges.map(|(_, to)| to).collect();
-        Adjacency::from_rows(count, |point, row| {
-            let own = starts[point as usize] as usize..starts[point as usize + 1] as usize;
-            row.extend(items[own].iter().map(|&item| ends[item as usize]));
+    /// The triangles around each of `count` vertices. O(vertices + triangles).
+    pub fn triangles_around(count: usize, triangles: &[[u32; 3]]) -> Adjacency {
+        let (offsets, corners) = bucket(triangles.as_flattened().iter().copied(), count);
+        Adjacency { offsets, neighbours: corners.into_iter().map(|corner| corner / 3).collect() }
+    }
+
+    /// The vertices that share one of `triangles` with each, by the triangles `around` it. O(vertices + triangles log degree).
+    pub fn of_vertices(triangles: &[[u32; 3]], around: &Adjacency) -> Adjacency {
+        Adjacency::from_rows(around.count(), |vertex, row| {
+            let corners =
+                around.of(vertex as usize).iter().flat_map(|&triangle| triangles[triangle as usize]);
+            row.extend(corners.filter(|&corner| corner != vertex));
         })
     }
 
@@ -93,10 +96,10 @@ mod tests {
 
     #[test]
     fn loops_and_duplicates_are_left_out() {
-        let edges = [(2, 0), (0, 2), (1, 1), (0, 2), (2, 0), (0, 1), (1, 0)];
-        let graph = Adjacency::new(4, edges.into_iter());
+        let triangles = [[2, 0, 2], [0, 2, 1], [0, 1, 0]];
+        let graph = Adjacency::of_vertices(&triangles, &Adjacency::triangles_around(4, &triangles));
         let rows: Vec<&[u32]> = (0..graph.count()).map(|point| graph.of(point)).collect();
-        assert_eq!(rows, [&[1u32, 2][..], &[0], &[0], &[]]);
+        assert_eq!(rows, [&[1u32, 2][..], &[0, 2], &[0, 1], &[]]);
         let graph =
             Adjacency::from_rows(3, |point, row| row.extend([2, 1, 2].iter().filter(|&&to| to > point)));
         let rows: Vec<&[u32]> = (0..graph.count()).map(|point| graph.of(point)).collect();

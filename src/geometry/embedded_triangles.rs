@@ -1,7 +1,8 @@
 //! Triangles of a mesh: which are around a vertex or behind an edge, and which of their points is nearest.
 
+use crate::geometry::adjacency::Adjacency;
+use crate::mesh::NONE;
 use crate::mesh::vector::Vector;
-use crate::mesh::{NONE, bucket};
 
 /// A point inside a triangle of a shell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,8 +38,8 @@ impl TrianglePoint {
 
 /// The triangles around each vertex and behind each edge.
 pub struct Fans {
-    offsets: Vec<u32>,
-    triangles: Vec<u32>,
+    /// The triangles around each vertex.
+    pub around: Adjacency,
     /// Of each triangle those behind the edges opposite its corners; [`NONE`] at a boundary.
     pub behind: Vec<[u32; 3]>,
 }
@@ -46,9 +47,8 @@ pub struct Fans {
 impl Fans {
     /// O(triangles).
     pub fn new(vertex_count: usize, triangles: &[[u32; 3]]) -> Fans {
-        let (offsets, corners) = bucket(triangles.as_flattened().iter().copied(), vertex_count);
-        let around = corners.into_iter().map(|corner| corner / 3).collect();
-        let mut fans = Fans { offsets, triangles: around, behind: Vec::with_capacity(triangles.len()) };
+        let around = Adjacency::triangles_around(vertex_count, triangles);
+        let mut fans = Fans { around, behind: Vec::with_capacity(triangles.len()) };
         for (index, &[a, b, c]) in (0..).zip(triangles) {
             let behind = |from: u32, to: u32| {
                 // Around the end that has fewer, lest hubs cost the square of their degree.
@@ -65,8 +65,7 @@ impl Fans {
     /// Indices of the triangles around `vertex`, ascending.
     #[inline]
     pub fn of(&self, vertex: u32) -> &[u32] {
-        let vertex = vertex as usize;
-        &self.triangles[self.offsets[vertex] as usize..self.offsets[vertex + 1] as usize]
+        self.around.of(vertex as usize)
     }
 }
 

@@ -5,8 +5,8 @@
 
 use crate::geometry::adjacency::{Adjacency, LOOKS, some};
 use crate::geometry::embedded_triangles::{TrianglePoint, TriangleProducts, nearest_in_triangle};
+use crate::mesh::NONE;
 use crate::mesh::vector::{Vector, dot, squared_norm, subtract};
-use crate::mesh::{NONE, bucket};
 
 /// A triangle surface to walk on.
 #[derive(Debug)]
@@ -14,23 +14,15 @@ pub struct SurfaceWalk<'a> {
     positions: &'a [Vector],
     triangles: &'a [[u32; 3]],
     graph: Adjacency,
-    /// Where each vertex's triangles start in `triangles_around`.
-    starts: Vec<u32>,
-    triangles_around: Vec<u32>,
+    triangles_around: Adjacency,
 }
 
 impl<'a> SurfaceWalk<'a> {
     /// O(vertices + triangles).
     pub fn new(positions: &'a [Vector], triangles: &'a [[u32; 3]]) -> SurfaceWalk<'a> {
-        let (starts, corners) = bucket(triangles.as_flattened().iter().copied(), positions.len());
-        let triangles_around = corners.into_iter().map(|corner| corner / 3).collect();
-        let mut walk =
-            SurfaceWalk { positions, triangles, graph: Adjacency::default(), starts, triangles_around };
-        walk.graph = Adjacency::from_rows(positions.len(), |vertex, row| {
-            let corners = walk.triangles_of(vertex).iter().flat_map(|&triangle| triangles[triangle as usize]);
-            row.extend(corners.filter(|&corner| corner != vertex));
-        });
-        walk
+        let triangles_around = Adjacency::triangles_around(positions.len(), triangles);
+        let graph = Adjacency::of_vertices(triangles, &triangles_around);
+        SurfaceWalk { positions, triangles, graph, triangles_around }
     }
 
     /// The neighbours of `vertex`, ascending.
@@ -99,8 +91,7 @@ impl<'a> SurfaceWalk<'a> {
     }
 
     fn triangles_of(&self, vertex: u32) -> &[u32] {
-        &self.triangles_around
-            [self.starts[vertex as usize] as usize..self.starts[vertex as usize + 1] as usize]
+        self.triangles_around.of(vertex as usize)
     }
 }
 

@@ -245,7 +245,8 @@ fn check_counts(attributes: &[VertexAttribute], vertices: usize) -> Result<()> {
     Ok(())
 }
 
-fn read_limited(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
+/// The bytes of a file within the limits.
+pub(crate) fn read_limited(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
     let unreadable = |error: std::io::Error| Error::File {
         path: path.to_path_buf(),
         message: format!("cannot be read: {error}; check the name and the permissions"),

@@ -1,8 +1,7 @@
-//! Consistent orientation: breadth first over the edges that exactly two polygons share.
+//! Consistent orientation over the edges that exactly two polygons share: disjoint sets of polygons, each as it was given and reversed.
 
-use super::edges::EdgeTable;
+use super::edges::{EdgeTable, UnionFind};
 use super::polygons::Polygons;
-use std::collections::VecDeque;
 
 /// What [`orientation`] decides, per polygon.
 pub struct Orientation {
@@ -12,84 +11,48 @@ pub struct Orientation {
     pub conflicting: Vec<bool>,
 }
 
+/// Area and number of polygons.
+type Weight = (f64, usize);
+
 /// Orients each patch (polygons connected over manifold edges) as the majority of its area was given.
 pub fn orientation(polygons: &Polygons, edges: &EdgeTable, areas: &[f64]) -> Orientation {
-    let neighbours = Neighbours::new(polygons, edges);
-    let mut orientation =
-        Orientation { flip: vec![false; polygons.len()], conflicting: vec![false; polygons.len()] };
-    let mut visited = vec![false; polygons.len()];
-    for seed in 0..polygons.len() {
-        if !visited[seed] {
-            let (patch, consistent) = neighbours.spread(seed, &mut visited, &mut orientation.flip);
-            settle(&patch, consistent, areas, &mut orientation);
-        }
+    // Of each polygon the lowest that agrees with it, and the lowest that agrees with it reversed; the lower of these stands for the patch.
+    let lowest = lowest_that_agree(polygons, edges);
+    let patch_and_side =
+        |[own, reversed]: [u32; 2]| (own.min(reversed) as usize, usize::from(reversed < own));
+    let mut weights = vec![[Weight::default(); 2]; polygons.len()];
+    for (&sides, area) in lowest.iter().zip(areas) {
+        let (patch, side) = patch_and_side(sides);
+        let weight = &mut weights[patch][side];
+        *weight = (weight.0 + area, weight.1 + 1);
     }
-    orientation
-}
-
-/// Keeps the orientation of the majority, or marks the patch as conflicting.
-fn settle(patch: &[u32], consistent: bool, areas: &[f64], orientation: &mut Orientation) {
-    let mut area = [0.0; 2];
-    let mut count = [0usize; 2];
-    for &polygon in patch {
-        let side = usize::from(orientation.flip[polygon as usize]);
-        area[side] += areas[polygon as usize];
-        count[side] += 1;
-    }
-    let tie = (area[0] - area[1]).abs() <= 1e-9 * (area[0] + area[1]);
-    let invert = if tie { count[1] > count[0] } else { area[1] > area[0] };
-    for &polygon in patch {
-        let polygon = polygon as usize;
-        orientation.conflicting[polygon] = !consistent;
-        orientation.flip[polygon] = consistent && orientation.flip[polygon] != invert;
+    let flip = |&sides: &[u32; 2]| {
+        let (patch, side) = patch_and_side(sides);
+        sides[0] != sides[1] && (side == 1) != is_turned_over(weights[patch])
+    };
+    Orientation {
+        flip: lowest.iter().map(flip).collect(),
+        conflicting: lowest.iter().map(|[own, reversed]| own == reversed).collect(),
     }
 }
 
-/// Neighbour of each half-edge across a manifold edge, and whether the two run the same way.
-struct Neighbours<'a> {
-    polygons: &'a Polygons,
-    polygon_across: Vec<u32>,
-    same_direction: Vec<bool>,
+/// Whether a patch was mostly given the other way round than its lowest polygon.
+fn is_turned_over([given, reversed]: [Weight; 2]) -> bool {
+    let tie = (given.0 - reversed.0).abs() <= 1e-9 * (given.0 + reversed.0);
+    if tie { reversed.1 > given.1 } else { reversed.0 > given.0 }
 }
 
-impl<'a> Neighbours<'a> {
-    fn new(polygons: &'a Polygons, edges: &EdgeTable) -> Neighbours<'a> {
-        let owner = polygons.polygon_of_corner();
-        let mut polygon_across = vec![u32::MAX; polygons.corners.len()];
-        let mut same_direction = vec![false; polygons.corners.len()];
-        for edge in edges.edges().filter(|edge| edge.len() == 2) {
-            let (a, b) = (edge[0] as usize, edge[1] as usize);
-            (polygon_across[a], polygon_across[b]) = (owner[b], owner[a]);
-            same_direction[a] = polygons.corners[a] == polygons.corners[b];
-            same_direction[b] = same_direction[a];
-        }
-        Neighbours { polygons, polygon_across, same_direction }
+/// For each polygon as it was given, and for each reversed, what stands for all that agree with it. Both are the same where two ways disagree.
+fn lowest_that_agree(polygons: &Polygons, edges: &EdgeTable) -> Vec<[u32; 2]> {
+    let (owner, count) = (polygons.polygon_of_corner(), polygons.len() as u32);
+    let mut sets = UnionFind::new(2 * polygons.len());
+    for edge in edges.edges() {
+        let &[a, b] = edge else { continue };
+        let same_direction = polygons.corners[a as usize] == polygons.corners[b as usize];
+        let [a, b] = [a, b].map(|half_edge| owner[half_edge as usize]);
+        let [given, reversed] = if same_direction { [b + count, b] } else { [b, b + count] };
+        sets.join(a, given);
+        sets.join(a + count, reversed);
     }
-
-    /// Visits the patch of `seed`, setting `flip` relative to it; false if two ways disagree.
-    fn spread(&self, seed: usize, visited: &mut [bool], flip: &mut [bool]) -> (Vec<u32>, bool) {
-        let mut patch = Vec::new();
-        let mut consistent = true;
-        let mut queue = VecDeque::from([seed as u32]);
-        visited[seed] = true;
-        while let Some(polygon) = queue.pop_front() {
-            patch.push(polygon);
-            let polygon = polygon as usize;
-            for half_edge in self.polygons.offsets[polygon]..self.polygons.offsets[polygon + 1] {
-                let across = self.polygon_across[half_edge as usize] as usize;
-                if across == u32::MAX as usize {
-                    continue;
-                }
-                let wanted = flip[polygon] != self.same_direction[half_edge as usize];
-                if visited[across] {
-                    consistent &= flip[across] == wanted;
-                } else {
-                    visited[across] = true;
-                    flip[across] = wanted;
-                    queue.push_back(across as u32);
-                }
-            }
-        }
-        (patch, consistent)
-    }
+    (0..count).map(|polygon| [sets.find(polygon), sets.find(polygon + count)]).collect()
 }

@@ -5,8 +5,9 @@
 //! in not splitting obtuse triangles: there the path along an edge may be taken, which is a little longer.
 
 use crate::detect::correspondence::{EdgePoint, Symmetry};
+use crate::geometry::adjacency::Adjacency;
 use crate::mesh::vector::{Vector, dot, subtract};
-use crate::mesh::{Mesh, NONE, bucket};
+use crate::mesh::{Mesh, NONE};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -36,8 +37,8 @@ type Entry = Reverse<(u64, u32)>;
 struct Front<'a> {
     mesh: &'a Mesh,
     positions: Vec<Vector>,
-    /// The triangles around each point: offsets and triangles.
-    around: (Vec<u32>, Vec<u32>),
+    /// The triangles around each point.
+    around: Adjacency,
     distance: Vec<f64>,
     queue: BinaryHeap<Entry>,
 }
@@ -47,7 +48,7 @@ impl<'a> Front<'a> {
         Front {
             mesh,
             positions: mesh.vertex_of_point.iter().map(|&vertex| positions[vertex as usize]).collect(),
-            around: triangles_around(mesh),
+            around: Adjacency::triangles_around(mesh.positions.len(), &mesh.triangles),
             distance: vec![f64::INFINITY; mesh.positions.len()],
             queue: BinaryHeap::new(),
         }
@@ -84,9 +85,8 @@ impl<'a> Front<'a> {
             if f64::from_bits(bits) > self.distance[point as usize] {
                 continue;
             }
-            let range = self.around.0[point as usize] as usize..self.around.0[point as usize + 1] as usize;
-            for index in range {
-                let triangle = self.mesh.triangles[self.around.1[index] as usize];
+            for index in 0..self.around.of(point as usize).len() {
+                let triangle = self.mesh.triangles[self.around.of(point as usize)[index] as usize];
                 for other in triangle.into_iter().filter(|&other| other != point) {
                     let third = triangle.into_iter().find(|&third| third != point && third != other);
                     self.pass(point, other, third.unwrap_or(point));
@@ -121,9 +121,4 @@ fn distance_to_segment(point: Vector, [start, end]: [Vector; 2]) -> f64 {
     let t = if squared > 0.0 { (dot(lever, along) / squared).clamp(0.0, 1.0) } else { 0.0 };
     let gap = [0, 1, 2].map(|axis| lever[axis] - t * along[axis]);
     dot(gap, gap).sqrt()
-}
-
-fn triangles_around(mesh: &Mesh) -> (Vec<u32>, Vec<u32>) {
-    let (offsets, corners) = bucket(mesh.triangles.as_flattened().iter().copied(), mesh.positions.len());
-    (offsets, corners.into_iter().map(|corner| corner / 3).collect())
 }

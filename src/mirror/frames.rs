@@ -47,8 +47,8 @@ impl Frames {
         let own: Vec<Vector> =
             mesh.vertex_of_point.iter().map(|&vertex| positions[vertex as usize]).collect();
         let image = images(mesh, symmetry, positions);
-        let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
-        let graph = Adjacency::new(own.len(), mesh.triangles.iter().flat_map(sides));
+        let around = Adjacency::triangles_around(own.len(), &mesh.triangles);
+        let graph = Adjacency::of_vertices(&mesh.triangles, &around);
         let covariance =
             (0..own.len()).map(|point| edges_covariance(point, graph.of(point), &own, &image)).collect();
         let covariance = mutual(mesh, symmetry, averaged(&graph, covariance, rounds(mesh)));
@@ -204,7 +204,8 @@ mod tests {
     fn ring() -> Adjacency {
         let chords = (0..15u32).map(|i| (i, (7 * i + 4) % 30));
         let edges = (0..30u32).map(|i| (i, (i + 1) % 30)).chain(chords);
-        Adjacency::new(30, edges.flat_map(|(a, b)| [(a, b), (b, a)]).collect::<Vec<_>>().into_iter())
+        let flat: Vec<[u32; 3]> = edges.map(|(a, b)| [a, b, b]).collect();
+        Adjacency::of_vertices(&flat, &Adjacency::triangles_around(30, &flat))
     }
 
     #[test]

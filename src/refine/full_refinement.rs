@@ -39,9 +39,8 @@ impl<'a> MatchTarget<'a> {
     /// O(triangles + vertices x eigenfunctions). Images will be sought on at most `threads` threads.
     pub fn new(surface: &'a IntrinsicSurface, basis: &'a Eigenbasis, threads: usize) -> Self {
         let rows = VertexRows::new(surface, basis);
-        let sides = |&[a, b, c]: &[u32; 3]| [(a, b), (b, a), (b, c), (c, b), (c, a), (a, c)];
-        let graph = Adjacency::new(surface.vertex_count(), surface.triangles.iter().flat_map(sides));
         let fans = Fans::new(surface.vertex_count(), &surface.triangles);
+        let graph = Adjacency::of_vertices(&surface.triangles, &fans.around);
         let (rows, graph, fans) = (Arc::new(rows), Arc::new(graph), Arc::new(fans));
         MatchTarget { surface, basis, rows, graph, fans, threads }
     }

@@ -12,14 +12,9 @@ use crate::base::threads;
 use crate::geometry::adjacency::{Adjacency, some};
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint, TriangleProducts, nearest_in_triangle};
 use crate::mesh::NONE;
-use crate::refine::vertex_rows::{Products, SquaredDistance, VertexRows};
+use crate::refine::vertex_rows::{LEAST_PER_THREAD, Products, SquaredDistance, VertexRows};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
-
-/// Work for which a thread is started.
-const LEAST_PER_THREAD: usize = 500;
-/// Sources after which a cancel is looked for.
-const UNCHECKED: usize = 250;
 
 /// What is nearest to a source.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -120,7 +115,7 @@ impl MeshDescent<'_> {
         task: impl Fn(Range<usize>) -> Task<'b> + Sync,
     ) -> Result<Vec<Answer>> {
         let threads = self.threads.min(count / LEAST_PER_THREAD).max(1);
-        let ranges = threads::ranges(count, (4 * threads).max(count / UNCHECKED));
+        let ranges = threads::ranges(count, (4 * threads).max(count / LEAST_PER_THREAD));
         let parts = threads::map(threads, ranges, |range| {
             token.check()?;
             Ok(Arch::new().dispatch(Work { descent: self, task: task(range) }))

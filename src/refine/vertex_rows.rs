@@ -13,8 +13,8 @@ use std::ops::Range;
 /// Weight of the mean curvature beside the eigenfunctions, whose squares have mean 1 each (`docs/notebook/2026-11-25-method.md`).
 const CURVATURE_WEIGHT: f64 = 8.0;
 
-/// Rows for which a thread is started.
-const LEAST_PER_THREAD: usize = 1000;
+/// Rows for which a thread is started, and after which a cancel is looked for.
+pub const LEAST_PER_THREAD: usize = 1000;
 
 /// What images are sought by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,15 +54,11 @@ impl VertexRows {
                 row[curvature.len()..rows.leading].copy_from_slice(&code(part));
             }
         }
-        // By blocks of rows, which stay in the cache while the columns are read one after the other.
-        const BLOCK: usize = 64;
-        for (block, rows_of_block) in rows.values.chunks_mut(BLOCK * rows.width.max(1)).enumerate() {
-            for j in 0..functions.ncols() {
-                let column = &functions.col_as_slice(j)[block * BLOCK..];
-                for (row, value) in rows_of_block.chunks_exact_mut(rows.width).zip(column) {
-                    row[curvature.len() + codes + j] = *value as f32;
-                }
-            }
+        for (row, vertex) in rows.values.chunks_exact_mut(rows.width.max(1)).zip(0..) {
+            row[rows.leading..]
+                .iter_mut()
+                .zip(functions.row(vertex).iter())
+                .for_each(|(to, value)| *to = *value as f32);
         }
         rows
     }

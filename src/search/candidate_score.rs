@@ -10,15 +10,14 @@ use crate::base::error::Result;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::search::functional_map::{Projection, commutator, mean_trace};
 use crate::search::refinement::{SampleRefiner, nearest_of_twins};
+use crate::search::sign_network::SIGNS;
 use crate::spectral::dense::product;
 use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
 use crate::spectral::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
 use faer::{ColRef, Mat};
 
-/// Eigenfunctions that the orientation and disagreement terms look at.
-pub const ORIENTATION_FUNCTIONS: usize = 12;
-/// The same of a surface with parts: its first functions hardly vary inside parts.
+/// Eigenfunctions that the orientation looks at on a surface with parts, whose first ones hardly vary inside parts; elsewhere as many as have signs.
 const ORIENTATION_FUNCTIONS_OF_PARTS: usize = 24;
 /// A pair of functions whose operator hardly varies, as two that depend on the height alone on a surface of revolution, is
 /// weighed as if it varied by this share of the mean of all pairs.
@@ -195,8 +194,7 @@ struct OrientationOperator {
 
 impl OrientationOperator {
     fn new(surface: &IntrinsicSurface, basis: &Eigenbasis, samples: &Samples) -> OrientationOperator {
-        let most =
-            if surface.parts.is_some() { ORIENTATION_FUNCTIONS_OF_PARTS } else { ORIENTATION_FUNCTIONS };
+        let most = if surface.parts.is_some() { ORIENTATION_FUNCTIONS_OF_PARTS } else { SIGNS };
         let functions = basis.count().min(most);
         let pairs = functions * functions.saturating_sub(1) / 2;
         let mut sample_of_vertex = vec![u32::MAX; surface.vertex_count()];

@@ -30,8 +30,6 @@ const NETWORK_PROPOSALS: [(usize, usize); 3] = [(12, 8), (8, 8), (6, 4)];
 /// The network's starts are tried so many at a time, until a reflection scores below this.
 const FEW: usize = 8;
 const CONVINCING: f64 = -3.2;
-/// Least certain signs that are flipped.
-const FLIPPED: usize = 5;
 /// Half turns that are turned over at most.
 const TURNED: usize = 3;
 /// Mean distance, in radii of the embedding, from which two maps count as different symmetries.
@@ -220,20 +218,19 @@ fn propose_signs(signs: &[SignPrediction]) -> Vec<Mat<f64>> {
     let logits: Vec<f64> = signs.iter().map(|sign| f64::from(sign.logit)).collect();
     let mut starts = Vec::new();
     for (length, most) in NETWORK_PROPOSALS.into_iter().filter(|(length, _)| *length <= logits.len()) {
-        let mut order: Vec<usize> = (0..length).collect();
-        order.sort_by(|&a, &b| logits[a].abs().total_cmp(&logits[b].abs()));
-        order.truncate(FLIPPED);
-        let cost = |flips: &usize| -> f64 {
-            (0..order.len()).filter(|bit| flips >> bit & 1 == 1).map(|bit| logits[order[bit]].abs()).sum()
+        let logits = &logits[..length];
+        let is_flipped = |flips: usize, function: usize| flips >> function & 1 == 1;
+        let cost = |flips: usize| -> f64 {
+            (0..length)
+                .filter(|&function| is_flipped(flips, function))
+                .map(|function| logits[function].abs())
+                .sum()
         };
-        let mut flip_sets: Vec<usize> = (0..1 << order.len()).collect();
-        flip_sets.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
-        for flips in flip_sets.into_iter().take(most) {
-            let mut parity: Vec<i8> =
-                logits[..length].iter().map(|l| if *l < 0.0 { -1 } else { 1 }).collect();
-            for (_, &index) in order.iter().enumerate().filter(|(bit, _)| flips >> bit & 1 == 1) {
-                parity[index] = -parity[index];
-            }
+        let mut flip_sets: Vec<(f64, usize)> = (0..1 << length).map(|flips| (cost(flips), flips)).collect();
+        flip_sets.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (_, flips) in flip_sets.into_iter().take(most) {
+            let is_odd = |function: usize| (logits[function] < 0.0) != is_flipped(flips, function);
+            let parity: Vec<i8> = (0..length).map(|function| if is_odd(function) { -1 } else { 1 }).collect();
             if parity.contains(&-1) {
                 starts.push(from_parity(&parity));
             }

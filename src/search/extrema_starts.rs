@@ -11,6 +11,7 @@ use crate::base::threads;
 use crate::geometry::shortest_paths::{EdgeLengths, PathSearch};
 use crate::search::functional_map::Projection;
 use crate::search::refinement::{SampleRefiner, nearest};
+use crate::search::sign_network::SIGNS;
 use crate::spectral::laplacian::IntrinsicSurface;
 use crate::spectral::sampling::area_weighted_vertices;
 use faer::Mat;
@@ -25,9 +26,8 @@ const MOST_EXTREMA: usize = 12;
 const MOST_FIXED: usize = 3;
 /// What an extremum without an image costs, as if it differed by this share of the sum in each distance.
 const UNMATCHED: f64 = 0.08;
-/// Pairings that become starts, and the size of these.
+/// Pairings that become starts.
 const PAIRINGS: usize = 24;
-const SIZE: usize = 12;
 
 /// Functional maps of the pairings of extrema that keep distances best: an image of a sample has distances from the images of the extrema
 /// like the sample's own from these. Empty for a shape with fewer than two extrema.
@@ -54,7 +54,7 @@ pub fn starts(
     token.check()?;
     let at_extrema = |values: &Vec<f64>| extrema.iter().map(|&vertex| values[vertex as usize]).collect();
     let between: Vec<Vec<f64>> = from_extrema.iter().map(at_extrema).collect();
-    let size = SIZE.min(refiner.samples.rows.ncols());
+    let size = SIGNS.min(refiner.samples.rows.ncols());
     let samples = &refiner.samples.vertices;
     let start = |pairing: Vec<Option<usize>>| {
         let matched: Vec<(usize, usize)> =

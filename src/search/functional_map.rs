@@ -12,8 +12,6 @@ use faer::{Accum, Mat, MatRef, Par};
 
 /// Newton-Schulz iterations at most: singular values below 0.002 are left to a decomposition.
 const NEWTON_SCHULZ_STEPS: usize = 18;
-/// Half the error of the Gram matrix, the largest row sum, from which a last iteration leaves rounding errors.
-const NEARLY_ORTHOGONAL: f64 = 1e-7;
 
 /// What C is projected to after it was estimated from points.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,7 +101,8 @@ fn polar_factor(map: &Mat<f64>) -> Option<Mat<f64>> {
         }
         matmul(next.as_mut(), Accum::Replace, factor.as_ref(), gram.as_ref(), bound.sqrt().recip(), Par::Seq);
         std::mem::swap(&mut factor, &mut next);
-        if error < NEARLY_ORTHOGONAL {
+        // The error of the next one is the square of this.
+        if error < f64::EPSILON.sqrt() {
             return Some(factor);
         }
     }

@@ -11,16 +11,13 @@ use crate::spectral::sampling::Samples;
 use faer::Mat;
 use pulp::{Arch, Simd, WithSimd};
 
-/// Samples whose image is sought, and samples among which it is sought.
-const SOURCES: usize = 300;
-const TARGETS: usize = 600;
-/// Eigenvalues closer than this ratio are taken as a pair that may mix.
+/// Samples, at most, whose images are sought among each other.
+const SAMPLES: usize = 420;
+/// Eigenvalues closer than this ratio are taken as a pair, or three, that may mix.
 const NEAR_RATIO: f64 = 1.2;
 /// Angles tried for a mixed pair, besides those of the sign pairs, in degrees.
 const MIXED_ANGLES: [f64; 6] = [45.0, 90.0, 135.0, 225.0, 270.0, 315.0];
 
-/// The three lowest eigenvalues of a shape as symmetric as a cube differ by no more than this ratio.
-const TRIPLE_RATIO: f64 = 1.05;
 /// Directions tried for their reflections: no direction is farther from one of them, or from its opposite, than some 15
 /// degrees.
 const DIRECTIONS: usize = 64;
@@ -34,11 +31,11 @@ enum Block {
 
 struct Beam {
     blocks: Vec<Block>,
-    /// sources x targets: squared distances so far.
+    /// Samples x samples: squared distances so far, of images from all.
     distances: Vec<f32>,
 }
 
-/// Columns of a block at the targets, and their transformed values at the sources.
+/// Columns of a block, and how they are transformed.
 struct Step<'a> {
     columns: &'a [Vec<f32>],
     block: Block,
@@ -47,19 +44,19 @@ struct Step<'a> {
 /// The best starts at each length of `lengths` (ascending), best first, `width` of each.
 ///
 /// A start may be one longer than asked for, where a mixed pair straddles the length.
-/// Cost: O(width x longest x SOURCES x TARGETS).
+/// Cost: O(width x longest x SAMPLES^2).
 pub fn search(samples: &Samples, eigenvalues: &[f64], lengths: &[usize], width: usize) -> Vec<Vec<Mat<f64>>> {
     let longest = lengths.last().copied().unwrap_or(0).min(samples.rows.ncols());
-    let (sources, targets) = (samples.count().min(SOURCES), samples.count().min(TARGETS));
-    let mut beams = vec![Beam { blocks: Vec::new(), distances: vec![0.0; sources * targets] }];
+    let count = samples.count().min(SAMPLES);
+    let mut beams = vec![Beam { blocks: Vec::new(), distances: vec![0.0; count * count] }];
     let mut found = Vec::new();
     let mut index = 0;
     while index < longest {
         let size = if is_pair(&eigenvalues[index..samples.rows.ncols()]) { 2 } else { 1 };
         let columns: Vec<Vec<f32>> = (index..index + size)
-            .map(|j| (0..targets).map(|i| samples.rows[(i, j)] as f32).collect())
+            .map(|j| (0..count).map(|i| samples.rows[(i, j)] as f32).collect())
             .collect();
-        beams = extend_all(&beams, &columns, &block_options(size), sources, width);
+        beams = extend_all(&beams, &columns, &block_options(size), width);
         for _ in lengths.iter().filter(|length| index < **length && **length <= index + size) {
             found.push(beams.iter().map(|beam| matrix(&beam.blocks)).collect());
         }
@@ -76,7 +73,7 @@ fn is_pair(eigenvalues: &[f64]) -> bool {
 /// Reflections in planes of all directions, and half turns about them, of the three lowest eigenfunctions, if their eigenvalues
 /// nearly coincide, as those of the regular solids do; else none.
 pub fn involutions_of_three(eigenvalues: &[f64]) -> Vec<Mat<f64>> {
-    let is_triple = matches!(eigenvalues, [first, _, third, ..] if *third < TRIPLE_RATIO * first);
+    let is_triple = matches!(eigenvalues, [first, _, third, ..] if *third < NEAR_RATIO * first);
     // A spiral of equal areas down the hemisphere; the golden angle keeps its turns apart.
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let direction = |index: usize| {
@@ -92,20 +89,14 @@ pub fn involutions_of_three(eigenvalues: &[f64]) -> Vec<Mat<f64>> {
     directions.flat_map(|n| [householder(n, 1.0), householder(n, -1.0)]).collect()
 }
 
-fn extend_all(
-    beams: &[Beam],
-    columns: &[Vec<f32>],
-    options: &[Block],
-    sources: usize,
-    width: usize,
-) -> Vec<Beam> {
+fn extend_all(beams: &[Beam], columns: &[Vec<f32>], options: &[Block], width: usize) -> Vec<Beam> {
     let mut ranked: Vec<(f32, usize, Block)> = Vec::with_capacity(options.len() * beams.len());
     // Energies of the best `width` so far, ascending: what exceeds them all need not be known exactly.
     let mut best = Vec::with_capacity(width + 1);
     for (parent, beam) in beams.iter().enumerate() {
         for &block in options {
             let bound = if best.len() < width { f32::MAX } else { best[width - 1] };
-            let energy = extended_energy(beam, &Step { columns, block }, sources, bound);
+            let energy = extended_energy(beam, &Step { columns, block }, bound);
             best.insert(best.partition_point(|other| *other <= energy), energy);
             best.truncate(width);
             ranked.push((energy, parent, block));
@@ -114,7 +105,7 @@ fn extend_all(
     ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
     ranked.truncate(width);
     let extend_one =
-        |&(_, parent, block): &(f32, usize, Block)| extend(&beams[parent], &Step { columns, block }, sources);
+        |&(_, parent, block): &(f32, usize, Block)| extend(&beams[parent], &Step { columns, block });
     ranked.iter().map(extend_one).collect()
 }
 
@@ -165,16 +156,15 @@ impl Step<'_> {
     }
 }
 
-/// The mean over the sources of the smallest extended distance; infinite if it is above `bound`.
-fn extended_energy(beam: &Beam, step: &Step, sources: usize, bound: f32) -> f32 {
-    Arch::new().dispatch(ExtendedEnergy { beam, step, sources, bound })
+/// The mean over the samples of the smallest extended distance; infinite if it is above `bound`.
+fn extended_energy(beam: &Beam, step: &Step, bound: f32) -> f32 {
+    Arch::new().dispatch(ExtendedEnergy { beam, step, bound })
 }
 
 /// [`extended_energy`] as an operation that is compiled for each instruction set and chosen at run time.
 struct ExtendedEnergy<'a> {
     beam: &'a Beam,
     step: &'a Step<'a>,
-    sources: usize,
     bound: f32,
 }
 
@@ -183,9 +173,9 @@ impl WithSimd for ExtendedEnergy<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) -> f32 {
-        let targets = self.step.columns[0].len();
+        let count = self.step.columns[0].len();
         let mut total = 0.0;
-        for (source, row) in self.beam.distances.chunks_exact(targets).enumerate().take(self.sources) {
+        for (source, row) in self.beam.distances.chunks_exact(count).enumerate() {
             let image = self.step.image(source);
             total += match self.step.columns {
                 [single] => smallest(row, [single], [image[0]]),
@@ -193,11 +183,11 @@ impl WithSimd for ExtendedEnergy<'_> {
                 _ => unreachable!("a block has one or two columns"),
             };
             // Sums only grow, so the rounded mean does too.
-            if total / self.sources as f32 > self.bound {
+            if total / count as f32 > self.bound {
                 return f32::INFINITY;
             }
         }
-        total / self.sources as f32
+        total / count as f32
     }
 }
 
@@ -223,10 +213,9 @@ fn smallest<const N: usize>(row: &[f32], columns: [&[f32]; N], image: [f32; N]) 
     lanes.into_iter().chain(rest).fold(f32::MAX, f32::min)
 }
 
-fn extend(beam: &Beam, step: &Step, sources: usize) -> Beam {
+fn extend(beam: &Beam, step: &Step) -> Beam {
     let mut distances = beam.distances.clone();
-    let targets = step.columns[0].len();
-    for (source, row) in distances.chunks_exact_mut(targets).enumerate().take(sources) {
+    for (source, row) in distances.chunks_exact_mut(step.columns[0].len()).enumerate() {
         let image = step.image(source);
         for (column, value) in step.columns.iter().zip(image) {
             for (distance, entry) in row.iter_mut().zip(column) {
@@ -251,6 +240,6 @@ mod tests {
             assert!((matrix * matrix - Mat::<f64>::identity(3, 3)).norm_max() < 1e-12);
             assert!(((0..3).map(|i| matrix[(i, i)]).sum::<f64>() - trace).abs() < 1e-12);
         }
-        assert!(involutions_of_three(&[1.0, 1.0, 2.0 * TRIPLE_RATIO]).is_empty());
+        assert!(involutions_of_three(&[1.0, 1.0, 2.0 * NEAR_RATIO]).is_empty());
     }
 }

@@ -17,7 +17,9 @@ use std::path::Path;
 use std::sync::OnceLock;
 
 use crate::base::error::{Error, Result};
+use crate::base::limits::Limits;
 use crate::base::options::Options;
+use crate::mesh::io::read_limited;
 
 use forward::{ForwardPass, POINTS};
 #[cfg(feature = "onnx")]
@@ -44,7 +46,7 @@ impl SignPrediction {
     /// What a person is sure of.
     pub(crate) fn certain(even: bool) -> Self {
         let (yes, no) = (1.0, 0.0);
-        let logit = if even { CERTAIN_LOGIT } else { -CERTAIN_LOGIT };
+        let logit = if even { f32::MAX } else { f32::MIN };
         let (even, odd) = if even { (yes, no) } else { (no, yes) };
         SignPrediction { even, odd, neither: no, logit }
     }
@@ -69,12 +71,6 @@ enum Model {
     #[cfg(feature = "onnx")]
     Own(OwnModel),
 }
-
-/// Log-odds of a sign that a person is sure of: above the network's own.
-const CERTAIN_LOGIT: f32 = 30.0;
-
-/// Largest model file that is read, in bytes (the paper's own network has 9 MB).
-const MOST_BYTES: u64 = 256 << 20;
 
 /// Eigenfunctions that every input holds beside the one in question.
 pub const REFERENCES: usize = 3;
@@ -105,7 +101,7 @@ impl SignNetwork {
     /// such model, there is no ONNX Runtime, or this library was built without the feature `onnx`.
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let model = own_model(&read_model(path)?);
+        let model = own_model(&read_limited(path, &Limits::default())?);
         model.map(Self).map_err(|message| Error::Model(format!("{}: {message}", path.display())))
     }
 
@@ -147,16 +143,6 @@ fn own_model(bytes: &[u8]) -> Result<Model, String> {
 #[cfg(not(feature = "onnx"))]
 fn own_model(_: &[u8]) -> Result<Model, String> {
     Err("this library was built without models of one's own (feature `onnx`)".into())
-}
-
-/// Reads a model file of at most [`MOST_BYTES`].
-fn read_model(path: &Path) -> Result<Vec<u8>> {
-    let failed = |fault: std::io::Error| Error::File { path: path.into(), message: fault.to_string() };
-    let size = std::fs::metadata(path).map_err(failed)?.len();
-    if size > MOST_BYTES {
-        return Err(Error::Limit { what: "the size of the model file", found: size, limit: MOST_BYTES });
-    }
-    std::fs::read(path).map_err(failed)
 }
 
 fn check_samples(eigenfunctions: &[f64], samples: usize, k: usize) -> Result<()> {

@@ -5,15 +5,14 @@
 
 use crate::base::error::Result;
 use crate::geometry::shortest_paths::EdgeLengths;
+use crate::search::candidates::CANDIDATE_SIZE;
 use crate::search::functional_map::Projection;
 use crate::search::refinement::{SampleRefiner, nearest};
+use crate::search::sign_network::SIGNS;
 use crate::spectral::laplacian::IntrinsicSurface;
 use crate::spectral::sampling::Samples;
 use crate::spectral::twin_parts::{MOST_PARTS, TwinParts};
 use faer::Mat;
-
-/// Sizes of the starts.
-const SIZES: [usize; 2] = [12, 30];
 
 /// Distances of samples from parts, and from their twins in the same order.
 pub struct TwinDistances {
@@ -50,6 +49,6 @@ impl TwinDistances {
         let partners = nearest(self.own.as_ref(), self.twins.as_ref());
         let largest = refiner.samples.rows.ncols();
         let start = |size: usize| refiner.estimate(&partners, size.min(largest), Projection::Orthogonal);
-        SIZES.into_iter().map(start).collect()
+        [SIGNS, CANDIDATE_SIZE].into_iter().map(start).collect()
     }
 }

@@ -10,7 +10,7 @@ use crate::geometry::embedded_triangles::TrianglePoint;
 use crate::geometry::vertex_map::VertexMap;
 use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
-use faer::MatRef;
+use faer::{MatRef, RowRef};
 
 /// Times at which heat is looked at.
 const TIMES: usize = 12;
@@ -54,20 +54,14 @@ fn signatures(basis: &Eigenbasis) -> Vec<Signature> {
 /// `ln(1 + sum_j weights[j] phi_j(x)^2)` of each vertex x: the constant function of a surface of unit area adds 1 to a signature,
 /// and its logarithm is never below 0.
 pub fn logarithms<const N: usize>(functions: MatRef<f64>, weights: &[[f64; N]]) -> Vec<[f64; N]> {
-    let mut signatures = vec![[1.0; N]; functions.nrows()];
-    // By blocks of vertices, which stay in the cache while the columns are read one after the other.
-    const BLOCK: usize = 64;
-    for (block, of_block) in signatures.chunks_mut(BLOCK).enumerate() {
-        for (column, weights) in functions.col_iter().zip(weights) {
-            let column = column.subrows(block * BLOCK, of_block.len());
-            for (signature, value) in of_block.iter_mut().zip(column.iter()) {
-                let square = value * value;
-                signature.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight * square);
-            }
+    let logarithm = |row: RowRef<f64>| {
+        let mut sums = [1.0; N];
+        for (value, weights) in row.iter().zip(weights) {
+            sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight * (value * value));
         }
-        of_block.iter_mut().flatten().for_each(|value| *value = value.ln());
-    }
-    signatures
+        sums.map(f64::ln)
+    };
+    functions.row_iter().map(logarithm).collect()
 }
 
 /// About the mean, of each time.

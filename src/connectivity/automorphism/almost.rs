@@ -11,6 +11,7 @@ use super::matching::{Mark, Matching};
 use super::shells::Shells;
 use crate::base::error::Result;
 use crate::base::progress::Progress;
+use crate::geometry::adjacency::LOOKS;
 use crate::mesh::NONE;
 use std::collections::HashMap;
 
@@ -20,8 +21,6 @@ const SMALLEST_SHELL: usize = 24;
 const SEEDS: usize = 64;
 /// Most images tried per seed.
 const SEED_IMAGES: usize = 8;
-/// Most edges of a vertex at which a patch may start: each is a way to turn it onto its image.
-const MOST_TURNS: usize = 64;
 /// Faces of the trial around a seed.
 const TRIAL_FACES: usize = 200;
 /// Failed full growths of a shell before giving up.
@@ -261,7 +260,8 @@ fn seeds(
         };
         let lower = |&first: &u32, &second: &u32| key(first).partial_cmp(&key(second)).unwrap();
         let half_edges = matching.half_edges;
-        let is_hub = |&vertex: &u32| half_edges.outgoing_of(vertex).nth(MOST_TURNS).is_some();
+        // Each edge of a vertex is a way to turn it onto its image.
+        let is_hub = |&vertex: &u32| half_edges.outgoing_of(vertex).nth(LOOKS).is_some();
         let vertex = region.iter().copied().filter(|vertex| !is_hub(vertex)).min_by(lower);
         seeds.extend(vertex.and_then(|vertex| best_trial(matching, context, vertex, vertices.len())));
     }

@@ -5,7 +5,7 @@
 //! by one Jacobi step, and the stiffness is carried over as `P^T K P`. The mass is lumped again (ours), so that the
 //! coarse problem has the form of the fine one: rows of the stiffness sum to 0, masses to the area.
 
-use crate::mesh::{MOST_AROUND, NONE};
+use crate::mesh::{MOST_AROUND, NONE, bucket};
 use crate::spectral::laplacian::SymmetricSparse;
 
 /// Steps of the power iteration that bounds the smoother.
@@ -55,21 +55,11 @@ impl SparseRows {
     }
 
     fn transpose(&self, columns: usize) -> SparseRows {
-        let mut offsets = vec![0; columns + 1];
-        for entry in &self.entries {
-            offsets[entry.0 as usize + 1] += 1;
-        }
-        for i in 0..columns {
-            offsets[i + 1] += offsets[i];
-        }
-        let mut next = offsets.clone();
-        let mut entries = vec![(0, 0.0); self.entries.len()];
-        for i in 0..self.size() {
-            for &(j, value) in self.row(i) {
-                entries[next[j as usize]] = (i as u32, value);
-                next[j as usize] += 1;
-            }
-        }
+        let row = |i: usize| self.row(i).iter().map(move |&(_, value)| (i as u32, value));
+        let by_rows: Vec<(u32, f64)> = (0..self.size()).flat_map(row).collect();
+        let (offsets, items) = bucket(self.entries.iter().map(|entry| entry.0), columns);
+        let offsets = offsets.into_iter().map(|offset| offset as usize).collect();
+        let entries = items.into_iter().map(|item| by_rows[item as usize]).collect();
         SparseRows { offsets, entries }
     }
 }
@@ -207,7 +197,8 @@ mod tests {
 
     /// The graph Laplacian of `count` vertices and some edges.
     fn laplacian(count: usize, edges: impl Iterator<Item = (u32, u32)> + Clone) -> SymmetricSparse {
-        let graph = Adjacency::new(count, edges.flat_map(|(a, b)| [(a, b), (b, a)]));
+        let flat: Vec<[u32; 3]> = edges.map(|(a, b)| [a, b, b]).collect();
+        let graph = Adjacency::of_vertices(&flat, &Adjacency::triangles_around(count, &flat));
         let mut matrix = SymmetricSparse { row_offsets: vec![0], ..Default::default() };
         for i in 0..count {
             let mut row: Vec<(u32, f64)> = graph.of(i).iter().map(|&j| (j, -1.0)).collect();
