@@ -68,7 +68,7 @@ class Old:
         self.ends = ends = mesh_data.edges(mesh).astype(np.int64)
         self._left_out = [_left_out(key - self.positions, self.lift, ends, self.positions) for key in self.keys]
         self.uvs = {layer.name for layer in mesh.uv_layers}
-        self.surface = Surface(mesh, self.positions - self.lift, halves.labels == LOSES)
+        self.surface = Surface(mesh, halves.carried(self.positions - self.lift), halves.labels == LOSES)
 
     def give_positions(self, object, mix, places, lift, model, added):
         """Base shape and shape keys: the vertices are at `places`, `lift` off the surface, both (vertices, 3); `lift` is a

@@ -150,6 +150,7 @@ class _Half:
             self._moved = edit_moves.after_carry(mesh).any(axis=1)
             self._old, self.attached = half_data.Old(object, halves), half_data.Attached(mesh)
             half_copy.rebuild(bm, halves)
+            _refuse_loss(bm, mesh, symmetry.side * winner > 0)
             bm.to_mesh(mesh)
         finally:
             bm.free()
@@ -215,6 +216,17 @@ def _halves(bm, mesh, symmetry, winner):
     if twin is None:
         return half_line.halves(bm, mesh, symmetry, labels)
     return half_pairs.halves(bm, mesh, symmetry, labels, twin, winner)
+
+
+def _refuse_loss(bm, mesh, wins):
+    """Raises MeshProblem where what an edit has made on the winning side, (vertices,) bool, is gone in the rebuilt `bm`."""
+    source, kept = bm.verts.layers.int[half_copy.SOURCE], np.zeros(len(wins), bool)
+    numbers = np.array([vertex[source] for vertex in bm.verts], np.int64)
+    kept[numbers[(numbers >= 0) & (numbers < len(wins))]] = True
+    if gone := np.count_nonzero((stored_map.read_edit(mesh) == stored_map.MADE) & wins & ~kept):
+        raise mesh_data.MeshProblem(
+            f"{gone:,} new vertices would be deleted on both sides. Nothing is changed. Detect again, or make the edit on both sides"
+        )
 
 
 def _taken(mesh, name):
