@@ -369,6 +369,8 @@ class CarriedMap:
     def _land(self):
         """Puts images that are in no face onto the nearest one. Vertices that no face uses have none."""
         found = ~np.isnan(self._target).any(axis=1) & (np.bincount(self._used, minlength=len(self.new)) > 0)
+        mine = self._duplicates & (self._corners >= 0).all(axis=1)
+        self._faces[mine] = self._holding(mine)[mine]
         loose = np.flatnonzero(found & ~self._exact & (self._faces < 0))
         if len(loose):
             surface = Surface(self._mesh, self._places, np.ones(len(found), bool))

@@ -29,6 +29,8 @@ class Halves:
     apart: np.ndarray  # (vertices,) bool: each face without a mirror image has one of them
     images: np.ndarray  # (vertices, 3), NaN where they are not known
     below: np.ndarray  # (vertices, 3) images of the surface that they stand on, NaN where these are not known
+    at_rest: np.ndarray  # (vertices,) bool: those that are mirrored about the plane
+    reflection: np.ndarray  # (3, 3) about that plane
     partner: np.ndarray  # (vertices,) int, also of duplicates; -1 where the copies of faces keep nothing of what was there
     edited: np.ndarray  # (vertices,) bool: edges without faces at these are copied, too
 

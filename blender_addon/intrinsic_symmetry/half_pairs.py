@@ -91,11 +91,11 @@ class _Pairs:
         images, _ = rigid_pieces.exact(images, self._places, ~self._still, self._still, self._ends, sign=-1)
         side = np.where(self._symmetry.side == 0, 0, np.where(self._labels == LOSES, -1, 1))
         height = side * np.linalg.norm(np.nan_to_num(images) - self._places, axis=1) / 2
-        at_rest = np.zeros(len(images), bool)
+        at_rest, self._reflection = np.zeros(len(images), bool), np.eye(3)
         if len(pairs) < 3 or not (self._labels[pairs] == WINS).any():
             return images, at_rest, height, 0 * height
         plane = fitted_plane(self._places[pairs], self._places[self._twin[pairs]], np.ones(len(pairs)))
-        mirror = plane.reflect(self._places)
+        mirror, self._reflection = plane.reflect(self._places), np.eye(3) - 2 * np.outer(plane.normal, plane.normal)
         off = np.linalg.norm(mirror - self._places[self._twin], axis=1)
         at_rest = self._agreed(self._still & (off <= _OFF * self._reach))
         way = self._places @ plane.normal - plane.offset
@@ -130,7 +130,10 @@ class _Pairs:
         wins = np.isin(self._labels, (WINS, LINE))[:, None]
         images, below = (np.where(wins, each, np.nan) for each in self._images_of_changed())
         edited = stored_map.read_edit(self._mesh) > 0
-        return Halves(self._labels, edges, winning, losing, shares, twin, apart, images, below, self._partners(), edited)
+        return Halves(
+            self._labels, edges, winning, losing, shares, twin, apart, images, below, self._at_rest, self._reflection,
+            self._partners(), edited,
+        )
 
     def _refuse_off_line(self):
         """Raises MeshProblem where vertices of the line were moved off the plane."""

@@ -148,7 +148,7 @@ class _Half:
                 raise mesh_data.MeshProblem("No part of the mesh has a mirror image on the other side")
             self._changed = stored_map.is_changed(mesh, symmetry.partner)
             self._moved = edit_moves.after_carry(mesh).any(axis=1)
-            self._old, self.attached = half_data.Old(object, halves), half_data.Attached(mesh)
+            self._old, self.attached = half_data.Old(object, halves, symmetry), half_data.Attached(mesh)
             half_copy.rebuild(bm, halves)
             _refuse_loss(bm, mesh, symmetry.side * winner > 0)
             bm.to_mesh(mesh)
@@ -200,8 +200,13 @@ class _Half:
     def _lifted(self, mix, model, moving, symmetry):
         """A function of the (old vertices, 3) lift: that of the new ones; of those `moving`, (vertices,) bool, it is that of
         their models, turned as the surface is from there to where the mix is."""
-        old = self._old
-        turns = functools.cache(lambda: mix.of(local_frames.turns(symmetry, old.positions - old.lift)))
+        old, halves = self._old, self._halves
+        at_rest = model.of(halves.at_rest.astype(float))[:, None, None] > 0.5
+
+        @functools.cache
+        def turns():
+            turned = mix.of(local_frames.turns(symmetry, old.positions - old.lift))
+            return np.where(at_rest, halves.reflection, turned)
 
         def lifted(lift):
             turned = np.einsum("vxy,vy->vx", turns(), model.of(lift)) if lift.any() else 0 * model.of(lift)

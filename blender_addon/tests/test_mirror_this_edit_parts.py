@@ -140,3 +140,26 @@ def test_issue_38_a_part_that_is_moved_and_subdivided_keeps_its_form_in_a_pose(h
     own = np.flatnonzero(_away(edited[count:], now) < 1e-6)
     between = [np.linalg.norm(now[each][:, None] - now[each], axis=2) for each in (own, partner[own])]
     assert np.abs(between[0] - between[1]).max() < 0.02 * between[0].max()
+
+
+@pytest.mark.parametrize("active", [0, 1], ids=["on the basis", "on the key"])
+@pytest.mark.parametrize("steps", [
+    [lambda: bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0.1, 0, 0.1)})],
+    [lambda: bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0.1, 0, 0.1)}),
+     lambda: bpy.ops.mesh.inset(thickness=0.02)],
+    [_subdivide, _shrink_fatten(0.1)],
+], ids=["extruded", "inset", "subdivided"])
+def test_issue_38_a_key_is_edited_on_both_sides_as_on_one(monkey, active, steps):  # noqa: F811
+    mesh = monkey.data
+    places = positions(mesh)
+    normals = np.array([vertex.normal for vertex in mesh.vertices])
+    for name in ("Basis", "fat"):
+        monkey.shape_key_add(name=name)
+    key = mesh.shape_keys.key_blocks["fat"]
+    key.data.foreach_set("co", (places + 0.05 * normals).astype(np.float32).ravel())
+    key.value, monkey.active_shape_key_index = 1, active
+    ears = np.argsort(np.linalg.norm(_middles(mesh) - (0.5, -0.6, 0.4), axis=1))[:6]
+    _edit(monkey, ears, *steps)
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    fat, partner = module("mesh_data").key_positions(mesh.shape_keys.key_blocks["fat"]), attribute(mesh, "sym_vertex")
+    assert np.linalg.norm(fat[partner] - fat * MIRROR, axis=1).max() < 0.01
