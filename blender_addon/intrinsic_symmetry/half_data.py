@@ -68,19 +68,21 @@ class Old:
         self._beside = [_beside(key - self.positions, symmetry.surface_points, made) for key in self.keys]
         if self.keys:
             self._give_twins(object, halves, symmetry, made)
+        self._hidden = mesh_data.changeable(mesh, "EDIT") == 0
         self.uvs = {layer.name for layer in mesh.uv_layers}
         self.surface = Surface(mesh, halves.carried(self.positions - self.lift), halves.labels == LOSES)
 
     def _give_twins(self, object, halves, symmetry, made):
-        """Gives the keys at the twins of what an edit has `made` or moved, (vertices,) bool, the winning side's. On the
-        active key the edit has moved what has other faces, too."""
+        """Gives the keys at the twins of what an edit has `made` or moved on the winning side alone, (vertices,) bool, that side's.
+        On the active key the edit has moved what has other faces, too."""
         keys, moves = object.data.shape_keys.key_blocks, [key - self.positions for key in self.keys]
         others = side_names.counterpart_columns([key.name for key in keys])
         turns = functools.cache(lambda: turns_of(symmetry, self.positions))
         for number, other in enumerate(others):
             edited = stored_map.read_edit(object.data) > 0 if keys[other].name == mesh_data.shown_key(object) else made
-            rows = np.flatnonzero(edited & (halves.labels == WINS) & (halves.twin >= 0)) if other >= 0 else ()
-            twin = halves.twin[rows] if len(rows) else ()
+            edited = edited & (halves.labels == WINS) & (halves.twin >= 0) & ~made[halves.twin]
+            rows = np.flatnonzero(edited) if other >= 0 else np.zeros(0, np.int64)
+            twin = halves.twin[rows]
             if len(rows) and (moves[other][rows].any() or moves[number][twin].any()):
                 turn = np.where(halves.at_rest[rows, None, None], halves.reflection, turns()[twin])
                 self.keys[number][twin] = self.positions[twin] + np.einsum("vxy,vy->vx", turn, moves[other][rows])
@@ -122,6 +124,25 @@ class Old:
             flipped = side_names.counterpart_columns([group.name for group in object.vertex_groups])
             new[added] = np.pad(now[added], ((0, 0), (0, 1)))[:, flipped]
             write_weights(object, now, new)
+
+    def give_hidden(self, mesh, mix):
+        """Hides vertices where what was there is hidden, and all edges and faces at them. What is hidden is not selected."""
+        if not self._hidden.any():
+            return
+        hidden = mix.of(self._hidden)
+        offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
+        values = {
+            "vert": ("POINT", hidden),
+            "edge": ("EDGE", hidden[mesh_data.edges(mesh)].any(axis=1)),
+            "poly": ("FACE", np.logical_or.reduceat(hidden[corners], offsets[:-1])),
+        }
+        for kind, (domain, flags) in values.items():
+            there = mesh.attributes.get(f".hide_{kind}")
+            flags = flags if there is None else flags | mesh_data.read_attribute(there)
+            mesh_data.write_attribute(mesh, f".hide_{kind}", "BOOLEAN", flags, domain)
+            if f".select_{kind}" in mesh.attributes:
+                chosen = mesh.attributes[f".select_{kind}"]
+                mesh_data.update_attribute(chosen, mesh_data.read_attribute(chosen) & ~flags)
 
     def give_faces(self, mesh, copied, was):
         """Attributes of copied faces, (faces,) bool, that there were before, as those that were split off or pulled out, and of

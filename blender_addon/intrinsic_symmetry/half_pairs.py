@@ -29,7 +29,8 @@ _OFF, _MOST = 0.05, 0.9
 _RINGS = 2
 #: A part has one form on both sides if it is off by less than this share of its size.
 _ALIKE = 0.05
-#: What was moved on both sides stays where it is if it is off by less than this share of the way.
+#: What was moved on both sides stays where it is if it is off by less than this share of the way; and so a part is a rigid
+#: copy.
 _BOTH = 0.1
 _NOT_THROUGH = (
     "the line between left and right cannot go through the edit. Nothing is changed. Make the edit in smaller steps, or on "
@@ -159,7 +160,19 @@ class _Pairs:
         line = on_plane & self._joined(on_plane, (labels == LINE) | on_plane & wins & loses)
         labels[on_plane] = np.where(loses & ~wins, LOSES, WINS)[on_plane]
         labels[line] = LINE
+        labels[self._doubled(labels) & line] = WINS
         self._labels = labels
+
+    def _doubled(self, labels):
+        """(vertices,) bool: ends of edges on the line with two faces that would be copied: these would have four."""
+        sizes = np.diff(self._offsets)
+        face = np.repeat(np.arange(len(sizes)), sizes)
+        copied = np.logical_or.reduceat(labels[self._corners] == WINS, self._offsets[:-1])[face]
+        step = np.arange(len(face)) - self._offsets[face]
+        ends = np.stack([self._corners, self._corners[self._offsets[face] + (step + 1) % sizes[face]]], axis=1)
+        ends = np.sort(ends[copied & (labels[ends] == LINE).all(axis=1)], axis=1)
+        edges, count = np.unique(ends, axis=0, return_counts=True)
+        return np.isin(np.arange(len(labels)), edges[count > 1])
 
     def _touched(self, flags, region):
         """(vertices,) bool: those of whose region a face has one of the flags, (vertices,) bool."""
@@ -228,7 +241,8 @@ class _Pairs:
             piece = piece[(self._labels[piece] == WINS) & ~self._at_rest[piece] & np.isfinite(were[piece]).all(axis=1)]
             if not len(around) and len(piece) > 2:
                 turn = turns()[self._symmetry.partner[piece].astype(np.int64)]
-                images[piece] = self._whole(piece, were[piece] + np.einsum("vxy,vy->vx", turn, self._moved[piece]))
+                form = were[piece] + np.einsum("vxy,vy->vx", turn, self._moved[piece])
+                images[piece] = self._whole(piece, self._between(piece, form))
         off = np.linalg.norm(images[own] - self._places[twin], axis=1)
         there = self._was_moved[twin] & (off <= _BOTH * np.linalg.norm(self._moved[own], axis=1))
         images[own[there]] = self._places[twin[there]]
@@ -247,16 +261,29 @@ class _Pairs:
             below[rows] = there[self._twin[rows]]
         return rows, below, lift[rows].any(axis=1)
 
+    def _between(self, piece, form):
+        """The form of a part, of which what lies between duplicates takes its own from that of these."""
+        places, fitted = self._places[piece], vertex_map.whole(self._symmetry)[piece]
+        if fitted.all() or np.count_nonzero(fitted) < 3:
+            return form
+        number = np.full(len(self._places), -1)
+        number[piece] = np.arange(len(piece))
+        ends = number[self._ends]
+        return rigid_pieces.moved(form, places, ~fitted, fitted, ends[(ends >= 0).all(axis=1)], sign=-1)
+
     def _whole(self, piece, form):
         """Images of a part that is apart from all that is still: the other side's, if it has that form already; else the
         `form`, as a rigid copy if it is nearly one."""
         places, twin = self._places[piece], self._twin[piece]
-        least = _ALIKE * np.ptp(places, axis=0).max()
-        for there in (self._places[twin], form) if (twin >= 0).all() and self._made[twin].all() else (form,):
-            rigid = rigid_pieces.brought(places, there, places, -1)
-            if np.linalg.norm(rigid - there, axis=1).max() <= least:
-                return rigid if there is form else there
-        return form
+        off, least = np.inf, _ALIKE * np.ptp(places, axis=0).max()
+        if (twin >= 0).all() and self._made[twin].all():
+            rigid = rigid_pieces.brought(places, self._places[twin], places, -1)
+            off = np.linalg.norm(rigid - self._places[twin], axis=1).max()
+        if off <= least:
+            return self._places[twin]
+        rigid = rigid_pieces.brought(places, form, places, -1)
+        least = min(least, _BOTH * np.linalg.norm(self._moved[piece], axis=1).mean())
+        return rigid if np.linalg.norm(rigid - form, axis=1).max() <= least else form
 
 
 def _tree(places, chosen):

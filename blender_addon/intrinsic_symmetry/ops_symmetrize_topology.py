@@ -46,7 +46,10 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         if half_map.is_mirrored(mesh, symmetry, winner) and not edit_moves.after_carry(mesh).any():
             return self._keep(object, symmetry, direction)
         self._say_what_is_replaced(mesh, symmetry, winner)
+        edited = any(stored_map.edits(mesh))
         half = _Half(object, symmetry, winner)
+        if half.is_new and edited and self.direction == "EDITED":
+            self.warn("Left and right do not share their faces: beside the edit the whole half is replaced")
         half.fill(object, symmetry)
         renew(object, half.changed)
         if mode == "EDIT" and half.attached.names:
@@ -144,6 +147,7 @@ class _Half:
         try:
             bm.from_mesh(mesh, face_normals=False, vertex_normals=False)
             self._halves = halves = _halves(bm, mesh, symmetry, winner)
+            self.is_new = (halves.twin < 0).all()  # not one face stays
             if not (symmetry.partner[halves.labels == half_labels.WINS] >= 0).any():
                 raise mesh_data.MeshProblem("No part of the mesh has a mirror image on the other side")
             self._changed = stored_map.is_changed(mesh, symmetry.partner)
@@ -187,6 +191,7 @@ class _Half:
         mix.take(copies & model.of(without), old.surface, places)
         old.give_positions(object, mix, places, lifted, model, added)
         old.give_points(object, mix, copies, added)
+        old.give_hidden(mesh, mix)
         offsets, corners = mesh_data.polygons(mesh)
         had = old.give_faces(mesh, self.copied_faces, self._halves.were(self._source))
         old.give_corners(mesh, self.copied_faces & ~had & ~added[corners[offsets[:-1]]], places)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mirror This Edit: parts that are duplicated from the skin, and what is moved with an edit in a pose."""
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -131,6 +132,16 @@ def test_issue_38_what_is_subdivided_and_raised_in_a_pose_is_as_high_on_the_othe
     assert raised[0] == raised[1], "the others stay"
 
 
+def test_issue_38_a_sleeve_follows_a_limb_in_another_pose(human):
+    mesh, count = human.data, len(human.data.vertices)
+    skin = BVHTree.FromPolygons(positions(mesh).tolist(), [list(face.vertices) for face in mesh.polygons])
+    _edit(human, _patch(mesh, slice(900, 2400))[0], bpy.ops.mesh.duplicate, _shrink_fatten(0.01))
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    high, side, partner = _heights(mesh, skin), attribute(mesh, "sym_side"), attribute(mesh, "sym_vertex")
+    own = np.flatnonzero((np.arange(len(high)) >= count) & (side == 1))
+    assert len(own) > 1000 and np.quantile(np.abs(high[partner[own]] - high[own]), 0.99) < 0.2 * 0.01
+
+
 def test_issue_38_a_part_that_is_moved_and_subdivided_keeps_its_form_in_a_pose(human):
     mesh, count = human.data, len(human.data.vertices)
     edited = _edit(human, _patch(mesh, slice(0, 30))[0], bpy.ops.mesh.duplicate, _shrink_fatten(0.02), _subdivide)
@@ -163,3 +174,55 @@ def test_issue_38_a_key_is_edited_on_both_sides_as_on_one(monkey, active, steps)
     assert ops.symmetrize_topology() == {"FINISHED"}
     fat, partner = module("mesh_data").key_positions(mesh.shape_keys.key_blocks["fat"]), attribute(mesh, "sym_vertex")
     assert np.linalg.norm(fat[partner] - fat * MIRROR, axis=1).max() < 0.01
+
+
+def test_issue_38_what_is_hidden_stays_hidden(monkey):  # noqa: F811
+    mesh = monkey.data
+    side = attribute(mesh, "sym_side")
+    for face in mesh.polygons:
+        face.hide = bool((side[list(face.vertices)] < 0).any())
+    mesh.vertices.foreach_set("hide", side < 0)
+    enter("EDIT")
+    data = bmesh.from_edit_mesh(mesh)
+    for face in data.faces:
+        face.select = False
+    ear = sorted((face for face in data.faces if not face.hide), key=lambda face: -face.calc_center_median().x)
+    for face in ear[:4]:
+        face.select = True
+    bmesh.update_edit_mesh(mesh)
+    bpy.ops.mesh.extrude_region_shrink_fatten(TRANSFORM_OT_shrink_fatten={"value": 0.1})
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    enter("OBJECT")
+    assert len(mesh.vertices) > len(side)
+    assert np.array_equal([vertex.hide for vertex in mesh.vertices], attribute(mesh, "sym_side") < 0)
+    assert sum(face.hide for face in mesh.polygons) == len(mesh.polygons) // 2
+
+
+def test_issue_38_no_edge_gets_four_faces_where_an_extrusion_leaves_the_line(monkey):  # noqa: F811
+    """Its lower end is moved off the line, its upper end is on it."""
+    mesh = monkey.data
+    at_line = np.flatnonzero((np.abs(positions(mesh)[:, 0]) < 1e-5) & (positions(mesh)[:, 1] < -0.2))
+    middles = _middles(mesh)
+    faces = np.flatnonzero((middles[:, 0] > 0) & (middles[:, 0] < 0.3) & (middles[:, 1] < -0.2) & (middles[:, 2] > 0.2) & (middles[:, 2] < 0.6))
+    edit_faces(monkey, faces)
+    bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0, -0.1, 0)})
+    data = bmesh.from_edit_mesh(mesh)
+    made = [vertex for vertex in data.verts if vertex.select and abs(vertex.co.x) < 1e-5]
+    for vertex in sorted(made, key=lambda vertex: vertex.co.z)[:-1]:
+        vertex.co.x += 0.03
+    bmesh.update_edit_mesh(mesh)
+    enter("OBJECT")
+    assert len(made) > 2 and len(at_line) > 2
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    data = bmesh.new()
+    data.from_mesh(mesh)
+    assert max(len(edge.link_faces) for edge in data.edges) == 2
+    data.free()
+
+
+def test_issue_38_a_half_that_is_rebuilt_is_a_warning(quadruped, capfd):
+    side = attribute(quadruped.data, "sym_side")
+    left = [face.index for face in quadruped.data.polygons if (side[list(face.vertices)] == 1).all()]
+    _edit(quadruped, left[len(left) // 2 :][:1], lambda: bpy.ops.mesh.poke())
+    assert "Warning: Left to right" in (words := said(capfd, ops.symmetrize_topology))
+    assert "the whole half is replaced" in words
