@@ -6,14 +6,15 @@ nearest to its old place; if that is farther away than half an edge, what held i
 What an edit has made or moved has its images where the one rigid motion of all that is around it brings it, if there is one
 (`rigid_pieces`). Else duplicates, as an extrusion makes them, have the images of their originals, and other new vertices
 have theirs where the surface was that they were made on (`image_surface`), or where a rigid piece that fits around them
-has it. Where both sides got the same edit, new vertices are paired (`carried_walk`).
+has it. Where both sides got the same edit, new vertices are paired (`carried_walk`). Duplicated shells have their images
+among themselves (`carried_shells`).
 """
 
 import intrinsym
 import numpy as np
 from mathutils.kdtree import KDTree
 
-from . import edit_moves, mesh_data, rigid_pieces, stored_map, vertex_map
+from . import carried_shells, edit_moves, mesh_data, rigid_pieces, stored_map, vertex_map
 from .carried_walk import pairs
 from .image_surface import CLOSE, ON, ImageSurface
 from .neighbour_means import between, filled, longest_edges, shortest_edges
@@ -52,6 +53,9 @@ class CarriedMap:
             self._new_of = np.where(np.isin(np.arange(len(new_of)), original[merged]), -1, new_of)
             original = np.where(merged, -1, original)
             self._read(original)
+        self._shell = components(len(self.new), self._ends)
+        self._added = ~np.isin(self._shell, self._shell[~self.new])
+        self._apart = self._pair_shells(original)
         self._lift, self._cuts = np.zeros_like(self._places), self.new
         if self.new.any():
             self._lay()
@@ -83,7 +87,7 @@ class CarriedMap:
         self._side = np.where(known, values[stored_map.SIDE], np.nan)
         self._duplicates = known & self.new
         self._had = values[stored_map.PARTNER] >= 0
-        self._found = known.copy()
+        self._found, self._gone = known.copy(), np.zeros(len(known), bool)
         self._were, self._images = (
             mesh_data.read_attribute(self._mesh.attributes[name]).astype(float)
             for name in (stored_map.PLACE, stored_map.IMAGE)
@@ -114,11 +118,31 @@ class CarriedMap:
         itself = self._exact & (self.partner == np.arange(len(original)))
         return itself & alone & ~self._still & self._with_other_faces(original)
 
+    def _pair_shells(self, original):
+        """Pairs the vertices of duplicated shells; (vertices,) bool: those of shells that are paired, or lie on both sides
+        without a pair. Their images are not where those of their originals are."""
+        copies = self._added & self._duplicates & (self.partner >= 0)
+        shells = [shell for shell in parts(self._added, self._ends) if copies[shell].any()]
+        if not shells:
+            return np.zeros(len(self.new), bool)
+        base = np.where(copies, self._new_of[original], -1)
+        height = np.einsum("vx,vx->v", self._places - self._places[base], mesh_data.normals(self._mesh)[base])
+        twins = carried_shells.pairs(shells, base, self.partner, height)
+        apart = np.zeros(len(self.new), bool)
+        for shell in shells:
+            sides = self._side[shell[copies[shell]]]
+            apart[shell] = np.isin(shell, list(twins)).any() or (sides > 0).any() and (sides < 0).any()
+        self.partner[apart], self._corners[apart], self._faces[apart], self._target[apart] = -1, -1, -1, np.nan
+        self._exact, self._kept, self._found = self._exact & ~apart, self._kept & ~apart, self._found & ~apart
+        if twins:
+            self._pair(twins)
+        return apart
+
     def _lay(self):
         """Gives new vertices their images on the surface that they were made on, and notes how far they, and what they
         enclose, stand off it."""
-        shell = components(len(self.new), self._ends)
-        rows = np.flatnonzero(self.new & ~self._known & np.isin(shell, shell[self._known]))
+        of_known = np.isin(self._shell, self._shell[self._known])
+        rows = np.flatnonzero(self.new & ~self._known & ~self._apart & of_known)
         surface, feet = self._surface_that_was(rows)
         numbered = ((self._corners >= 0) | (self._weights == 0)).all(axis=1) & self._known & self._had
         own = np.einsum("vk,vkx->vx", self._weights, surface.images[self._corners])
@@ -163,8 +187,7 @@ class CarriedMap:
         triangle, weights = surface.feet(images[rows])
         mix = Mix(surface.vertices[triangle], weights)
         away, reach = np.linalg.norm(mix.of(places) - images[rows], axis=1), longest_edges(self._ends, places)[rows]
-        shell = components(len(known), self._ends)
-        alone = ~np.isin(shell, shell[known & (self._corners >= 0).any(axis=1)])
+        alone = ~np.isin(self._shell, self._shell[known & (self._corners >= 0).any(axis=1)])
         self._gone[rows] = (away > _NEAR * reach) | alone[rows]
         there = ~(self._gone | self.new)[rows]
         rows, triangle, mix = rows[there], triangle[there], mix.at(there)
@@ -282,16 +305,14 @@ class CarriedMap:
 
     def _take_sides(self):
         """Gives shells that are new all over, and no duplicates, the side of the surface nearest to them."""
-        shell = components(len(self.new), self._ends)
-        self._added = ~np.isin(shell, shell[~self.new])
         surface = Surface(self._mesh, self._places, ~self._added, np.all) if self._added.any() else None
         if surface is not None and len(surface.faces):
-            rows = np.flatnonzero(self._added & ~np.isin(shell, shell[self._known]))
+            rows = np.flatnonzero(self._added & ~np.isin(self._shell, self._shell[self._known]))
             self._side[rows] = np.sign(surface.vertex_mix(self._places[rows]).of(self._side)) if len(rows) else 0
 
     def _match_added(self, sign):
         """Pairs shells that were added on both sides, as far as one is nearly where the other has its mirror image."""
-        added = parts(self._added, self._ends)
+        added = [shell for shell in parts(self._added, self._ends) if not self._exact[shell].any()]
         mine, others = ([each for each in added if (self._side[each] == at).all()] for at in (1, -1))
         if not mine or not others:
             return
@@ -339,15 +360,17 @@ class CarriedMap:
     def _enclosed(self, new):
         """(vertices,) bool: what new vertices cut off from the most of its shell, as the inside of what was extruded."""
         region = components(len(new), self._ends[~new[self._ends].any(axis=1)])
-        shell, size = components(len(new), self._ends), np.bincount(region, minlength=len(new))
+        size = np.bincount(region, minlength=len(new))
         size[new] = 0
         largest = np.zeros(len(new), int)
-        np.maximum.at(largest, shell, size[region])
-        return ~new & (size[region] < largest[shell])
+        np.maximum.at(largest, self._shell, size[region])
+        return ~new & (size[region] < largest[self._shell])
 
     def _land(self):
         """Puts images that are in no face onto the nearest one. Vertices that no face uses have none."""
         found = ~np.isnan(self._target).any(axis=1) & (np.bincount(self._used, minlength=len(self.new)) > 0)
+        mine = self._duplicates & (self._corners >= 0).all(axis=1)
+        self._faces[mine] = self._holding(mine)[mine]
         loose = np.flatnonzero(found & ~self._exact & (self._faces < 0))
         if len(loose):
             surface = Surface(self._mesh, self._places, np.ones(len(found), bool))

@@ -5,6 +5,7 @@ was entered first with the stored map, or else since the map was stored."""
 import numpy as np
 
 from . import entered, mesh_data, stored_map, undo
+from .neighbour_means import filled
 
 #: A vertex that moved by less than this share of the size has not moved.
 _STILL = 1e-6
@@ -23,13 +24,15 @@ def since_stored(mesh):
 
 
 def before_carry(mesh, known, old):
-    """(vertices, 3) of the vertices `known`, (vertices,) bool, whose numbers are those of the stored map; the `old` ones are
-    no duplicates."""
+    """(vertices, 3) of the vertices `known`, (vertices,) bool, whose numbers are those of the stored map, and of the others
+    as their neighbours were; the `old` ones are no duplicates."""
     if (remembered := mesh.attributes.get(stored_map.REMEMBERED)) is not None:
         moved = mesh_data.positions(mesh) - mesh_data.read_attribute(remembered).astype(float)
     else:
         moved = since_stored(mesh) + stored_map.read_moved(mesh)
-    return _of_edit(mesh, np.where(known[:, None], moved, 0), old)
+    places = mesh_data.positions(mesh).astype(float)
+    moved = filled(np.where(known[:, None], moved, np.nan), mesh_data.edges(mesh).astype(np.int64), places)
+    return _of_edit(mesh, np.nan_to_num(moved), old)
 
 
 def after_carry(mesh):

@@ -5,20 +5,19 @@ Vertices of the copy lie at the mirror images of their models. Positions, shape 
 interpolated there.
 """
 
+import functools
+
 import bpy
 import numpy as np
 from mathutils.kdtree import KDTree
 
 from . import mesh_data, side_names, stored_map
-from .half_labels import LOSES
-from .neighbour_means import filled
+from .half_labels import LOSES, WINS
+from .local_frames import turns as turns_of
 from .regions import parts, uv_islands
 from .rigid_pieces import brought
 from .surface import Mix, Surface
 from .weights import read_weights, write_weights
-
-#: A key lacks a lift if what it lacks differs from that by less than this share.
-_ALIKE = 0.5
 
 
 def vertex_mix(source, halves, symmetry):
@@ -50,7 +49,7 @@ def _make_missing_groups(object, weights):
 class Old:
     """The data of an object before its half is rebuilt."""
 
-    def __init__(self, object, halves):
+    def __init__(self, object, halves, symmetry):
         mesh, keys = object.data, object.data.shape_keys
         self.positions = mesh_data.positions(mesh).astype(float)
         self.keys = [mesh_data.key_positions(key).astype(float) for key in keys.key_blocks] if keys else []
@@ -65,22 +64,42 @@ class Old:
             self.values[domain] = {each.name: mesh_data.read_attribute(each) for each in of_faces if each.domain == domain}
         self._kinds = {each.name: each.data_type for each in mesh.attributes}
         self.lift = stored_map.read_lift(mesh)
-        self.ends = ends = mesh_data.edges(mesh).astype(np.int64)
-        self._left_out = [_left_out(key - self.positions, self.lift, ends, self.positions) for key in self.keys]
+        self.ends, made = mesh_data.edges(mesh).astype(np.int64), stored_map.read_edit(mesh) == stored_map.MADE
+        self._beside = [_beside(key - self.positions, symmetry.surface_points, made) for key in self.keys]
+        if self.keys:
+            self._give_twins(object, halves, symmetry, made)
+        self._hidden = mesh_data.changeable(mesh, "EDIT") == 0
         self.uvs = {layer.name for layer in mesh.uv_layers}
-        self.surface = Surface(mesh, self.positions - self.lift, halves.labels == LOSES)
+        self.surface = Surface(mesh, halves.carried(self.positions - self.lift), halves.labels == LOSES)
+
+    def _give_twins(self, object, halves, symmetry, made):
+        """Gives the keys at the twins of what an edit has `made` or moved on the winning side alone, (vertices,) bool, that side's.
+        On the active key the edit has moved what has other faces, too."""
+        keys, moves = object.data.shape_keys.key_blocks, [key - self.positions for key in self.keys]
+        others = side_names.counterpart_columns([key.name for key in keys])
+        turns = functools.cache(lambda: turns_of(symmetry, self.positions))
+        for number, other in enumerate(others):
+            edited = stored_map.read_edit(object.data) > 0 if keys[other].name == mesh_data.shown_key(object) else made
+            edited = edited & (halves.labels == WINS) & (halves.twin >= 0) & ~made[halves.twin]
+            rows = np.flatnonzero(edited) if other >= 0 else np.zeros(0, np.int64)
+            twin = halves.twin[rows]
+            if len(rows) and (moves[other][rows].any() or moves[number][twin].any()):
+                turn = np.where(halves.at_rest[rows, None, None], halves.reflection, turns()[twin])
+                self.keys[number][twin] = self.positions[twin] + np.einsum("vxy,vy->vx", turn, moves[other][rows])
 
     def give_positions(self, object, mix, places, lift, model, added):
-        """Base shape and shape keys: the vertices are at `places`, `lift` off the surface, both (vertices, 3); `lift` is a
-        function of the old vertices' lift. Those that were added move as their models do on the other side."""
+        """Base shape and shape keys: the vertices are at `places`, (vertices, 3), and move as the surface there and, beside
+        that, as their models do on the other side; `lift` is a function that turns the old vertices' lift. Those that were
+        added move as their models do."""
         mesh, keys = object.data, object.data.shape_keys
         moved, models = places - mix.of(self.positions), model.of(self.positions)
         keys = list(keys.key_blocks) if keys else []
         others = side_names.counterpart_columns([key.name for key in keys])
         shells = parts(added, mesh_data.edges(mesh).astype(np.int64))
-        for key, points, missing, other in zip(keys, self.keys, self._left_out, others):
-            left_out = mix.of(missing) - lift(missing) if missing.any() else 0
-            there = mix.of(points) + moved + left_out
+        for key, points, own, other in zip(keys, self.keys, self._beside, others):
+            there = mix.of(points) + moved
+            if other >= 0:
+                there += lift(self._beside[other]) - mix.of(own)
             wanted = model.of(self.keys[other]) if other >= 0 else models
             for shell in shells:
                 there[shell] = brought(models[shell], places[shell], wanted[shell], -1)
@@ -105,6 +124,25 @@ class Old:
             flipped = side_names.counterpart_columns([group.name for group in object.vertex_groups])
             new[added] = np.pad(now[added], ((0, 0), (0, 1)))[:, flipped]
             write_weights(object, now, new)
+
+    def give_hidden(self, mesh, mix):
+        """Hides vertices where what was there is hidden, and all edges and faces at them. What is hidden is not selected."""
+        if not self._hidden.any():
+            return
+        hidden = mix.of(self._hidden)
+        offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
+        values = {
+            "vert": ("POINT", hidden),
+            "edge": ("EDGE", hidden[mesh_data.edges(mesh)].any(axis=1)),
+            "poly": ("FACE", np.logical_or.reduceat(hidden[corners], offsets[:-1])),
+        }
+        for kind, (domain, flags) in values.items():
+            there = mesh.attributes.get(f".hide_{kind}")
+            flags = flags if there is None else flags | mesh_data.read_attribute(there)
+            mesh_data.write_attribute(mesh, f".hide_{kind}", "BOOLEAN", flags, domain)
+            if f".select_{kind}" in mesh.attributes:
+                chosen = mesh.attributes[f".select_{kind}"]
+                mesh_data.update_attribute(chosen, mesh_data.read_attribute(chosen) & ~flags)
 
     def give_faces(self, mesh, copied, was):
         """Attributes of copied faces, (faces,) bool, that there were before, as those that were split off or pulled out, and of
@@ -201,15 +239,13 @@ class Attached:
             child.parent_vertices = renumbered(vertices)
 
 
-def _left_out(moved, lift, ends, places):
-    """(vertices, 3) the lift that a shape key does not have, which has `moved` vertices at `places`: it moves them less by
-    that than what is around. Blender leaves what an operator makes out of the keys that are not active."""
-    lifted = lift.any(axis=1)
-    if not lifted.any():
-        return np.zeros_like(lift)
-    around = filled(np.where(lifted[:, None], np.nan, moved), ends, places)
-    off = np.linalg.norm(around - moved - lift, axis=1)
-    return np.where((lifted & (off < _ALIKE * np.linalg.norm(lift, axis=1)))[:, None], lift, 0)
+def _beside(moved, points, made):
+    """(vertices, 3) how much farther than the surface below them a shape key moves what an edit has `made`, (vertices,) bool,
+    as an extrusion on this key, or one that Blender leaves out of it."""
+    if not (made.any() and moved.any()):
+        return np.zeros_like(moved)
+    below = points.positions(points.positions(moved))
+    return np.where(made[:, None] & np.isfinite(below), moved - below, 0)
 
 
 def is_of_faces(attribute):

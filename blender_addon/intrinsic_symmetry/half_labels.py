@@ -28,6 +28,9 @@ class Halves:
     twin: np.ndarray  # (vertices,) int, -1 for none
     apart: np.ndarray  # (vertices,) bool: each face without a mirror image has one of them
     images: np.ndarray  # (vertices, 3), NaN where they are not known
+    below: np.ndarray  # (vertices, 3) images of the surface that they stand on, NaN where these are not known
+    at_rest: np.ndarray  # (vertices,) bool: those that are mirrored about the plane
+    reflection: np.ndarray  # (3, 3) about that plane
     partner: np.ndarray  # (vertices,) int, also of duplicates; -1 where the copies of faces keep nothing of what was there
     edited: np.ndarray  # (vertices,) bool: edges without faces at these are copied, too
 
@@ -38,6 +41,11 @@ class Halves:
         own = np.where(source < 0, -1 - source, source)
         labels, twin = np.append(self.labels, np.full(cuts, LINE)), np.append(self.twin, np.full(cuts, -1))
         return np.where((source >= 0) & (labels[own] == LOSES) & (twin[own] >= 0), twin[own], own)
+
+    def carried(self, places):
+        """(vertices, 3) places of the surface that was there, moved as that below the twins."""
+        images = np.where(self.twin[:, None] < 0, np.nan, self.below[self.twin])
+        return np.where(np.isfinite(images), images, places)
 
     def were(self, source):
         """Numbers of the old vertices whose places the new ones have taken, as those of a part that was split off; -1 where

@@ -47,7 +47,8 @@ def halves(bm, mesh, symmetry, labels):
     winning, losing, shares, crossed = _crossings(labels, edges, distance)
     least = np.where(known[winning] & known[losing], *_LEAST)
     none, some, images = np.full(len(labels), -1), np.ones(len(labels), bool), np.full(positions.shape, np.nan)
-    return Halves(labels, crossed, winning, losing, np.clip(shares, least, 1 - least), none, some, images, none, ~some)
+    shares = np.clip(shares, least, 1 - least)
+    return Halves(labels, crossed, winning, losing, shares, none, some, images, images, ~some, np.eye(3), none, ~some)
 
 
 def _refuse_moved(mesh, partner, labels):

@@ -6,11 +6,13 @@ touch; of what touches both sides, and of the line, the places decide. A face th
 mirror image is cut. Where the twins around an edit are mirrored about one plane, so are the images of the edit.
 """
 
+import functools
+
 import numpy as np
 from intrinsym import Merge
 from mathutils.kdtree import KDTree
 
-from . import edit_moves, half_faces, mesh_data, rigid_pieces, stored_map, vertex_map
+from . import edit_moves, half_faces, local_frames, mesh_data, rigid_pieces, stored_map, vertex_map
 from .asymmetry import fitted_plane
 from .half_labels import LINE, LOSES, STAYS, WINS, Halves
 from .neighbour_means import longest_edges
@@ -25,6 +27,11 @@ _ON, _AT = 1e-3, 1e-6
 _OFF, _MOST = 0.05, 0.9
 #: Rings of vertices around an edit that say whether the plane is its own.
 _RINGS = 2
+#: A part has one form on both sides if it is off by less than this share of its size.
+_ALIKE = 0.05
+#: What was moved on both sides stays where it is if it is off by less than this share of the way; and so a part is a rigid
+#: copy.
+_BOTH = 0.1
 _NOT_THROUGH = (
     "the line between left and right cannot go through the edit. Nothing is changed. Make the edit in smaller steps, or on "
     "both sides"
@@ -85,11 +92,11 @@ class _Pairs:
         images, _ = rigid_pieces.exact(images, self._places, ~self._still, self._still, self._ends, sign=-1)
         side = np.where(self._symmetry.side == 0, 0, np.where(self._labels == LOSES, -1, 1))
         height = side * np.linalg.norm(np.nan_to_num(images) - self._places, axis=1) / 2
-        at_rest = np.zeros(len(images), bool)
+        at_rest, self._reflection = np.zeros(len(images), bool), np.eye(3)
         if len(pairs) < 3 or not (self._labels[pairs] == WINS).any():
             return images, at_rest, height, 0 * height
         plane = fitted_plane(self._places[pairs], self._places[self._twin[pairs]], np.ones(len(pairs)))
-        mirror = plane.reflect(self._places)
+        mirror, self._reflection = plane.reflect(self._places), np.eye(3) - 2 * np.outer(plane.normal, plane.normal)
         off = np.linalg.norm(mirror - self._places[self._twin], axis=1)
         at_rest = self._agreed(self._still & (off <= _OFF * self._reach))
         way = self._places @ plane.normal - plane.offset
@@ -121,9 +128,13 @@ class _Pairs:
         twin = np.where(self._labels == LINE, np.arange(len(self._twin)), self._twin)
         lone, apart = half_faces.lone(self._offsets, self._corners, twin)
         winning, losing, shares, edges = self._crossed(bm, lone)
-        images = np.where(np.isin(self._labels, (WINS, LINE))[:, None], self._images_of_changed(), np.nan)
+        wins = np.isin(self._labels, (WINS, LINE))[:, None]
+        images, below = (np.where(wins, each, np.nan) for each in self._images_of_changed())
         edited = stored_map.read_edit(self._mesh) > 0
-        return Halves(self._labels, edges, winning, losing, shares, twin, apart, images, self._partners(), edited)
+        return Halves(
+            self._labels, edges, winning, losing, shares, twin, apart, images, below, self._at_rest, self._reflection,
+            self._partners(), edited,
+        )
 
     def _refuse_off_line(self):
         """Raises MeshProblem where vertices of the line were moved off the plane."""
@@ -149,7 +160,19 @@ class _Pairs:
         line = on_plane & self._joined(on_plane, (labels == LINE) | on_plane & wins & loses)
         labels[on_plane] = np.where(loses & ~wins, LOSES, WINS)[on_plane]
         labels[line] = LINE
+        labels[self._doubled(labels) & line] = WINS
         self._labels = labels
+
+    def _doubled(self, labels):
+        """(vertices,) bool: ends of edges on the line with two faces that would be copied: these would have four."""
+        sizes = np.diff(self._offsets)
+        face = np.repeat(np.arange(len(sizes)), sizes)
+        copied = np.logical_or.reduceat(labels[self._corners] == WINS, self._offsets[:-1])[face]
+        step = np.arange(len(face)) - self._offsets[face]
+        ends = np.stack([self._corners, self._corners[self._offsets[face] + (step + 1) % sizes[face]]], axis=1)
+        ends = np.sort(ends[copied & (labels[ends] == LINE).all(axis=1)], axis=1)
+        edges, count = np.unique(ends, axis=0, return_counts=True)
+        return np.isin(np.arange(len(labels)), edges[count > 1])
 
     def _touched(self, flags, region):
         """(vertices,) bool: those of whose region a face has one of the flags, (vertices,) bool."""
@@ -196,32 +219,71 @@ class _Pairs:
 
     def _images_of_changed(self):
         """(vertices, 3) images of what was made or moved, or has no twin, and of what became part of the line; of duplicates
-        at their originals, the partners of these. NaN where they are not known."""
+        at their originals, the partners of these. And images of the surface below them. NaN where they are not known."""
         changed = self._made | self._was_moved | self._replaced | (self._twin < 0)
         images = np.where((self._at_rest & changed)[:, None], self._images, np.nan)
         on_line = self._labels == LINE
         images[on_line] = np.where(self._free[on_line, None], (images + self._places)[on_line] / 2, np.nan)
         still = self._free & (self._labels == WINS) & self._at_originals()
         images[still] = self._places[self._symmetry.partner[still].astype(np.int64)]
-        return images if self._at_rest[changed & (self._labels == WINS)].all() else self._in_pose(images)
+        return (images, images) if self._at_rest[changed & (self._labels == WINS)].all() else self._in_pose(images)
 
     def _in_pose(self, images):
-        """Images with those in a pose: of moved vertices in their local frames, and of what was split off and moved, as its
-        place was there."""
-        carried = (self._was_moved | self._replaced) & (self._twin >= 0) & ~stored_map.read_lift(self._mesh).any(axis=1)
-        rows = np.flatnonzero(carried & (self._labels == WINS) & ~self._at_rest)
-        twin, moved = self._twin[rows], np.where((self._labels == WINS)[:, None], self._moved, 0)
-        if len(rows):
-            images[rows] = (self._before + self._symmetry.carry_displacement(self._before, moved, Merge.SWAP))[twin]
+        """Images with those in a pose, and of the surface below: of moved vertices, and of what was split off and moved, in
+        their local frames. What is so on both sides already stays."""
+        rows, below, stands = self._carried(images)
+        own, twin = rows[~stands], self._twin[rows[~stands]]
+        images[own] = below[own]
         were = self._symmetry.surface_points.positions(self._places)
-        were[rows] = self._before[twin]
+        were[own] = self._before[twin]
+        turns = functools.cache(lambda: local_frames.turns(self._symmetry, self._before))
         for piece, around in self._pieces():
             piece = piece[(self._labels[piece] == WINS) & ~self._at_rest[piece] & np.isfinite(were[piece]).all(axis=1)]
             if not len(around) and len(piece) > 2:
-                both = np.vstack([self._places[piece], self._before[piece]])
-                now, then = np.split(rigid_pieces.brought(self._before[piece], were[piece], both, -1), 2)
-                images[piece] = were[piece] + now - then
-        return images
+                turn = turns()[self._symmetry.partner[piece].astype(np.int64)]
+                form = were[piece] + np.einsum("vxy,vy->vx", turn, self._moved[piece])
+                images[piece] = self._whole(piece, self._between(piece, form))
+        off = np.linalg.norm(images[own] - self._places[twin], axis=1)
+        there = self._was_moved[twin] & (off <= _BOTH * np.linalg.norm(self._moved[own], axis=1))
+        images[own[there]] = self._places[twin[there]]
+        return images, np.where(np.isfinite(images), images, below)
+
+    def _carried(self, images):
+        """Winning vertices that have twins, and were moved or are enclosed by what was; (vertices, 3) where the surface below
+        them has its image, `images` for others; and which ones stand off that surface. What has not moved stays."""
+        lift, below, moved = stored_map.read_lift(self._mesh), images.copy(), self._was_moved | self._replaced
+        lift = np.where((moved | ~self._was_moved.any())[:, None], lift, 0)
+        chosen = moved | (stored_map.read_lift(self._mesh) != 0).any(axis=1)
+        rows = np.flatnonzero(chosen & (self._twin >= 0) & (self._labels == WINS) & ~self._at_rest)
+        if len(rows):
+            shift = np.where((self._labels == WINS)[:, None], self._moved - lift, 0)
+            there = self._before + self._symmetry.carry_displacement(self._before, shift, Merge.SWAP)
+            below[rows] = there[self._twin[rows]]
+        return rows, below, lift[rows].any(axis=1)
+
+    def _between(self, piece, form):
+        """The form of a part, of which what lies between duplicates takes its own from that of these."""
+        places, fitted = self._places[piece], vertex_map.whole(self._symmetry)[piece]
+        if fitted.all() or np.count_nonzero(fitted) < 3:
+            return form
+        number = np.full(len(self._places), -1)
+        number[piece] = np.arange(len(piece))
+        ends = number[self._ends]
+        return rigid_pieces.moved(form, places, ~fitted, fitted, ends[(ends >= 0).all(axis=1)], sign=-1)
+
+    def _whole(self, piece, form):
+        """Images of a part that is apart from all that is still: the other side's, if it has that form already; else the
+        `form`, as a rigid copy if it is nearly one."""
+        places, twin = self._places[piece], self._twin[piece]
+        off, least = np.inf, _ALIKE * np.ptp(places, axis=0).max()
+        if (twin >= 0).all() and self._made[twin].all():
+            rigid = rigid_pieces.brought(places, self._places[twin], places, -1)
+            off = np.linalg.norm(rigid - self._places[twin], axis=1).max()
+        if off <= least:
+            return self._places[twin]
+        rigid = rigid_pieces.brought(places, form, places, -1)
+        least = min(least, _BOTH * np.linalg.norm(self._moved[piece], axis=1).mean())
+        return rigid if np.linalg.norm(rigid - form, axis=1).max() <= least else form
 
 
 def _tree(places, chosen):

@@ -112,6 +112,13 @@ def positions(mesh):
     return _stored(mesh, ("position", "vector"), (mesh.vertices, "co"), places)
 
 
+def normals(mesh):
+    """(vertices, 3) float32 of the base shape; in object mode."""
+    values = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertex_normals.foreach_get("vector", values.reshape(-1))
+    return values
+
+
 def refuse_far(points):
     """Raises MeshProblem where single vertices are so far away that the others are one point beside them."""
     if not len(points):

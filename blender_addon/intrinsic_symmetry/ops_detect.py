@@ -6,6 +6,7 @@ import intrinsym
 import numpy as np
 
 from . import assembly, detection, labels, left_side, mesh_data, overlay, preferences, seams, stored_map
+from .counterparts import listed
 from .operator_base import MapOperator, MeshOperator, sentence
 from .ops_positions import forget
 
@@ -37,6 +38,13 @@ def in_words(found, index=0):
     coverage = found.report.symmetries[index].coverage
     said = f"{about(found[index])}{family}. {coverage}"
     return f"Doubtful: {said}. {sentence(found.evidence)}" if is_doubtful(found) else said
+
+
+def _mirror_modifiers(objects):
+    """A sentence that says which objects have a Mirror modifier, or nothing."""
+    names = [each.name for each in objects if any(modifier.type == "MIRROR" for modifier in each.modifiers)]
+    made = "the half that it makes is no part of the mesh. Apply it, then Detect again"
+    return f". {listed(names)} has a Mirror modifier: {made}" if names else ""
 
 
 # From this plausibility on nothing is said of it.
@@ -141,8 +149,9 @@ class INTRINSIC_SYMMETRY_OT_detect(preferences.DetectOptions, MeshOperator, bpy.
         found, members = job.answer(), self._members
         if len(members) == 1:
             labels.take_predictions(members[0].data, found.report)
+        halved = _mirror_modifiers(members)
         if not found:
-            self.report({"WARNING"}, f"No symmetry found: {found.evidence}")
+            self.report({"WARNING"}, f"No symmetry found: {found.evidence}{halved}")
             return {"CANCELLED"}
         with assembly.whole(members) as body:
             text = keep(body, job.core_mesh, found)
@@ -150,7 +159,7 @@ class INTRINSIC_SYMMETRY_OT_detect(preferences.DetectOptions, MeshOperator, bpy.
                 seams.sort_partners(body, assembly.owners(body, members), job.core_mesh)
         if len(members) == 1:
             detection.remember(members[0].data, job.core_mesh, found)
-        self.report({"WARNING" if is_doubtful(found) else "INFO"}, text)
+        self.report({"WARNING" if is_doubtful(found) or halved else "INFO"}, text + halved)
         return {"FINISHED"}
 
     def _conclude(self, context):

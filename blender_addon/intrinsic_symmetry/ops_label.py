@@ -103,6 +103,8 @@ class INTRINSIC_SYMMETRY_OT_save_labels(MeshOperator, bpy.types.Operator):
         studied = eigenfunctions.studied(mesh)
         if studied is None or not judged:
             raise mesh_data.MeshProblem("Nothing is judged: Show Eigenfunctions, and say even, odd or neither")
+        if not self.directory:
+            raise mesh_data.MeshProblem("Choose a folder for the labels")
         folder = Path(bpy.path.abspath(self.directory))
         if not folder.is_dir():
             raise mesh_data.MeshProblem(f"There is no folder {folder}")

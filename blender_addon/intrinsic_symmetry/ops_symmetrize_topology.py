@@ -46,7 +46,10 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         if half_map.is_mirrored(mesh, symmetry, winner) and not edit_moves.after_carry(mesh).any():
             return self._keep(object, symmetry, direction)
         self._say_what_is_replaced(mesh, symmetry, winner)
+        edited = any(stored_map.edits(mesh))
         half = _Half(object, symmetry, winner)
+        if half.is_new and edited and self.direction == "EDITED":
+            self.warn("Left and right do not share their faces: beside the edit the whole half is replaced")
         half.fill(object, symmetry)
         renew(object, half.changed)
         if mode == "EDIT" and half.attached.names:
@@ -144,12 +147,14 @@ class _Half:
         try:
             bm.from_mesh(mesh, face_normals=False, vertex_normals=False)
             self._halves = halves = _halves(bm, mesh, symmetry, winner)
+            self.is_new = (halves.twin < 0).all()  # not one face stays
             if not (symmetry.partner[halves.labels == half_labels.WINS] >= 0).any():
                 raise mesh_data.MeshProblem("No part of the mesh has a mirror image on the other side")
             self._changed = stored_map.is_changed(mesh, symmetry.partner)
             self._moved = edit_moves.after_carry(mesh).any(axis=1)
-            self._old, self.attached = half_data.Old(object, halves), half_data.Attached(mesh)
+            self._old, self.attached = half_data.Old(object, halves, symmetry), half_data.Attached(mesh)
             half_copy.rebuild(bm, halves)
+            _refuse_loss(bm, mesh, symmetry.side * winner > 0)
             bm.to_mesh(mesh)
         finally:
             bm.free()
@@ -186,6 +191,7 @@ class _Half:
         mix.take(copies & model.of(without), old.surface, places)
         old.give_positions(object, mix, places, lifted, model, added)
         old.give_points(object, mix, copies, added)
+        old.give_hidden(mesh, mix)
         offsets, corners = mesh_data.polygons(mesh)
         had = old.give_faces(mesh, self.copied_faces, self._halves.were(self._source))
         old.give_corners(mesh, self.copied_faces & ~had & ~added[corners[offsets[:-1]]], places)
@@ -199,8 +205,13 @@ class _Half:
     def _lifted(self, mix, model, moving, symmetry):
         """A function of the (old vertices, 3) lift: that of the new ones; of those `moving`, (vertices,) bool, it is that of
         their models, turned as the surface is from there to where the mix is."""
-        old = self._old
-        turns = functools.cache(lambda: mix.of(local_frames.turns(symmetry, old.positions - old.lift)))
+        old, halves = self._old, self._halves
+        at_rest = model.of(halves.at_rest.astype(float))[:, None, None] > 0.5
+
+        @functools.cache
+        def turns():
+            turned = mix.of(local_frames.turns(symmetry, old.positions - old.lift))
+            return np.where(at_rest, halves.reflection, turned)
 
         def lifted(lift):
             turned = np.einsum("vxy,vy->vx", turns(), model.of(lift)) if lift.any() else 0 * model.of(lift)
@@ -215,6 +226,17 @@ def _halves(bm, mesh, symmetry, winner):
     if twin is None:
         return half_line.halves(bm, mesh, symmetry, labels)
     return half_pairs.halves(bm, mesh, symmetry, labels, twin, winner)
+
+
+def _refuse_loss(bm, mesh, wins):
+    """Raises MeshProblem where what an edit has made on the winning side, (vertices,) bool, is gone in the rebuilt `bm`."""
+    source, kept = bm.verts.layers.int[half_copy.SOURCE], np.zeros(len(wins), bool)
+    numbers = np.array([vertex[source] for vertex in bm.verts], np.int64)
+    kept[numbers[(numbers >= 0) & (numbers < len(wins))]] = True
+    if gone := np.count_nonzero((stored_map.read_edit(mesh) == stored_map.MADE) & wins & ~kept):
+        raise mesh_data.MeshProblem(
+            f"{gone:,} new vertices would be deleted on both sides. Nothing is changed. Detect again, or make the edit on both sides"
+        )
 
 
 def _taken(mesh, name):

@@ -125,7 +125,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
     def _shares_of(self, object, side, pair, before, trust, taken):
         """The groups of a pair, or the one that is its own image, each with the (vertices,) share of the image that it
         takes; without those that stay. Where one of a pair alone says what it has beyond the middle, the other becomes
-        its image everywhere."""
+        its image everywhere; where one alone has weights, it keeps those on the line."""
         if pair[0] == pair[1]:
             return [(pair[0], taken)]
         try:
@@ -135,6 +135,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
             return []
         if source is None:
             return [(group, taken) for group in pair]
+        if counterparts.only_filled(before[:, pair], self.merge) is not None:
+            return [(pair[source], 0 * trust), (pair[1 - source], trust)]
         on_line = np.where(side == 0, 0.5 * trust, 0)
         return [(pair[source], on_line), (pair[1 - source], np.where(side == 0, on_line, trust))]
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from conftest import EXAMPLES, attribute, enter, module, new_object, positions, read_example
+from conftest import EXAMPLES, attribute, enter, module, new_object, positions, read_example, said
 
 detect = bpy.ops.intrinsic_symmetry.detect
 
@@ -239,3 +239,11 @@ def test_a_vertex_far_from_all_others_is_named(human, place):
         with pytest.raises(RuntimeError, match="ertex 5 is (too far|over a hundred million).* move or delete it") as refusal:
             tool()
         assert "Traceback" not in str(refusal.value)
+
+
+def test_issue_38_a_mirror_modifier_is_a_warning(capfd):
+    """The other half is no part of the mesh."""
+    object = new_object(read_example("human"))
+    object.modifiers.new("Mirror", "MIRROR")
+    words = said(capfd, detect)
+    assert "Warning: Reflection" in words and '"object" has a Mirror modifier' in words

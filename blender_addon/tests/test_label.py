@@ -99,6 +99,8 @@ def test_a_folder_is_needed(studied, tmp_path):
     ops.judge(judgement="EVEN")
     with pytest.raises(RuntimeError, match="no folder"):
         ops.save_labels(directory=str(tmp_path / "nowhere"))
+    with pytest.raises(RuntimeError, match="Choose a folder"):
+        ops.save_labels(directory="")
 
 
 def test_judgements_are_saved_with_the_file(studied, tmp_path):

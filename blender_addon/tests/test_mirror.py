@@ -52,6 +52,19 @@ def test_weights_go_to_the_group_of_the_other_side(human, truth, bump, mode):
     assert np.array_equal(_weights(human, "Arm.L"), bump)
 
 
+@pytest.mark.parametrize("twin", [None, "Leg.R"])
+def test_issue_38_the_only_group_with_weights_keeps_them_on_the_line(human, twin):
+    """The other one, empty or missing, gets the same."""
+    side = attribute(human.data, "sym_side")
+    _add_group(human, "Leg.L", np.where(side > 0, 0.8, np.where(side == 0, 0.5, 0)))
+    if twin:
+        human.vertex_groups.new(name=twin)
+    assert ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    assert np.count_nonzero(side == 0) > 50
+    for name, sign in (("Leg.L", 1), ("Leg.R", -1)):
+        assert np.allclose(_weights(human, name), np.where(side == sign, 0.8, np.where(side == 0, 0.5, 0)), atol=1e-6)
+
+
 def test_weights_in_weight_paint_mode(human, truth, bump):
     _add_group(human, "Arm.L", bump)
     enter("WEIGHT_PAINT")
