@@ -16,6 +16,8 @@ use crate::mesh::{Mesh, NONE, Shell};
 /// bijection by connectivity is taken. A posed figure has 0.06, a sphere's own symmetry on a lump modelled
 /// from it 0.2 to 0.3.
 const LARGEST_STRETCH: f64 = 0.15;
+/// The same up to which one of several bijections is certain. Terrain and food on a regular grid have 0.05 to 0.09.
+const CERTAIN_STRETCH: f64 = 0.03;
 
 /// Least confidence of a pair of mirrored vertices (`docs/method.md`).
 const CONFIDENCE_IF_MIRRORED: f32 = 0.99;
@@ -106,7 +108,7 @@ impl PointMap {
     /// and so do shells whose edges it stretches as no symmetry does, and their partner shells, unless the
     /// bijection has no rival: then the shape was modelled from it.
     ///
-    /// A bijection of a whole shell is certain: its confidence is 1.
+    /// A bijection of a whole shell that has no rival, or hardly changes lengths, is certain: its confidence is 1.
     pub fn replace_by_connectivity(&mut self, mesh: &Mesh, found: &Automorphism) {
         let stretch = stretch_of_shells(mesh, &found.partner);
         let mut corner_of = vec![(0u32, 0usize); mesh.positions.len()];
@@ -115,9 +117,10 @@ impl PointMap {
                 corner_of[point as usize] = (index as u32, corner);
             }
         }
-        let refused = |point: usize| {
-            !found.unrivalled[point] && stretch[mesh.shell_of_point[point] as usize] > LARGEST_STRETCH
+        let stretched = |point: usize, most: f64| {
+            !found.unrivalled[point] && stretch[mesh.shell_of_point[point] as usize] > most
         };
+        let refused = |point: usize| stretched(point, LARGEST_STRETCH);
         for (point, &image) in found.partner.iter().enumerate() {
             if image == NONE || refused(point) || refused(image as usize) {
                 continue;
@@ -126,8 +129,8 @@ impl PointMap {
             let barycentric = std::array::from_fn(|c| if c == corner { 1.0 } else { 0.0 });
             self.partner[point] = image;
             self.image[point] = TrianglePoint { triangle, barycentric };
-            if found.exact[point]
-                && found.exact[image as usize]
+            let both = [point, image as usize];
+            if both.iter().all(|&point| found.exact[point] && !stretched(point, CERTAIN_STRETCH))
                 && found.partner[image as usize] == point as u32
             {
                 self.exact[point] = true;
@@ -372,37 +375,52 @@ mod tests {
     use crate::base::limits::Limits;
     use crate::mesh::PolygonMesh;
 
-    /// Weighted by its own lengths, one triangle's stretch is below the limit and its partner's above.
-    #[test]
-    fn a_pair_of_shells_is_exact_on_both_sides_or_on_none() {
+    /// A triangle, and another with these last corners, each other's images by connectivity.
+    fn triangles(last: [[f64; 3]; 2]) -> (Mesh, Automorphism) {
         let polygons = PolygonMesh {
-            positions: vec![
-                [0.0, 0.0, 0.0],
-                [1.0, 0.0, 0.0],
-                [0.5, 1.0, 0.0],
-                [5.0, 0.0, 0.0],
-                [6.5, 0.0, 0.0],
-                [5.75, 0.83, 0.0],
-            ],
+            positions: [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.0, 0.0], [5.0, 0.0, 0.0]]
+                .into_iter()
+                .chain(last)
+                .collect(),
             face_offsets: vec![0, 3, 6],
             face_vertices: vec![0, 1, 2, 3, 5, 4],
         };
-        let mesh = Mesh::new(&polygons, &Limits::default()).expect("a usable mesh");
-        let partner = vec![3, 4, 5, 0, 1, 2];
-        let stretch = stretch_of_shells(&mesh, &partner);
+        let found = Automorphism {
+            partner: vec![3, 4, 5, 0, 1, 2],
+            exact: vec![true; 6],
+            covered: 6,
+            complete: true,
+            unrivalled: vec![false; 6],
+        };
+        (Mesh::new(&polygons, &Limits::default()).expect("a usable mesh"), found)
+    }
+
+    fn replaced(mesh: &Mesh, found: &Automorphism) -> PointMap {
+        let mut map = PointMap::empty(mesh);
+        map.replace_by_connectivity(mesh, found);
+        map
+    }
+
+    /// Weighted by its own lengths, one triangle's stretch is below the limit and its partner's above.
+    #[test]
+    fn a_pair_of_shells_is_exact_on_both_sides_or_on_none() {
+        let (mesh, found) = triangles([[6.5, 0.0, 0.0], [5.75, 0.83, 0.0]]);
+        let stretch = stretch_of_shells(&mesh, &found.partner);
         assert!(stretch[0].min(stretch[1]) < LARGEST_STRETCH && stretch[0].max(stretch[1]) > LARGEST_STRETCH);
-        let mut map = PointMap::empty(&mesh);
-        map.replace_by_connectivity(
-            &mesh,
-            &Automorphism {
-                partner,
-                exact: vec![true; 6],
-                covered: 6,
-                complete: true,
-                unrivalled: vec![false; 6],
-            },
-        );
+        let map = replaced(&mesh, &found);
         assert_eq!(map.partner, [NONE; 6]);
         assert_eq!(map.exact, [false; 6]);
+    }
+
+    #[test]
+    fn one_of_several_bijections_that_changes_lengths_is_not_certain() {
+        let (mesh, mut found) = triangles([[6.1, 0.0, 0.0], [5.55, 1.0, 0.0]]);
+        let map = replaced(&mesh, &found);
+        assert_eq!((&map.partner, &map.exact), (&found.partner, &vec![false; 6]));
+        assert_eq!(map.confidence, [0.0; 6]);
+        found.unrivalled = vec![true; 6];
+        assert_eq!(replaced(&mesh, &found).exact, [true; 6]);
+        let (mesh, found) = triangles([[6.0, 0.0, 0.0], [5.5, 1.0, 0.0]]);
+        assert_eq!(replaced(&mesh, &found).confidence, [1.0; 6]);
     }
 }
