@@ -65,7 +65,7 @@ pub fn detect_by(
     Ok(best.without_empty(options.plausibility))
 }
 
-/// The mirror plane's answer, or that of a search, if it is worth more.
+/// The mirror plane's answer, or that of a search, if it is worth more and speaks of no less of the surface.
 fn answer(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
     let at_rest = question.at_rest()?;
     clock.lap("mirror plane");

@@ -27,8 +27,10 @@ const APART: f64 = 0.1;
 const EXCLUDED: f64 = 2.8;
 /// Distance, in sqrt(area), at which another shell says 1 / e of what one nearby does.
 const NEARBY: f64 = 0.45;
+/// Pairs of one shell from which twins are sought.
+const MOST_STARTS: usize = 12;
 
-/// The likely twin of each shell, itself, or [`NONE`]. `distances` are those of shells, row by row. O(shells^3) a change, as many as shells.
+/// The likely twin of each shell, itself, or [`NONE`]. `distances` are those of shells, row by row. O(shells^3) a change, as many as shells, from each start.
 pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64]) -> Vec<u32> {
     let signatures = shell_signatures(mesh);
     let signature = |shell: &Shell| signatures[mesh.shell_of_point[shell.points[0] as usize] as usize];
@@ -100,14 +102,18 @@ impl Involution<'_> {
         best.1
     }
 
-    /// The pairs of the largest shell that may have several twins, as one of the legs of an insect.
+    /// The likeliest pairs of the largest shell that may have several twins, as one of the legs of an insect.
     fn rivals(&self) -> Vec<[usize; 2]> {
         let count = self.twins.len();
         let twins_of = |a: usize| {
             let is_likely = |b: &usize| *b != a && self.evidence[a * count + b] > 0.0;
             Vec::from_iter((0..count).filter(is_likely).map(|b| [a, b]))
         };
-        (0..count).map(twins_of).find(|pairs| pairs.len() > 1).unwrap_or_default()
+        let mut pairs = (0..count).map(twins_of).find(|pairs| pairs.len() > 1).unwrap_or_default();
+        let evidence = |[a, b]: [usize; 2]| self.evidence[a * count + b];
+        pairs.sort_by(|&first, &second| evidence(second).total_cmp(&evidence(first)));
+        pairs.truncate(MOST_STARTS);
+        pairs
     }
 
     /// Makes the best single changes, as long as there are some.

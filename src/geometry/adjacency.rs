@@ -6,7 +6,7 @@ use crate::mesh::{NONE, bucket};
 /// goes on from the best of them: a step costs the same at any vertex.
 pub const LOOKS: usize = 64;
 
-/// The neighbours of each point of a graph, without the point itself.
+/// The neighbours of each point of a graph, without the point itself; or the triangles around each.
 #[derive(Debug, Clone, Default)]
 pub struct Adjacency {
     offsets: Vec<u32>,
