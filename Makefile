@@ -1,7 +1,7 @@
 # `make demo` and `make test` each set up a fresh Debian or Ubuntu machine by themselves.
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test fmt examples clean setup setup-test header check-header check-folders public-api check-public-api test-c mutants
+.PHONY: help demo test fmt examples clean setup setup-test header check-header check-folders public-api check-public-api test-c mutants mutants-sample
 
 help: ## Say what can be made
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "make %-18s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -25,6 +25,7 @@ test: setup-test ## Check format and lints, run all tests
 	@$(MAKE) --no-print-directory check-public-api
 	cargo test --release --locked --doc --quiet
 	cargo nextest run --release --locked
+	@$(MAKE) --no-print-directory mutants-sample
 	@$(MAKE) --no-print-directory test-c
 	@$(MAKE) --no-print-directory fuzz FUZZ_SECONDS=10 FUZZ_FLAGS=
 	@$(MAKE) --no-print-directory test-meshlab
@@ -48,6 +49,13 @@ mutants: setup-test ## Change the program in one place at a time; a test must fa
 	@mkdir -p out
 	CARGO_TARGET_DIR=$(abspath target/mutants) CARGO_INCREMENTAL=0 cargo mutants --workspace --output out \
 		--sharding round-robin $(if $(MUTANTS_SHARD),--shard $(MUTANTS_SHARD)) $(MUTANTS_FLAGS)
+
+# As soon built as can be: unoptimised, and no tests but the folder's own. The same source means the same changes.
+mutants-sample: ## Change a few places of src/geometry; a unit test of that folder must fail for each
+	@scripts/setup.sh mutants
+	CARGO_TARGET_DIR=$(abspath target/mutants) CARGO_INCREMENTAL=1 CARGO_PROFILE_DEV_DEBUG=0 cargo mutants --no-config \
+		--package intrinsym --file 'src/geometry/**' --sharding round-robin --shard 0/66 --output out/mutants-sample \
+		--test-tool nextest --cargo-arg=--locked --cargo-arg=--lib -- geometry::
 
 header: ## Make include/isym.h again from capi/src
 	cargo run --quiet --locked --target-dir target/header --manifest-path tools/header/Cargo.toml -- --write

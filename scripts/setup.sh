@@ -91,7 +91,8 @@ check_nextest() {
 check_mutants() {
     cargo mutants --version >/dev/null 2>&1 && return
     echo "setup: installing cargo-mutants $MUTANTS_VERSION"
-    cargo install cargo-mutants --locked --version "$MUTANTS_VERSION"
+    # Unoptimised: most of its time goes into what it starts.
+    CARGO_PROFILE_DEV_DEBUG=0 cargo install cargo-mutants --locked --debug --version "$MUTANTS_VERSION"
 }
 
 check_python() {

@@ -141,8 +141,8 @@ class INTRINSIC_SYMMETRY_OT_detect(preferences.DetectOptions, MeshOperator, bpy.
         if self.source == "EVALUATED" and not alone:
             raise mesh_data.MeshProblem("Several objects together: choose base positions or those of a shape key")
         with assembly.joined(self._members) as body:
-            core_mesh = detection.core_mesh_of(body, self.source, context.evaluated_depsgraph_get())
-        return detection.Job(core_mesh, arguments)
+            make = detection.maker_of(body, self.source, context.evaluated_depsgraph_get())
+        return detection.Job(make, arguments)
 
     def _finish(self, job):
         """Waits for the worker and keeps what it found; object mode."""

@@ -161,7 +161,7 @@ class _Batch:
         core_mesh = detection.core_mesh_of(object, "BASE", context.evaluated_depsgraph_get())
         known = self._maps.get(f"{core_mesh.connectivity_hash:016x}") if self._share else None
         if known is None:
-            self._job = detection.Job(core_mesh, self._arguments)
+            self._job = detection.Job(lambda: core_mesh, self._arguments)
             return True
         symmetry, is_doubtful = known
         left = left_side.left_of(object, symmetry.side)

@@ -190,12 +190,12 @@ def _record(mesh, core_mesh, symmetry):
         "mean_confidence": float(symmetry.mean_confidence),
         "exact_share": float(symmetry.exact_share),
     }
-    for number, line in enumerate(symmetry.fixed_curve):
-        record[f"line_{number}"] = {
-            "edges": line.edges.astype(np.int32).ravel().tolist(),
-            "parameters": line.parameters.astype(float).tolist(),
-            "closed": line.closed,
-        }
+    if lines := symmetry.fixed_curve:
+        # In arrays: Blender takes each new name past all that are there.
+        record["line_edges"] = np.concatenate([line.edges for line in lines]).astype(np.int32).ravel().tolist()
+        record["line_parameters"] = np.concatenate([line.parameters for line in lines]).astype(float).tolist()
+        record["line_points"] = [len(line.parameters) for line in lines]
+        record["line_closed"] = [int(line.closed) for line in lines]
     return record
 
 
@@ -279,11 +279,13 @@ def _attribute(mesh, name, kind=None):
 
 def fixed_lines(mesh):
     """The pieces of the line between left and right; empty for a half turn."""
-    record, found = mesh.get(RECORD, {}), []
-    while (line := record.get(f"line_{len(found)}")) is not None:
-        edges = np.array(line["edges"][:], np.int32).reshape(-1, 2)
-        found.append(FixedLine(edges, np.array(line["parameters"][:], np.float32), bool(line["closed"])))
-    return found
+    record = mesh.get(RECORD, {})
+    if "line_points" not in record:
+        return []
+    ends = np.cumsum(record["line_points"][:])[:-1]
+    edges = np.split(np.array(record["line_edges"][:], np.int32).reshape(-1, 2), ends)
+    parameters = np.split(np.array(record["line_parameters"][:], np.float32), ends)
+    return list(map(FixedLine, edges, parameters, map(bool, record["line_closed"][:])))
 
 
 def name_sides(mesh, sign, left_from):

@@ -3,7 +3,7 @@
 
 usage: hard.py
 
-The meshes are those of evaluation/hard_meshes.py. Blender's main thread copies the mesh into the library (*start*), looks at the worker ten times
+The meshes are those of evaluation/hard_meshes.py. Blender's main thread copies the mesh (*start*), looks at the worker ten times
 a second, and stores the result (*end*); *tick* is the most that it computes between two of these looks. There is no window here: a loop sleeps in the
 place of the timer. A cancel comes at CANCELS moments spread over the detection, and is seen at the tick after the worker has ended. All are
 seconds of the processor, so that other work on the machine counts little: of the main thread, but *detection* and *cancel* of all threads.
@@ -35,9 +35,9 @@ def body(arrays):
 def started(object):
     """(the running job, seconds that it took to start)."""
     detection, start = module("detection"), time.thread_time()
-    core_mesh = detection.core_mesh_of(object, "BASE", bpy.context.evaluated_depsgraph_get())
+    make = detection.maker_of(object, "BASE", bpy.context.evaluated_depsgraph_get())
     seconds = time.thread_time() - start
-    return detection.Job(core_mesh, {}), seconds
+    return detection.Job(make, {}), seconds
 
 
 def watched(job, cancel_after=None):

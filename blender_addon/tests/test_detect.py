@@ -2,6 +2,7 @@
 """Detect, and what it keeps on the mesh."""
 
 import re
+import threading
 from types import SimpleNamespace
 
 import bpy
@@ -190,14 +191,27 @@ def test_a_job_can_be_watched_and_cancelled():
 
     detection = module("detection")
     object = new_object(read_example("human"))
-    core_mesh = detection.core_mesh_of(object, "BASE", bpy.context.evaluated_depsgraph_get())
-    job = detection.Job(core_mesh, {})
+    job = detection.Job(detection.maker_of(object, "BASE", bpy.context.evaluated_depsgraph_get()), {})
     while job.is_running() and job.fraction == 0:
         pass
     assert job.stage and 0 < job.fraction <= 1
     job.cancel()
     with pytest.raises(intrinsym.CancelledError):
         job.answer()
+
+
+def test_blender_does_not_wait_while_the_library_makes_the_mesh(monkeypatch):
+    detection, threads = module("detection"), []
+    make = detection.intrinsym.Mesh
+
+    def made(*arrays):
+        threads.append(threading.current_thread())
+        return make(*arrays)
+
+    new_object(read_example("quadruped"))
+    monkeypatch.setattr(detection.intrinsym, "Mesh", made)
+    assert detect() == {"FINISHED"}
+    assert len(threads) == 1 and threads[0] is not threading.main_thread()
 
 
 def test_the_active_attribute_and_color_stay():
@@ -216,7 +230,7 @@ def test_the_active_attribute_and_color_stay():
 def test_a_mesh_that_changed_meanwhile_does_not_get_the_map(quadruped, changed):
     mesh, detection = quadruped.data, module("detection")
     core_mesh = detection.core_mesh_of(quadruped, "BASE", None)
-    found = detection.Job(core_mesh, {}).answer()
+    found = detection.Job(lambda: core_mesh, {}).answer()
     if changed == "flipped":
         mesh.flip_normals()
     elif changed == "loose vertex":

@@ -176,6 +176,21 @@ def test_the_stored_map_is_the_detected_one(quadruped):
         assert np.allclose(line.positions(core_mesh.vertices), curve.positions(core_mesh.vertices))
 
 
+def test_a_line_in_many_pieces_has_no_more_names_in_the_record(quadruped):
+    stored_map, mesh = module("stored_map"), quadruped.data
+    names, lines = set(mesh[stored_map.RECORD].keys()), stored_map.fixed_lines(mesh)
+    symmetry = stored_map.load(mesh)
+    symmetry.fixed_curve = 100 * lines
+    core_mesh = module("detection").core_mesh_of(quadruped, "BASE", None)
+    stored_map.store(mesh, core_mesh, symmetry)
+    # Blender takes each new name past all that are there: thousands of loose shells took seconds.
+    assert set(mesh[stored_map.RECORD].keys()) <= names
+    stored = stored_map.fixed_lines(mesh)
+    assert [line.closed for line in stored] == 100 * [line.closed for line in lines]
+    for line, own in zip(stored, 100 * lines):
+        assert np.array_equal(line.edges, own.edges) and np.array_equal(line.parameters, own.parameters)
+
+
 def test_it_survives_saving(quadruped, tmp_path):
     file = str(tmp_path / "saved.blend")
     before = attribute(quadruped.data, "sym_vertex")

@@ -109,3 +109,34 @@ pub fn nearest_in_triangle(products: TriangleProducts) -> ([f32; 3], f32) {
 fn weights(s: f32, t: f32) -> [f32; 3] {
     [(1.0 - s - t).max(0.0), s, t]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a query and the corners (0, 0), (4, 0) and (1, 3).
+    fn products_of([x, y]: [f32; 2]) -> TriangleProducts {
+        TriangleProducts { own: x * x + y * y, along: [4.0 * x, x + 3.0 * y], edges: [16.0, 4.0, 10.0] }
+    }
+
+    #[test]
+    fn the_nearest_point_is_inside_on_a_side_or_a_corner() {
+        for (query, weights, squared) in [
+            // Inside.
+            ([1.0, 1.0], [0.5, 1.0 / 6.0, 1.0 / 3.0], 0.0),
+            // Beside each side.
+            ([2.0, -2.0], [0.5, 0.5, 0.0], 4.0),
+            ([-2.5, 2.5], [0.5, 0.0, 0.5], 10.0),
+            ([4.0, 3.0], [0.0, 0.5, 0.5], 4.5),
+            // Beyond each corner.
+            ([-3.0, -1.0], [1.0, 0.0, 0.0], 10.0),
+            ([7.0, -1.0], [0.0, 1.0, 0.0], 10.0),
+            ([1.0, 5.0], [0.0, 0.0, 1.0], 4.0),
+        ] {
+            let (found, distance) = nearest_in_triangle(products_of(query));
+            let near = |(a, b): (f32, f32)| (a - b).abs() < 1e-5;
+            assert!(found.into_iter().zip(weights).all(near), "{query:?}: {found:?}");
+            assert!(near((distance, squared)), "{query:?}: {distance}");
+        }
+    }
+}

@@ -113,7 +113,8 @@ pub fn fit(
     }
     let mut disagreement = None;
     for (radius, count) in RADII.into_iter().zip(effort.passes) {
-        let discs = mapped.discs_along_edges(&middles[..count.min(middles.len())], &[radius], threads);
+        let discs =
+            mapped.discs_along_edges(&middles[..count.min(middles.len())], &[radius], threads, token)?;
         let parts = parts(&mapped, &discs, effort, mirrored, threads, token)?;
         let agreed = agreed(&mapped, &parts);
         disagreement = disagreement.or_else(|| Some(disagreement_on_most(&mapped, &parts, &agreed)));

@@ -1,6 +1,8 @@
 //! A shell with its map, as parts of it see it.
 
 use super::motion::{Oriented, Place};
+use crate::base::error::Result;
+use crate::base::progress::CancelToken;
 use crate::base::threads;
 use crate::geometry::shortest_paths::{EdgeLengths, PathSearch};
 use crate::geometry::surface_walk::SurfaceWalk;
@@ -14,8 +16,9 @@ use std::ops::{ControlFlow, Range};
 
 /// A turn of the normal by one radian is as unlike as this distance, in sqrt(area).
 const TURN: f64 = 0.06;
-/// Vertices that one thread takes at a time.
-const CHUNK: usize = 2048;
+/// Discs that a vertex lies in, in the mean over the vertices, before no more are added. Those of the parts are 22 at most on development
+/// shapes; where a fan brings all vertices together, each disc has them all.
+const MOST_DISCS: usize = 32;
 
 /// A shell and its map.
 pub(super) struct Mapped<'a> {
@@ -48,6 +51,15 @@ pub(super) struct Disc {
 pub(super) struct Sought {
     vertices: Vec<u32>,
     features: Mat<f32>,
+}
+
+impl Disc {
+    /// What of the vertices `within` some distance, the nearest first, is nearer than `radius`.
+    fn of(middle: u32, within: &[(u32, f64)], radius: f64) -> Disc {
+        let inside = within.iter().take_while(|(_, distance)| *distance < radius);
+        let weight = |distance: f64| (1.0 - distance * distance / (radius * radius)).powi(2);
+        Disc { middle, members: inside.map(|&(vertex, distance)| (vertex, weight(distance))).collect() }
+    }
 }
 
 impl<'a> Mapped<'a> {
@@ -97,25 +109,40 @@ impl<'a> Mapped<'a> {
         Disc { middle, members: joined.into_iter().map(member).collect() }
     }
 
-    /// Discs around vertices along edges, of each radius in turn: where limbs bend sharply, smaller than those in space.
-    pub fn discs_along_edges(&self, middles: &[u32], radii: &[f64], threads: usize) -> Vec<Disc> {
+    /// Discs around vertices along edges, of each radius in turn: where limbs bend sharply, smaller than those in space. Those of the
+    /// last vertices are left out where the others lie [`MOST_DISCS`] deep.
+    ///
+    /// # Errors
+    /// Those of [`CancelToken::check`].
+    pub fn discs_along_edges(
+        &self,
+        middles: &[u32],
+        radii: &[f64],
+        threads: usize,
+        token: &CancelToken,
+    ) -> Result<Vec<Disc>> {
         let largest = radii.iter().fold(0.0f64, |largest, &radius| largest.max(radius));
-        let some = |range: Range<usize>| -> Vec<Disc> {
-            let mut search = PathSearch::new(self.areas.len());
-            let discs = |&middle: &u32| {
-                let within = self.reached(&mut search, &[middle], largest);
-                let disc = |&radius: &f64| {
-                    let inside = within.iter().take_while(|(_, distance)| *distance < radius);
-                    let weight = |distance: f64| (1.0 - distance * distance / (radius * radius)).powi(2);
-                    let members = inside.map(|&(vertex, distance)| (vertex, weight(distance))).collect();
-                    Disc { middle, members }
+        let (mut discs, mut members) = (Vec::new(), 0);
+        for middles in middles.chunks(MOST_DISCS) {
+            let some = |range: Range<usize>| -> Result<Vec<Vec<(u32, f64)>>> {
+                let mut search = PathSearch::new(self.areas.len());
+                let within = |&middle: &u32| {
+                    token.check()?;
+                    Ok(self.reached(&mut search, &[middle], largest))
                 };
-                radii.iter().map(disc).collect::<Vec<Disc>>()
+                middles[range].iter().map(within).collect()
             };
-            middles[range].iter().flat_map(discs).collect()
-        };
-        let ranges = threads::ranges(middles.len(), 2 * threads);
-        threads::map(threads, ranges, some).into_iter().flatten().collect()
+            let ranges = threads::ranges(middles.len(), 2 * threads);
+            let found = threads::map(threads, ranges, some).into_iter().collect::<Result<Vec<_>>>()?;
+            for (&middle, within) in middles.iter().zip(found.into_iter().flatten()) {
+                members += within.len();
+                discs.extend(radii.iter().map(|&radius| Disc::of(middle, &within, radius)));
+            }
+            if members >= MOST_DISCS * self.areas.len() {
+                break;
+            }
+        }
+        Ok(discs)
     }
 
     /// Vertices nearer than `radius` to one of `sources` along edges, the nearest first, with their distances.
@@ -244,7 +271,7 @@ impl<'a> Mapped<'a> {
     }
 
     fn for_all<R: Send>(&self, threads: usize, of: impl Fn(usize) -> R + Sync) -> Vec<R> {
-        let ranges = threads::ranges(self.images.len(), self.images.len().div_ceil(CHUNK));
+        let ranges = threads::ranges(self.images.len(), 2 * threads);
         let some = |range: Range<usize>| range.map(&of).collect::<Vec<R>>();
         threads::map(threads, ranges, some).into_iter().flatten().collect()
     }
@@ -307,6 +334,7 @@ fn feature(Oriented { position: [x, y, z], normal }: Oriented) -> Feature {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::error::Error;
     use crate::geometry::vertex_map::VertexMap;
     use crate::mesh::Shell;
     use crate::refine::rigid_parts::strip;
@@ -323,6 +351,21 @@ mod tests {
         let vertex =
             |point: u32| (0..).zip(&shell.points).find(|(_, own)| **own == point).expect("a vertex").0;
         shell.points.iter().map(|point| vertex(5 * to(point / 5) + point % 5)).collect()
+    }
+
+    #[test]
+    fn discs_that_hold_everything_are_few() {
+        let shell = strip(|column, row| [f64::from(column) / 40.0, f64::from(row) / 20.0, 0.0]);
+        let own: Vec<u32> = (0..5 * 41).collect();
+        let mapped = Mapped::new(&shell, &VertexMap::at_vertices(&shell.triangles, own.clone()));
+        let token = CancelToken::default();
+        let found = |radii: &[f64]| mapped.discs_along_edges(&own, radii, 2, &token);
+        assert_eq!(found(&[0.05, 0.02]).expect("discs").len(), 2 * own.len());
+        let all = found(&[9.0]).expect("discs");
+        assert!(all.iter().all(|disc| disc.members.len() == own.len()));
+        assert_eq!(all.len(), MOST_DISCS);
+        token.cancel();
+        assert!(matches!(found(&[9.0]), Err(Error::Cancelled)));
     }
 
     #[test]

@@ -8,6 +8,8 @@
 use super::mapped::{Disc, Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, mean};
 use super::turned_parts::{seeds, settle};
+use crate::base::error::Result;
+use crate::base::progress::CancelToken;
 use crate::base::threads;
 use crate::mesh::vector::Vector;
 
@@ -76,9 +78,11 @@ impl SmallParts<'_> {
         sought: &Sought,
         found: &Motion,
         threads: usize,
-    ) -> Vec<MovingPart> {
+        token: &CancelToken,
+    ) -> Result<Vec<MovingPart>> {
         let middles = self.middles.iter().copied().filter(|&middle| near[middle as usize]);
-        let discs = mapped.discs_along_edges(&middles.collect::<Vec<u32>>(), &[SMALL_RADIUS], threads);
+        let middles: Vec<u32> = middles.collect();
+        let discs = mapped.discs_along_edges(&middles, &[SMALL_RADIUS], threads, token)?;
         let judged = |disc: Disc| {
             let places = mapped.places(&mapped.picked(&disc.members, self.points));
             let own = Motion::between(&places, self.mirrored);
@@ -93,29 +97,33 @@ impl SmallParts<'_> {
             let centre = mean(places.iter().map(|place| (place.own.position, place.weight)));
             MovingPart { disc, centre, own, new: new.motion, left, verdict }
         };
-        threads::map(threads, discs, judged)
+        Ok(threads::map(threads, discs, judged))
     }
 }
 
-/// Maps what a part's new motion fits by it, if that makes a better map of the surroundings of its `middle`; returns whether it does.
+/// Maps what a part's new motion fits by it, if that makes a better map of the surroundings of its `middle`.
+///
+/// # Errors
+/// Those of [`CancelToken::check`].
 pub(super) fn take_over(
     mapped: &mut Mapped,
     small: &SmallParts,
     middle: u32,
     found: &Motion,
     threads: usize,
-) -> bool {
+    token: &CancelToken,
+) -> Result<()> {
     let around = mapped.within(&[middle], REACH);
     let evenly: Vec<(u32, f64)> = around.iter().map(|&(vertex, _)| (vertex, 1.0)).collect();
     let sought = mapped.sought(&mapped.places(&mapped.picked(&evenly, SOUGHT_POINTS)));
     let mut near = vec![false; mapped.areas.len()];
     around.iter().for_each(|&(vertex, _)| near[vertex as usize] = true);
-    let parts = small.around(mapped, &near, &sought, found, threads);
+    let parts = small.around(mapped, &near, &sought, found, threads, token)?;
     let goals = goals(mapped, &parts, &around);
     let region =
         mapped.joined(middle, &mut vec![false; goals.len()], |vertex| goals[vertex as usize].follows());
     if cut_off(mapped, &region) > CUT_OFF {
-        return false;
+        return Ok(());
     }
     let changed = mapped.within(&region, SMALL_RADIUS).into_iter().map(|(vertex, _)| vertex);
     let changed: Vec<u32> = changed.filter(|&vertex| goals[vertex as usize].new > 0.0).collect();
@@ -124,9 +132,8 @@ pub(super) fn take_over(
     let former = mapped.replaced(&changed, images);
     if mapped.distortion(&near, small.mirrored) > DISTORTION_LEFT * before {
         mapped.replaced(&changed, former);
-        return false;
     }
-    true
+    Ok(())
 }
 
 /// Partners and images of the vertices at their goals.

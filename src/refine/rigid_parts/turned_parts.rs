@@ -63,7 +63,7 @@ pub(super) fn map_turned(
     token: &CancelToken,
 ) -> Result<()> {
     let some = |count: usize| &middles[..count.min(middles.len())];
-    let discs = mapped.discs_along_edges(some(effort.parts), &RADII, threads);
+    let discs = mapped.discs_along_edges(some(effort.parts), &RADII, threads, token)?;
     let screen = |disc: Disc| {
         token.check()?;
         let picked = mapped.picked(&disc.members, effort.points);
@@ -93,7 +93,7 @@ pub(super) fn map_turned(
             continue;
         }
         tried.push(middle);
-        take_over(mapped, &small, part.middle, &found.motion, threads);
+        take_over(mapped, &small, part.middle, &found.motion, threads, token)?;
     }
     Ok(())
 }
