@@ -18,7 +18,7 @@ from . import carried_shells, edit_moves, mesh_data, rigid_pieces, stored_map, v
 from .carried_walk import pairs
 from .image_surface import CLOSE, ON, ImageSurface
 from .neighbour_means import between, filled, longest_edges, shortest_edges
-from .regions import around, components, mirrored, parts
+from .regions import around, components, holding, mirrored, parts
 from .surface import Mix, Surface
 
 #: By how much the confidence of what is carried is lowered.
@@ -78,7 +78,7 @@ class CarriedMap:
         self._weights = values[stored_map.BARY].astype(float)
         there = known & (self._corners >= 0).all(axis=1)
         self._exact = ~self.new & (self.partner >= 0) & (self._weights.max(axis=1) > vertex_map.WHOLE)
-        self._faces = np.where(there & ~self.new, self._holding(there), -1)
+        self._faces = np.where(there & ~self.new, holding(self._offsets, self._used, self._corners, there), -1)
         images = np.einsum("vk,vkx->vx", self._weights, self._places[self._corners])
         self._target = np.where(there[:, None], images, np.nan)
         self._target[self._exact] = self._places[self.partner[self._exact]]
@@ -204,24 +204,6 @@ class CarriedMap:
         """New numbers of old ones; -1 for none."""
         fits = (old >= 0) & (old < len(self._new_of))
         return np.where(fits, self._new_of[np.where(fits, old, 0)], -1)
-
-    def _holding(self, chosen):
-        """(vertices,) a face with all three corners of the image; -1 where there is none."""
-        count = len(self._offsets)
-        face = np.repeat(np.arange(count - 1), np.diff(self._offsets))
-        keys = np.sort(self._used * count + face)  # all faces of a vertex, one after another
-        found, rows = np.full(len(chosen), -1), np.flatnonzero(chosen)
-        at, end = (np.searchsorted(keys // count, self._corners[rows, 0], side) for side in ("left", "right"))
-        while len(rows):
-            there = at < end
-            rows, at, end = rows[there], at[there], end[there]
-            held, fits = keys[at] % count, np.ones(len(rows), bool)
-            for other in (1, 2):
-                wanted = self._corners[rows, other] * count + held
-                fits &= keys[np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)] == wanted
-            found[rows[fits]] = held[fits]
-            rows, at, end = rows[~fits], at[~fits] + 1, end[~fits]
-        return found
 
     def found(self, kind):
         """The `intrinsym.Symmetry`."""
@@ -370,7 +352,7 @@ class CarriedMap:
         """Puts images that are in no face onto the nearest one. Vertices that no face uses have none."""
         found = ~np.isnan(self._target).any(axis=1) & (np.bincount(self._used, minlength=len(self.new)) > 0)
         mine = self._duplicates & (self._corners >= 0).all(axis=1)
-        self._faces[mine] = self._holding(mine)[mine]
+        self._faces[mine] = holding(self._offsets, self._used, self._corners, mine)[mine]
         loose = np.flatnonzero(found & ~self._exact & (self._faces < 0))
         if len(loose):
             surface = Surface(self._mesh, self._places, np.ones(len(found), bool))

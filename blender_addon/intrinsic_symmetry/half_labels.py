@@ -66,8 +66,6 @@ def of_shells(mesh, symmetry, winner, edges):
     found, count = partner >= 0, len(number)
     others = found & (partner != np.arange(len(partner)))  # on the line what was split off is its own image
     image = _most(shell[others], shell[partner[others]], count)
-    loose = np.bincount(np.asarray(mesh_data.polygons(mesh)[1]), minlength=len(partner)) == 0
-    _refuse_holes(found | (side != 0) | loose | (stored_map.read_edit(mesh) == stored_map.MADE), image[shell], mesh)
     balance = np.bincount(shell, side, count) / np.bincount(shell, minlength=count)
     whole = image == np.arange(count)
     paired = (image >= 0) & ~whole & (image[image] == np.arange(count))
@@ -94,10 +92,12 @@ def _most(rows, columns, count):
     return found
 
 
-def _refuse_holes(known, image, mesh):
-    """Raises MeshProblem where a shell has a mirror image, but some of its vertices have neither image nor side."""
-    without = int((~known & (image >= 0)).sum())
-    if without:
+def refuse_holes(mesh, symmetry, halves):
+    """Raises MeshProblem where a shell has a mirror image, but vertices of it that are not mirrored have neither image nor
+    side."""
+    loose = np.bincount(np.asarray(mesh_data.polygons(mesh)[1]), minlength=len(halves.labels)) == 0
+    known = (symmetry.partner >= 0) | (symmetry.side != 0) | loose | (stored_map.read_edit(mesh) == stored_map.MADE)
+    if without := np.count_nonzero(~known & halves.apart & (halves.labels != STAYS)):
         raise mesh_data.MeshProblem(
             f"{without:,} of {len(mesh.vertices):,} vertices have no mirror image: "
             "Select Without Mirror Image shows where"

@@ -50,6 +50,26 @@ def mirrored(offsets, corners, partner):
     return (partner >= 0) & (images == own[np.maximum(partner, 0)])
 
 
+def holding(offsets, corners, wanted, chosen):
+    """(vertices,) for the chosen ones, (vertices,) bool, a face with all three of the `wanted` corners, (vertices, 3); -1 where
+    there is none."""
+    count = len(offsets)
+    face = np.repeat(np.arange(count - 1), np.diff(offsets))
+    keys = np.sort(corners * count + face)  # all faces of a vertex, one after another
+    found, rows = np.full(len(chosen), -1), np.flatnonzero(chosen)
+    at, end = (np.searchsorted(keys // count, wanted[rows, 0], side) for side in ("left", "right"))
+    while len(rows):
+        there = at < end
+        rows, at, end = rows[there], at[there], end[there]
+        held, fits = keys[at] % count, np.ones(len(rows), bool)
+        for other in (1, 2):
+            sought = wanted[rows, other] * count + held
+            fits &= keys[np.minimum(np.searchsorted(keys, sought), len(keys) - 1)] == sought
+        found[rows[fits]] = held[fits]
+        rows, at, end = rows[~fits], at[~fits] + 1, end[~fits]
+    return found
+
+
 def _mixed(numbers):
     """Each number's bits, thrown together."""
     numbers = (numbers * 0x9E3779B1) & 0xFFFFFFFF
