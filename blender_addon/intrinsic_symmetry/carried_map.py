@@ -60,7 +60,8 @@ class CarriedMap:
         if self.new.any():
             self._lay()
         off = np.linalg.norm(self._lift, axis=1) > ON * self._reach
-        self._off = off & (self.new | self._enclosed(self.new & self._cuts))
+        self._inside = self._enclosed(self.new & self._cuts)
+        self._off = off & (self.new | self._inside)
         self._edited = self._with_other_faces(original)
         self._made = self.new | self._off | self._edited & ~self._still
         self._relocate(self._known, ours)
@@ -247,10 +248,11 @@ class CarriedMap:
         return lift
 
     def edit(self):
-        """(vertices,) what this edit, or one before, did: `stored_map.MADE`, or moved, `LOST` or `REFACED`. After `found`."""
+        """(vertices,) what this edit, or one before, did: `stored_map.MADE`, or moved, `LOST` or `REFACED`; what it encloses may
+        have moved in shape keys alone. After `found`."""
         before = np.where(self.new, 0, stored_map.read_edit(self._mesh))
         lost = self._had & ~self.new & (self.partner < 0)
-        faces = self._edited & (before == 0)
+        faces = (self._edited | self._inside) & (before == 0)
         return np.select([lost, self._made, faces], [stored_map.LOST, stored_map.MADE, stored_map.REFACED], before)
 
     def moved(self):

@@ -191,7 +191,7 @@ class _Half:
         shifted = mirrored & ~copies & (away > _MOVED * np.ptp(places, axis=0).max())
         self.moved, self.changed = np.count_nonzero(shifted), copies | shifted | model.of(self._changed | self._moved)
         mix.take(copies & model.of(without), old.surface, places)
-        old.give_positions(object, mix, places, lifted, model, added)
+        old.give_positions(object, mix, places, lifted, moving, model, added)
         old.give_points(object, mix, copies, added)
         old.give_hidden(mesh, mix)
         offsets, corners = mesh_data.polygons(mesh)
