@@ -223,6 +223,8 @@ class CarriedMap:
         )
         confidence = np.where(has, np.nan_to_num(self._confidence), 0)
         side = np.nan_to_num(self._side)
+        at_line = self._exact & (self.partner != np.arange(len(side))) & (side == 0)  # with an image of their own, on one side
+        side = np.sign(np.nan_to_num(filled(np.where(at_line, np.nan, side)[:, None], self._ends, self._places)[:, 0]))
         return self._core_mesh.restore(kind, self.partner, np.clip(confidence, 0, 1), side.astype(np.int8), points)
 
     @property

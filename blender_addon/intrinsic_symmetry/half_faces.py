@@ -12,6 +12,7 @@ def without_images(faces, twin):
     paired = [number for number, face in enumerate(faces) if min(twin[corner] for corner in face) >= 0]
     there = {turned(faces[number]) for number in paired}
     found = {number for number in paired if turned([twin[corner] for corner in reversed(faces[number])]) in there}
+    found |= {number for number in paired if all(twin[corner] == corner for corner in faces[number])}
     return [number for number in range(len(faces)) if number not in found]
 
 

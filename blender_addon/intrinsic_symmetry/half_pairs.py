@@ -170,7 +170,9 @@ class _Pairs:
         label = np.select([wins & ~loses, loses & ~wins, wins & loses], [WINS, LOSES, by_place], self._labels)
         labels = np.where(self._free & ~on_plane, label, fixed)
         wins, loses = (self._touched(labels == each, np.arange(len(labels))) for each in (WINS, LOSES))
-        line = on_plane & self._joined(on_plane, (labels == LINE) | on_plane & wins & loses)
+        shell = components(len(labels), self._ends)
+        whole = on_plane & ~np.isin(shell, shell[~on_plane])
+        line = on_plane & self._joined(on_plane, (labels == LINE) | on_plane & wins & loses | whole)
         labels[on_plane] = np.where(loses & ~wins, LOSES, WINS)[on_plane]
         labels[line] = LINE
         labels[self._doubled(labels) & line] = WINS

@@ -155,8 +155,8 @@ class _Half:
             self._moved = edit_moves.after_carry(mesh).any(axis=1)
             self._old, self.attached = half_data.Old(object, halves, symmetry), half_data.Attached(mesh)
             half_labels.refuse_holes(mesh, symmetry, halves)
-            half_copy.rebuild(bm, halves)
-            _refuse_loss(bm, mesh, symmetry.side * winner > 0)
+            gone = half_copy.rebuild(bm, halves)
+            _refuse_loss(bm, mesh, symmetry.side * winner > 0, gone)
             bm.to_mesh(mesh)
         finally:
             bm.free()
@@ -230,14 +230,17 @@ def _halves(bm, mesh, symmetry, winner, edited_only):
     return half_pairs.halves(bm, mesh, symmetry, labels, twin, winner, edited_only)
 
 
-def _refuse_loss(bm, mesh, wins):
-    """Raises MeshProblem where what an edit has made on the winning side, (vertices,) bool, is gone in the rebuilt `bm`."""
+def _refuse_loss(bm, mesh, wins, faces):
+    """Raises MeshProblem where what an edit has made on the winning side, (vertices,) bool, is gone in the rebuilt `bm`, or so
+    many `faces` are that do not lose."""
     source, kept = bm.verts.layers.int[half_copy.SOURCE], np.zeros(len(wins), bool)
     numbers = np.array([vertex[source] for vertex in bm.verts], np.int64)
     kept[numbers[(numbers >= 0) & (numbers < len(wins))]] = True
-    if gone := np.count_nonzero((stored_map.read_edit(mesh) == stored_map.MADE) & wins & ~kept):
+    vertices = np.count_nonzero((stored_map.read_edit(mesh) == stored_map.MADE) & wins & ~kept)
+    if vertices or faces:
+        gone = f"{vertices:,} new vertices" if vertices else f"{faces:,} faces"
         raise mesh_data.MeshProblem(
-            f"{gone:,} new vertices would be deleted on both sides. Nothing is changed. Detect again, or make the edit on both sides"
+            f"{gone} would be deleted on both sides. Nothing is changed. Detect again, or make the edit on both sides"
         )
 
 
