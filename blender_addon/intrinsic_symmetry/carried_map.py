@@ -55,6 +55,7 @@ class CarriedMap:
             self._read(original)
         self._shell = components(len(self.new), self._ends)
         self._added = ~np.isin(self._shell, self._shell[~self.new])
+        self._placed = self._added & ~np.isin(self._shell, self._shell[self._known])  # have the side where they are
         self._apart = self._pair_shells(original)
         self._lift, self._cuts = np.zeros_like(self._places), self.new
         if self.new.any():
@@ -131,8 +132,9 @@ class CarriedMap:
         twins = carried_shells.pairs(shells, base, self.partner, height)
         apart = np.zeros(len(self.new), bool)
         for shell in shells:
-            sides = self._side[shell[copies[shell]]]
-            apart[shell] = np.isin(shell, list(twins)).any() or (sides > 0).any() and (sides < 0).any()
+            sides, paired = self._side[shell[copies[shell]]], np.isin(shell, list(twins)).any()
+            across = (sides > 0).any() and (sides < 0).any()
+            apart[shell], self._placed[shell] = paired or across, across and not paired
         self.partner[apart], self._corners[apart], self._faces[apart], self._target[apart] = -1, -1, -1, np.nan
         self._exact, self._kept, self._found = self._exact & ~apart, self._kept & ~apart, self._found & ~apart
         if twins:
@@ -290,10 +292,11 @@ class CarriedMap:
         self._take_sides()
 
     def _take_sides(self):
-        """Gives shells that are new all over, and no duplicates, the side of the surface nearest to them."""
+        """Gives shells that are new all over, and no duplicates, or duplicates of both sides without a pair, the side of the
+        surface nearest to them."""
         surface = Surface(self._mesh, self._places, ~self._added, np.all) if self._added.any() else None
         if surface is not None and len(surface.faces):
-            rows = np.flatnonzero(self._added & ~np.isin(self._shell, self._shell[self._known]))
+            rows = np.flatnonzero(self._placed)
             self._side[rows] = np.sign(surface.vertex_mix(self._places[rows]).of(self._side)) if len(rows) else 0
 
     def _match_added(self, sign):

@@ -269,3 +269,18 @@ def test_issue_38_an_edit_on_a_key_is_mirrored_in_every_key_and_its_twin(active,
     assert len(now) > len(edited) > len(places)
     assert _farthest(now, edited[edited[:, 0] > 1e-4]) < 1e-5, "the side that wins"
     assert _farthest(now, mirrored * np.tile(MIRROR, 4)) < 1e-4
+
+
+def test_issue_38_a_part_of_the_middle_that_is_duplicated_to_one_side_is_copied(monkey):  # noqa: F811
+    """A button: both sides of the original are in it, but the duplicate lies on one."""
+    bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0, -1.2, 0.2))
+    monkey.select_set(True)
+    bpy.context.view_layer.objects.active = monkey
+    bpy.ops.object.join()
+    assert ops.detect() == {"FINISHED"}
+    count = len(monkey.data.polygons)
+    edited = _edit(monkey, range(count - 6, count), bpy.ops.mesh.duplicate, lambda: bpy.ops.transform.translate(value=(0.4, 0.1, 0)))
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    now = positions(monkey.data)
+    assert len(now) == len(edited) + 8 and len(monkey.data.polygons) == count + 12
+    assert _away(now, now * MIRROR).max() < 1e-3 and _away(now, edited).max() < 1e-6
