@@ -83,6 +83,16 @@ def of_shells(mesh, symmetry, winner, edges):
     return np.where(crossed[shell], np.where(side < 0, LOSES, WINS), of_shell[shell])
 
 
+def not_through(mesh):
+    """Why a half cannot be rebuilt, in words."""
+    if not stored_map.read_edit(mesh).any():
+        return "the line between left and right cannot go through the faces. Nothing is changed. Are some of them turned over?"
+    return (
+        "the line between left and right cannot go through the edit. Nothing is changed. Make the edit in smaller steps, or on "
+        "both sides"
+    )
+
+
 def _most(rows, columns, count):
     """(count,) the most frequent column of each row, -1 where it has none."""
     pairs, votes = np.unique(rows * count + columns, return_counts=True)

@@ -14,7 +14,7 @@ from mathutils.kdtree import KDTree
 
 from . import edit_moves, half_faces, local_frames, mesh_data, rigid_pieces, stored_map, vertex_map
 from .asymmetry import fitted_plane
-from .half_labels import LINE, LOSES, STAYS, WINS, Halves
+from .half_labels import LINE, LOSES, STAYS, WINS, Halves, not_through
 from .neighbour_means import longest_edges
 from .regions import components, mirrored, parts
 
@@ -33,10 +33,6 @@ _ALIKE = 0.05
 #: What was moved on both sides stays where it is if it is off by less than this share of the way; and so a part is a rigid
 #: copy.
 _BOTH = 0.1
-_NOT_THROUGH = (
-    "the line between left and right cannot go through the edit. Nothing is changed. Make the edit in smaller steps, or on "
-    "both sides"
-)
 
 
 def twins(mesh, symmetry, labels, edited_only):
@@ -213,7 +209,7 @@ class _Pairs:
         winning, losing = np.array(list(found.values()), np.int64).reshape(-1, 2).T
         ahead, behind = self._height[winning], -self._height[losing]
         if count := np.count_nonzero((ahead <= 0) | (behind <= 0)):
-            raise mesh_data.MeshProblem(f"{count:,} edges lie on one side alone, but join both: {_NOT_THROUGH}")
+            raise mesh_data.MeshProblem(f"{count:,} edges lie on one side alone, but join both: {not_through(self._mesh)}")
         return winning, losing, ahead / np.maximum(ahead + behind, 1e-30), np.array(list(found), np.int64)
 
     def _at_originals(self):

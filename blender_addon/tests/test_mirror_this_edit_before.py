@@ -97,3 +97,13 @@ def test_issue_38_a_hand_that_is_missing_is_not_in_the_way(human, truth):
     added = len(mesh.vertices) - count
     assert ops.symmetrize_topology() == {"FINISHED"}
     assert len(mesh.vertices) == count + 2 * added and len(mesh.polygons) > faces
+
+
+def test_issue_38_faces_that_are_turned_over_are_not_blamed_on_an_edit():
+    bpy.ops.mesh.primitive_monkey_add()
+    object = bpy.context.object
+    for face in list(object.data.polygons)[::3]:
+        face.flip()
+    assert ops.detect() == {"FINISHED"}
+    with pytest.raises(RuntimeError, match="cannot go through the faces. Nothing is changed. Are some of them turned over"):
+        ops.symmetrize_topology()
