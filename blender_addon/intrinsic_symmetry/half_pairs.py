@@ -56,13 +56,14 @@ def twins(mesh, symmetry, labels, edited_only):
 
 
 def _chance(mesh, exact, partner):
-    """(vertices,) bool: pairs, of which one has neither `exact` ones, (vertices,) bool, nor edited ones, as the most of its
-    neighbours: a map between other faces has some."""
+    """(vertices,) bool: pairs, of which one is as it was, and the most of its neighbours are neither `exact`, (vertices,) bool,
+    nor made or lost: a map between other faces has some."""
     ends, edit = mesh_data.edges(mesh).astype(np.int64), stored_map.read_edit(mesh)
     ends = np.vstack([ends, ends[:, ::-1]])
     lone = ~exact & (edit != stored_map.MADE) & (edit != stored_map.LOST)
     count = len(lone)
     alone = 2 * np.bincount(ends[:, 0], lone[ends[:, 1]], count) > np.bincount(ends[:, 0], minlength=count)
+    alone &= edit == 0
     return alone | alone[partner]
 
 
