@@ -5,7 +5,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, faces_around, positions, select
+from conftest import attribute, faces_around, module, positions, select
 from test_mirror_this_edit import MIRROR, _away, _edit, _fatten, _middles, _nearest_faces
 
 ops = bpy.ops.intrinsic_symmetry
@@ -107,3 +107,15 @@ def test_issue_38_faces_that_are_turned_over_are_not_blamed_on_an_edit():
     assert ops.detect() == {"FINISHED"}
     with pytest.raises(RuntimeError, match="cannot go through the faces. Nothing is changed. Are some of them turned over"):
         ops.symmetrize_topology()
+
+
+def test_issue_38_a_pair_whose_neighbours_have_none_is_a_chance(human):
+    """It is no twin: what is copied would be joined to a wrong vertex."""
+    chance, partner = module("half_pairs")._chance, attribute(human.data, "sym_vertex").astype(np.int64)
+    vertex = int(np.argmax(positions(human.data)[:, 0]))
+    exact = np.ones(len(partner), bool)
+    assert partner[vertex] != vertex and not chance(human.data, exact, partner).any()
+    ends = np.array([edge.vertices[:] for edge in human.data.edges])
+    around = np.setdiff1d(ends[(ends == vertex).any(axis=1)], vertex)
+    exact[around] = False
+    assert chance(human.data, exact, partner)[[vertex, partner[vertex]]].all()
