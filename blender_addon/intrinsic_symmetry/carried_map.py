@@ -18,7 +18,7 @@ from . import carried_shells, edit_moves, mesh_data, rigid_pieces, stored_map, v
 from .carried_walk import pairs
 from .image_surface import CLOSE, ON, ImageSurface
 from .neighbour_means import between, filled, longest_edges, shortest_edges
-from .regions import around, components, mirrored, parts
+from .regions import around, components, holding, mirrored, parts
 from .surface import Mix, Surface
 
 #: By how much the confidence of what is carried is lowered.
@@ -55,12 +55,14 @@ class CarriedMap:
             self._read(original)
         self._shell = components(len(self.new), self._ends)
         self._added = ~np.isin(self._shell, self._shell[~self.new])
+        self._placed = self._added & ~np.isin(self._shell, self._shell[self._known])  # have the side where they are
         self._apart = self._pair_shells(original)
         self._lift, self._cuts = np.zeros_like(self._places), self.new
         if self.new.any():
             self._lay()
         off = np.linalg.norm(self._lift, axis=1) > ON * self._reach
-        self._off = off & (self.new | self._enclosed(self.new & self._cuts))
+        self._inside = self._enclosed(self.new & self._cuts)
+        self._off = off & (self.new | self._inside)
         self._edited = self._with_other_faces(original)
         self._made = self.new | self._off | self._edited & ~self._still
         self._relocate(self._known, ours)
@@ -78,7 +80,7 @@ class CarriedMap:
         self._weights = values[stored_map.BARY].astype(float)
         there = known & (self._corners >= 0).all(axis=1)
         self._exact = ~self.new & (self.partner >= 0) & (self._weights.max(axis=1) > vertex_map.WHOLE)
-        self._faces = np.where(there & ~self.new, self._holding(there), -1)
+        self._faces = np.where(there & ~self.new, holding(self._offsets, self._used, self._corners, there), -1)
         images = np.einsum("vk,vkx->vx", self._weights, self._places[self._corners])
         self._target = np.where(there[:, None], images, np.nan)
         self._target[self._exact] = self._places[self.partner[self._exact]]
@@ -130,8 +132,9 @@ class CarriedMap:
         twins = carried_shells.pairs(shells, base, self.partner, height)
         apart = np.zeros(len(self.new), bool)
         for shell in shells:
-            sides = self._side[shell[copies[shell]]]
-            apart[shell] = np.isin(shell, list(twins)).any() or (sides > 0).any() and (sides < 0).any()
+            sides, paired = self._side[shell[copies[shell]]], np.isin(shell, list(twins)).any()
+            across = (sides > 0).any() and (sides < 0).any()
+            apart[shell], self._placed[shell] = paired or across, across and not paired
         self.partner[apart], self._corners[apart], self._faces[apart], self._target[apart] = -1, -1, -1, np.nan
         self._exact, self._kept, self._found = self._exact & ~apart, self._kept & ~apart, self._found & ~apart
         if twins:
@@ -205,24 +208,6 @@ class CarriedMap:
         fits = (old >= 0) & (old < len(self._new_of))
         return np.where(fits, self._new_of[np.where(fits, old, 0)], -1)
 
-    def _holding(self, chosen):
-        """(vertices,) a face with all three corners of the image; -1 where there is none."""
-        count = len(self._offsets)
-        face = np.repeat(np.arange(count - 1), np.diff(self._offsets))
-        keys = np.sort(self._used * count + face)  # all faces of a vertex, one after another
-        found, rows = np.full(len(chosen), -1), np.flatnonzero(chosen)
-        at, end = (np.searchsorted(keys // count, self._corners[rows, 0], side) for side in ("left", "right"))
-        while len(rows):
-            there = at < end
-            rows, at, end = rows[there], at[there], end[there]
-            held, fits = keys[at] % count, np.ones(len(rows), bool)
-            for other in (1, 2):
-                wanted = self._corners[rows, other] * count + held
-                fits &= keys[np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)] == wanted
-            found[rows[fits]] = held[fits]
-            rows, at, end = rows[~fits], at[~fits] + 1, end[~fits]
-        return found
-
     def found(self, kind):
         """The `intrinsym.Symmetry`."""
         self._mirror(kind)
@@ -240,6 +225,8 @@ class CarriedMap:
         )
         confidence = np.where(has, np.nan_to_num(self._confidence), 0)
         side = np.nan_to_num(self._side)
+        at_line = self._exact & (self.partner != np.arange(len(side))) & (side == 0)  # with an image of their own, on one side
+        side = np.sign(np.nan_to_num(filled(np.where(at_line, np.nan, side)[:, None], self._ends, self._places)[:, 0]))
         return self._core_mesh.restore(kind, self.partner, np.clip(confidence, 0, 1), side.astype(np.int8), points)
 
     @property
@@ -265,10 +252,11 @@ class CarriedMap:
         return lift
 
     def edit(self):
-        """(vertices,) what this edit, or one before, did: `stored_map.MADE`, or moved, `LOST` or `REFACED`. After `found`."""
+        """(vertices,) what this edit, or one before, did: `stored_map.MADE`, or moved, `LOST` or `REFACED`; what it encloses may
+        have moved in shape keys alone. After `found`."""
         before = np.where(self.new, 0, stored_map.read_edit(self._mesh))
         lost = self._had & ~self.new & (self.partner < 0)
-        faces = self._edited & (before == 0)
+        faces = (self._edited | self._inside) & (before == 0)
         return np.select([lost, self._made, faces], [stored_map.LOST, stored_map.MADE, stored_map.REFACED], before)
 
     def moved(self):
@@ -304,10 +292,11 @@ class CarriedMap:
         self._take_sides()
 
     def _take_sides(self):
-        """Gives shells that are new all over, and no duplicates, the side of the surface nearest to them."""
+        """Gives shells that are new all over, and no duplicates, or duplicates of both sides without a pair, the side of the
+        surface nearest to them."""
         surface = Surface(self._mesh, self._places, ~self._added, np.all) if self._added.any() else None
         if surface is not None and len(surface.faces):
-            rows = np.flatnonzero(self._added & ~np.isin(self._shell, self._shell[self._known]))
+            rows = np.flatnonzero(self._placed)
             self._side[rows] = np.sign(surface.vertex_mix(self._places[rows]).of(self._side)) if len(rows) else 0
 
     def _match_added(self, sign):
@@ -370,7 +359,7 @@ class CarriedMap:
         """Puts images that are in no face onto the nearest one. Vertices that no face uses have none."""
         found = ~np.isnan(self._target).any(axis=1) & (np.bincount(self._used, minlength=len(self.new)) > 0)
         mine = self._duplicates & (self._corners >= 0).all(axis=1)
-        self._faces[mine] = self._holding(mine)[mine]
+        self._faces[mine] = holding(self._offsets, self._used, self._corners, mine)[mine]
         loose = np.flatnonzero(found & ~self._exact & (self._faces < 0))
         if len(loose):
             surface = Surface(self._mesh, self._places, np.ones(len(found), bool))

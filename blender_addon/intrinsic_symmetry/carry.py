@@ -67,7 +67,10 @@ def _identities(mesh, record):
     there = np.flatnonzero(original >= 0)[::-1]
     there = there[np.argsort(-np.linalg.norm(edit_moves.since_stored(mesh)[there], axis=1), kind="stable")]
     new_of[original[there]] = there  # of several the first one that is nearest to where it was
-    original[_astray(mesh, new_of, original)] = -1
+    astray = _astray(mesh, new_of, original)
+    torn = _torn(mesh, new_of, original, astray)
+    new_of[original[torn]] = -1
+    original[astray | torn] = -1
     if (new_of >= 0).mean() < _LEAST_LEFT:
         raise stored_map.ChangedMesh
     return new_of, original, belongs
@@ -82,6 +85,21 @@ def _astray(mesh, new_of, original):
     group = components(len(original), ends)
     first = new_of[original]
     return (original >= 0) & (group != group[first]) & (shell == shell[first])
+
+
+def _torn(mesh, new_of, original, astray):
+    """(vertices,) bool: where the surface was torn along the line, those that were on it: at one place with a duplicate that is
+    `astray`, (vertices,) bool, and each with one side alone."""
+    offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
+    side, places = mesh_data.read_attribute(mesh.attributes[stored_map.SIDE]), mesh_data.positions(mesh)
+    both = np.ones(len(side), bool)
+    for at in (1, -1):
+        faces = np.logical_or.reduceat((side == at)[corners], offsets[:-1])
+        both &= np.isin(np.arange(len(side)), corners[np.repeat(faces, np.diff(offsets))])
+    rows = np.flatnonzero(astray & (side == 0) & ~both)
+    first = new_of[original[rows]]
+    rows = rows[~both[first] & (places[rows] == places[first]).all(axis=1)]
+    return np.isin(original, original[rows]) & ~both
 
 
 def _lines(mesh, new_of):

@@ -19,7 +19,7 @@ _LABEL = "sym_label"
 
 def rebuild(bm, halves):
     """The losing half is the mirror image of the winning one afterwards. Faces that are so already stay, and so do the
-    vertices that have twins, and what else hangs on them."""
+    vertices that have twins, and what else hangs on them. How many other faces than the losing ones are gone: none may be."""
     label = _written(bm, halves)
     source = bm.verts.layers.int[SOURCE]
     twin = halves.twin.tolist() + list(range(len(halves.twin), len(halves.twin) + len(halves.shares)))
@@ -31,7 +31,9 @@ def rebuild(bm, halves):
         apart += face.verts
         _split(face, label)
     alone = _flip(_alone(apart, source, label, twin), source, label, twin)
-    lost = [face for face in alone if _is_lost(face, label)]
+    walls = _walls(_around(apart, label), label)
+    lost = walls + [face for face in alone if any(vertex[label] == LOSES for vertex in face.verts)]
+    kept = set(_around(apart, label)) - set(lost)
     copied = [face for face in alone if any(vertex[label] == WINS for vertex in face.verts)]
     copied += [edge for edge in bm.edges if edge.is_wire and _is_edited(edge, label, source, halves.edited, twin)]
     edges = dict.fromkeys(edge for face in lost for edge in face.edges)
@@ -41,11 +43,36 @@ def rebuild(bm, halves):
     _join(bm, joined)
     _clean(bm, [edge for edge in edges if edge.is_valid], source, vertices, twin)
     bm.verts.layers.int.remove(bm.verts.layers.int[_LABEL])
+    return sum(not face.is_valid for face in kept)
+
+
+def _around(apart, label):
+    """The faces at vertices of `apart`."""
+    return list(dict.fromkeys(face for vertex in apart if vertex[label] != STAYS for face in vertex.link_faces))
+
+
+def _walls(faces, label):
+    """Those of the faces that lie in the line and close one half alone: where the halves meet there, nothing is between them.
+    What stands on the surface in the plane, as a fin, is none."""
+    def is_within(face):
+        return all(vertex[label] == LINE for vertex in face.verts)
+
+    def closes(edge):
+        return len(edge.link_faces) == 2 and not all(map(is_within, edge.link_faces))
+
+    waiting = [face for face in faces if is_within(face) and any(map(closes, face.edges))]
+    found = dict.fromkeys(waiting)
+    while waiting:
+        beside = [other for edge in waiting.pop().edges if len(edge.link_faces) == 2 for other in edge.link_faces]
+        around = [face for face in beside if face not in found and is_within(face)]
+        found.update(dict.fromkeys(around))
+        waiting += around
+    return list(found)
 
 
 def _alone(apart, source, label, twin):
     """The faces of both halves without mirror images, each of which has a vertex of `apart`."""
-    faces = list(dict.fromkeys(face for vertex in apart if vertex[label] != STAYS for face in vertex.link_faces))
+    faces = _around(apart, label)
     return [faces[number] for number in without_images([[vertex[source] for vertex in face.verts] for face in faces], twin)]
 
 
@@ -101,10 +128,6 @@ def _split(face, label):
         start = next(at for at in range(size) if labels[at] == WINS != labels[at - 1])
         end = next(at for at in range(start, start + size) if labels[at % size] != WINS)
         waiting += [face, bmesh.utils.face_split(face, corners[start - 1], corners[end % size])[0]]
-
-
-def _is_lost(face, label):
-    return all(vertex[label] in (LOSES, LINE) for vertex in face.verts)
 
 
 def _is_edited(edge, label, source, edited, twin):

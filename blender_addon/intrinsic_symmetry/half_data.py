@@ -87,10 +87,10 @@ class Old:
                 turn = np.where(halves.at_rest[rows, None, None], halves.reflection, turns()[twin])
                 self.keys[number][twin] = self.positions[twin] + np.einsum("vxy,vy->vx", turn, moves[other][rows])
 
-    def give_positions(self, object, mix, places, lift, model, added):
-        """Base shape and shape keys: the vertices are at `places`, (vertices, 3), and move as the surface there and, beside
-        that, as their models do on the other side; `lift` is a function that turns the old vertices' lift. Those that were
-        added move as their models do."""
+    def give_positions(self, object, mix, places, lift, moving, model, added):
+        """Base shape and shape keys: the vertices are at `places`, (vertices, 3), and move as the surface there and, those
+        that are `moving`, (vertices,) bool, beside that as their models do on the other side; `lift` is a function that turns
+        the old vertices' lift. Those that were added move as their models do."""
         mesh, keys = object.data, object.data.shape_keys
         moved, models = places - mix.of(self.positions), model.of(self.positions)
         keys = list(keys.key_blocks) if keys else []
@@ -99,7 +99,7 @@ class Old:
         for key, points, own, other in zip(keys, self.keys, self._beside, others):
             there = mix.of(points) + moved
             if other >= 0:
-                there += lift(self._beside[other]) - mix.of(own)
+                there += np.where(moving[:, None], lift(self._beside[other]) - mix.of(own), 0)
             wanted = model.of(self.keys[other]) if other >= 0 else models
             for shell in shells:
                 there[shell] = brought(models[shell], places[shell], wanted[shell], -1)

@@ -66,8 +66,6 @@ def of_shells(mesh, symmetry, winner, edges):
     found, count = partner >= 0, len(number)
     others = found & (partner != np.arange(len(partner)))  # on the line what was split off is its own image
     image = _most(shell[others], shell[partner[others]], count)
-    loose = np.bincount(np.asarray(mesh_data.polygons(mesh)[1]), minlength=len(partner)) == 0
-    _refuse_holes(found | (side != 0) | loose | (stored_map.read_edit(mesh) == stored_map.MADE), image[shell], mesh)
     balance = np.bincount(shell, side, count) / np.bincount(shell, minlength=count)
     whole = image == np.arange(count)
     paired = (image >= 0) & ~whole & (image[image] == np.arange(count))
@@ -85,6 +83,16 @@ def of_shells(mesh, symmetry, winner, edges):
     return np.where(crossed[shell], np.where(side < 0, LOSES, WINS), of_shell[shell])
 
 
+def not_through(mesh):
+    """Why a half cannot be rebuilt, in words."""
+    if not stored_map.read_edit(mesh).any():
+        return "the line between left and right cannot go through the faces. Nothing is changed. Are some of them turned over?"
+    return (
+        "the line between left and right cannot go through the edit. Nothing is changed. Make the edit in smaller steps, or on "
+        "both sides"
+    )
+
+
 def _most(rows, columns, count):
     """(count,) the most frequent column of each row, -1 where it has none."""
     pairs, votes = np.unique(rows * count + columns, return_counts=True)
@@ -94,10 +102,12 @@ def _most(rows, columns, count):
     return found
 
 
-def _refuse_holes(known, image, mesh):
-    """Raises MeshProblem where a shell has a mirror image, but some of its vertices have neither image nor side."""
-    without = int((~known & (image >= 0)).sum())
-    if without:
+def refuse_holes(mesh, symmetry, halves):
+    """Raises MeshProblem where a shell has a mirror image, but vertices of it that are not mirrored have neither image nor
+    side."""
+    loose = np.bincount(np.asarray(mesh_data.polygons(mesh)[1]), minlength=len(halves.labels)) == 0
+    known = (symmetry.partner >= 0) | (symmetry.side != 0) | loose | (stored_map.read_edit(mesh) == stored_map.MADE)
+    if without := np.count_nonzero(~known & halves.apart & (halves.labels != STAYS)):
         raise mesh_data.MeshProblem(
             f"{without:,} of {len(mesh.vertices):,} vertices have no mirror image: "
             "Select Without Mirror Image shows where"

@@ -11,7 +11,7 @@ so that both regions stay connected, and the winning one has a border without cr
 import numpy as np
 
 from . import mesh_data, rigid_pieces, stored_map, vertex_map
-from .half_labels import LINE, LOSES, STAYS, WINS, Halves
+from .half_labels import LINE, LOSES, STAYS, WINS, Halves, not_through
 from .regions import components, mirrored
 
 #: The line goes through a vertex if it crosses one of its edges in this first share of the edge: a vertex of which is
@@ -59,8 +59,7 @@ def _refuse_moved(mesh, partner, labels):
     as_it_was = (labels == STAYS) | np.where(itself, labels == LINE, (labels == -image) & (labels != LINE))
     if moved := np.count_nonzero(mirrored(offsets, corners, partner) & ~as_it_was):
         raise mesh_data.MeshProblem(
-            f"{moved:,} vertices that are mirrored already would not stay as they are: the line between left and right "
-            "cannot go through the edit. Nothing is changed. Make the edit in smaller steps, or on both sides"
+            f"{moved:,} vertices that are mirrored already would not stay as they are: {not_through(mesh)}"
         )
 
 

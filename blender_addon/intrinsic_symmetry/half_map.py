@@ -6,7 +6,7 @@ import numpy as np
 
 from . import mesh_data, stored_map, vertex_map
 from .half_labels import LINE, LOSES, STAYS
-from .regions import components, mirrored
+from .regions import components, holding, mirrored
 
 
 def alone(mesh, symmetry):
@@ -29,9 +29,9 @@ def is_mirrored(mesh, symmetry, winner):
     return np.where(alone(mesh, symmetry), stays | ~has_faces, alike).all()
 
 
-def known(mesh, core_mesh, halves, source, winner, sides):
+def known(mesh, core_mesh, halves, source, winner, symmetry):
     """An `intrinsym.Symmetry` for the sources that `half_copy` writes, where `winner`, 1 or -1, is the side that was
-    copied, and `sides`, (old vertices,), are those of before."""
+    copied, and `symmetry` is the map of before: what differed then and stays keeps its images."""
     count, model = len(halves.labels) + len(halves.shares), np.where(source < 0, -1 - source, source)
     labels = np.append(halves.labels, np.full(len(halves.shares), LINE))[model]
     own, copied = np.arange(len(source)), source < 0
@@ -43,13 +43,36 @@ def known(mesh, core_mesh, halves, source, winner, sides):
     partner = np.where(labels == STAYS, -1, partner)
     side = np.where(copied | (labels == LOSES), -winner, winner) * (labels != LINE)
     stays = (labels == STAYS) | (partner < 0)
-    side = np.where(stays, np.append(sides, np.zeros(len(halves.shares), int))[model], side)
-    points = vertex_map.at_vertices(core_mesh, partner)
-    partner = np.where(points.faces == vertex_map.NONE, -1, partner)
-    kind = intrinsym.SymmetryKind.REFLECTION
-    symmetry = core_mesh.restore(kind, partner, (partner >= 0).astype(float), side, points)
-    symmetry.fixed_curve = _lines(mesh_data.edges(mesh), partner)
-    return symmetry
+    side = np.where(stays, np.append(symmetry.side, np.zeros(len(halves.shares), int))[model], side)
+    exact = vertex_map.at_vertices(core_mesh, partner)
+    partner = np.where(exact.faces == vertex_map.NONE, -1, partner)
+    lines = _lines(mesh_data.edges(mesh), partner)
+    confidence, partner, points = _with_others(core_mesh, partner, exact, symmetry, labels != STAYS, at, source)
+    found = core_mesh.restore(intrinsym.SymmetryKind.REFLECTION, partner, confidence, side, points)
+    found.fixed_curve = lines
+    return found
+
+
+def _with_others(core_mesh, partner, exact, symmetry, chosen, at, source):
+    """Confidence, partners and surface points, of which the chosen ones, (vertices,) bool, without `exact` points have those of
+    the `symmetry` that was, as far as their faces are there; `at` are the new numbers of the old vertices."""
+    rows = np.flatnonzero((partner < 0) & chosen & (source >= 0) & (source < len(symmetry.partner)))
+    old = rows[symmetry.partner[source[rows]] >= 0]
+    corners = np.full((len(partner), 3), -1)
+    corners[old] = at[symmetry.surface_points.corners[source[old]].astype(np.int64)]
+    offsets, used = (np.asarray(part).astype(np.int64) for part in core_mesh.polygons)
+    faces = holding(offsets, used, corners, (corners >= 0).all(axis=1))
+    kept = faces >= 0
+    own = source[kept]
+    confidence, weights = (partner >= 0).astype(float), exact.barycentrics.copy()
+    confidence[kept], weights[kept] = symmetry.confidence[own], symmetry.surface_points.barycentrics[own]
+    partner = np.where(kept, corners[np.arange(len(kept)), weights.argmax(axis=1)], partner)
+    points = intrinsym.SurfacePoints(
+        np.where(kept, vertex_map.unsigned(faces), exact.faces),
+        np.where(kept[:, None], vertex_map.unsigned(corners), exact.corners),
+        weights,
+    )
+    return confidence, partner, points
 
 
 def _lines(edges, partner):

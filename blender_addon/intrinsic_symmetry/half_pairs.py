@@ -14,12 +14,13 @@ from mathutils.kdtree import KDTree
 
 from . import edit_moves, half_faces, local_frames, mesh_data, rigid_pieces, stored_map, vertex_map
 from .asymmetry import fitted_plane
-from .half_labels import LINE, LOSES, STAYS, WINS, Halves
+from .half_labels import LINE, LOSES, STAYS, WINS, Halves, not_through
 from .neighbour_means import longest_edges
 from .regions import components, mirrored, parts
 
-#: Share of the vertices that no edit has touched whose faces are mirrored.
-_SHARED = 0.9
+#: Share of the vertices that no edit has touched whose faces are mirrored: where the whole half is replaced, and where what
+#: was edited is.
+_SHARED = 0.9, 0.5
 #: A vertex is on the line if it is nearer than this share of its longest edge, or of the size of the mesh.
 _ON, _AT = 1e-3, 1e-6
 #: A twin is mirrored about the plane if it is off by less than this share of its longest edge; and the twins around an edit
@@ -32,36 +33,45 @@ _ALIKE = 0.05
 #: What was moved on both sides stays where it is if it is off by less than this share of the way; and so a part is a rigid
 #: copy.
 _BOTH = 0.1
-_NOT_THROUGH = (
-    "the line between left and right cannot go through the edit. Nothing is changed. Make the edit in smaller steps, or on "
-    "both sides"
-)
 
 
-def twins(mesh, symmetry, labels):
+def twins(mesh, symmetry, labels, edited_only):
     """(vertices,) the twin of each vertex, -1 for none, itself on the line; or nothing where left and right do not share
-    their faces."""
+    their faces. `edited_only`: of what differed before the edit, too."""
     partner = symmetry.partner.astype(np.int64)
     itself = partner == np.arange(len(partner))
     old, on_line = stored_map.read_edit(mesh) != stored_map.MADE, symmetry.side == 0
     across = (labels * labels[partner] == WINS * LOSES) & ~(on_line | on_line[partner])
     fits = np.where(itself, on_line & old, across)
     exact = vertex_map.pairs(symmetry)
+    exact &= ~_chance(mesh, exact, partner)
     twin = np.where(exact & exact[partner] & (labels != STAYS) & fits, partner, -1)
     offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
-    touched = stored_map.read_edit(mesh) > 0
-    touched |= touched[partner] & (partner >= 0)
+    touched = stored_map.is_touched(mesh, partner)
     alike, used = mirrored(offsets, corners, twin), np.bincount(corners, minlength=len(partner)) > 0
     counted = ~touched & (partner >= 0) & used & (labels != STAYS)
-    if not counted.any() or alike[counted].mean() < _SHARED:
+    if not counted.any() or alike[counted].mean() < _SHARED[edited_only]:
         return None
-    return np.where(alike | touched | itself, twin, -1)
+    return np.where(alike | touched | itself | edited_only, twin, -1)
 
 
-def halves(bm, mesh, symmetry, labels, twin, winner):
-    """The Halves of a mesh with the labels of its shells, and twins, of which the side `winner`, 1 or -1, stays. Raises
-    MeshProblem."""
-    return _Pairs(mesh, symmetry, labels, twin, winner).halves(bm)
+def _chance(mesh, exact, partner):
+    """(vertices,) bool: pairs, of which one is as it was, and the most of its neighbours are neither `exact`, (vertices,) bool,
+    nor made or lost: a map between other faces has some."""
+    ends, edit = mesh_data.edges(mesh).astype(np.int64), stored_map.read_edit(mesh)
+    ends = np.vstack([ends, ends[:, ::-1]])
+    lone = ~exact & (edit != stored_map.MADE) & (edit != stored_map.LOST)
+    count = len(lone)
+    alone = 2 * np.bincount(ends[:, 0], lone[ends[:, 1]], count) > np.bincount(ends[:, 0], minlength=count)
+    alone &= edit == 0
+    return alone | alone[partner]
+
+
+def halves(bm, mesh, symmetry, labels, twin, winner, edited_only):
+    """The Halves of a mesh with the labels of its shells, and twins, of which the side `winner`, 1 or -1, stays; what differed
+    before the edit stays on both sides, if `edited_only`. Raises MeshProblem."""
+    touched = stored_map.is_touched(mesh, symmetry.partner.astype(np.int64)) | (not edited_only)
+    return _Pairs(mesh, symmetry, labels, twin, winner).halves(bm, touched)
 
 
 class _Pairs:
@@ -121,12 +131,12 @@ class _Pairs:
         near = rigid_pieces.grown(inside, self._ends, _RINGS) & (self._still | inside)
         return [(piece[inside[piece]], piece[self._still[piece]]) for piece in parts(near, self._ends)]
 
-    def halves(self, bm):
+    def halves(self, bm, touched):
         self._refuse_off_line()
         self._label()
         bm.verts.ensure_lookup_table()
         twin = np.where(self._labels == LINE, np.arange(len(self._twin)), self._twin)
-        lone, apart = half_faces.lone(self._offsets, self._corners, twin)
+        lone, apart = half_faces.lone(self._offsets, self._corners, twin, touched)
         winning, losing, shares, edges = self._crossed(bm, lone)
         wins = np.isin(self._labels, (WINS, LINE))[:, None]
         images, below = (np.where(wins, each, np.nan) for each in self._images_of_changed())
@@ -157,7 +167,9 @@ class _Pairs:
         label = np.select([wins & ~loses, loses & ~wins, wins & loses], [WINS, LOSES, by_place], self._labels)
         labels = np.where(self._free & ~on_plane, label, fixed)
         wins, loses = (self._touched(labels == each, np.arange(len(labels))) for each in (WINS, LOSES))
-        line = on_plane & self._joined(on_plane, (labels == LINE) | on_plane & wins & loses)
+        shell = components(len(labels), self._ends)
+        whole = on_plane & ~np.isin(shell, shell[~on_plane])
+        line = on_plane & self._joined(on_plane, (labels == LINE) | on_plane & wins & loses | whole)
         labels[on_plane] = np.where(loses & ~wins, LOSES, WINS)[on_plane]
         labels[line] = LINE
         labels[self._doubled(labels) & line] = WINS
@@ -198,7 +210,7 @@ class _Pairs:
         winning, losing = np.array(list(found.values()), np.int64).reshape(-1, 2).T
         ahead, behind = self._height[winning], -self._height[losing]
         if count := np.count_nonzero((ahead <= 0) | (behind <= 0)):
-            raise mesh_data.MeshProblem(f"{count:,} edges lie on one side alone, but join both: {_NOT_THROUGH}")
+            raise mesh_data.MeshProblem(f"{count:,} edges lie on one side alone, but join both: {not_through(self._mesh)}")
         return winning, losing, ahead / np.maximum(ahead + behind, 1e-30), np.array(list(found), np.int64)
 
     def _at_originals(self):

@@ -97,7 +97,7 @@ class INTRINSIC_SYMMETRY_OT_select_asymmetric(MapOperator, bpy.types.Operator):
         if key is None or key == keys.reference_key:
             raise mesh_data.MeshProblem("Choose a shape key that is not the basis")
         other = keys.key_blocks.get(side_names.counterpart(key.name, keys.key_blocks.keys())) or key
-        base = mesh_data.key_positions(key.relative_key).astype(float)
+        base = mesh_data.key_positions(keys.reference_key).astype(float)
         ends = ((mesh_data.key_positions(one), mesh_data.key_positions(one.relative_key)) for one in (key, other))
         moved, image = (there - rest for there, rest in ends)
         differences = np.linalg.norm(moved - symmetry.carry_displacement(base, image, Merge.SWAP), axis=1)

@@ -69,7 +69,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
     def _in_place(self, symmetry, keys, name, free):
         key = keys.key_blocks[name]
         base, moved = _displacement(key)
-        carried = symmetry.carry_displacement(base, moved, self.merge, **self.how())
+        carried = symmetry.carry_displacement(_at_rest(keys), moved, self.merge, **self.how())
         return self._write(keys, key, base + blend(moved, carried, free))
 
     def _across(self, symmetry, object, pair, free):
@@ -93,8 +93,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
         present = [keys.key_blocks[name] for name in pair]
         new = []
         for target in targets:
-            base, moved = _displacement(present[1 - target])
-            carried = symmetry.carry_displacement(base, moved, Merge.SWAP)
+            _, moved = _displacement(present[1 - target])
+            carried = symmetry.carry_displacement(_at_rest(object.data.shape_keys), moved, Merge.SWAP)
             key = present[target]
             base, own = _displacement(key)
             new.append((key, base + blend(own, carried, share)))
@@ -119,6 +119,12 @@ def _pair(name, names):
     """A name and its counterpart, that of the left first; the name alone, if it has no side."""
     side = side_names.side(name)
     return (name,) if side == 0 else (name, side_names.counterpart(name, names))[::side]
+
+
+def _at_rest(keys):
+    """(vertices, 3) the shape whose local frames say how a displacement is turned: the basis, also for a key that is relative to
+    another one. That may move one side alone, and Blender adds displacements without turning them."""
+    return mesh_data.key_positions(keys.reference_key)
 
 
 def _displacement(key):

@@ -46,15 +46,16 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         if half_map.is_mirrored(mesh, symmetry, winner) and not edit_moves.after_carry(mesh).any():
             return self._keep(object, symmetry, direction)
         self._say_what_is_replaced(mesh, symmetry, winner)
-        edited = any(stored_map.edits(mesh))
-        half = _Half(object, symmetry, winner)
-        if half.is_new and edited and self.direction == "EDITED":
+        edited_only = self.direction == "EDITED" and bool(stored_map.read_edit(mesh).any())
+        half = _Half(object, symmetry, winner, edited_only)
+        if half.is_new and edited_only:
             self.warn("Left and right do not share their faces: beside the edit the whole half is replaced")
         half.fill(object, symmetry)
         renew(object, half.changed)
         if mode == "EDIT" and half.attached.names:
             self.warn(f"Undo in edit mode does not take back the vertices of {listed(half.attached.names)}")
-        stored_map.store(mesh, half.core_mesh, half.known, left=(1, left_from), exact_share=1.0)
+        exact = vertex_map.pairs(half.known)[half.known.partner >= 0].mean()
+        stored_map.store(mesh, half.core_mesh, half.known, left=(1, left_from), exact_share=float(exact))
         mesh.update()
         if self.direction != "EDITED":
             self._mirror_attributes(half.known, mesh, direction)
@@ -142,26 +143,27 @@ _MOVED = 1e-6
 class _Half:
     """A mesh whose half was rebuilt, and its map."""
 
-    def __init__(self, object, symmetry, winner):
+    def __init__(self, object, symmetry, winner, edited_only):
         mesh, bm = object.data, bmesh.new()
         try:
             bm.from_mesh(mesh, face_normals=False, vertex_normals=False)
-            self._halves = halves = _halves(bm, mesh, symmetry, winner)
+            self._halves = halves = _halves(bm, mesh, symmetry, winner, edited_only)
             self.is_new = (halves.twin < 0).all()  # not one face stays
             if not (symmetry.partner[halves.labels == half_labels.WINS] >= 0).any():
                 raise mesh_data.MeshProblem("No part of the mesh has a mirror image on the other side")
             self._changed = stored_map.is_changed(mesh, symmetry.partner)
             self._moved = edit_moves.after_carry(mesh).any(axis=1)
             self._old, self.attached = half_data.Old(object, halves, symmetry), half_data.Attached(mesh)
-            half_copy.rebuild(bm, halves)
-            _refuse_loss(bm, mesh, symmetry.side * winner > 0)
+            half_labels.refuse_holes(mesh, symmetry, halves)
+            gone = half_copy.rebuild(bm, halves)
+            _refuse_loss(bm, mesh, symmetry.side * winner > 0, gone)
             bm.to_mesh(mesh)
         finally:
             bm.free()
         self._source, self.copied_faces = _taken(mesh, half_copy.SOURCE), _taken(mesh, half_copy.COPIED) > 0
         self.copies = self._source < 0
         self.core_mesh = intrinsym.Mesh(mesh_data.positions(mesh), mesh_data.polygons(mesh))
-        self.known = half_map.known(mesh, self.core_mesh, halves, self._source, winner, symmetry.side)
+        self.known = half_map.known(mesh, self.core_mesh, halves, self._source, winner, symmetry)
 
     def fill(self, object, symmetry):
         """Places the copy, and gives it what was there; `symmetry` is the map of the old mesh."""
@@ -189,7 +191,7 @@ class _Half:
         shifted = mirrored & ~copies & (away > _MOVED * np.ptp(places, axis=0).max())
         self.moved, self.changed = np.count_nonzero(shifted), copies | shifted | model.of(self._changed | self._moved)
         mix.take(copies & model.of(without), old.surface, places)
-        old.give_positions(object, mix, places, lifted, model, added)
+        old.give_positions(object, mix, places, lifted, moving, model, added)
         old.give_points(object, mix, copies, added)
         old.give_hidden(mesh, mix)
         offsets, corners = mesh_data.polygons(mesh)
@@ -220,22 +222,25 @@ class _Half:
         return lifted
 
 
-def _halves(bm, mesh, symmetry, winner):
+def _halves(bm, mesh, symmetry, winner, edited_only):
     labels = half_labels.of_shells(mesh, symmetry, winner, mesh_data.edges(mesh).astype(np.int64))
-    twin = half_pairs.twins(mesh, symmetry, labels)
+    twin = half_pairs.twins(mesh, symmetry, labels, edited_only)
     if twin is None:
         return half_line.halves(bm, mesh, symmetry, labels)
-    return half_pairs.halves(bm, mesh, symmetry, labels, twin, winner)
+    return half_pairs.halves(bm, mesh, symmetry, labels, twin, winner, edited_only)
 
 
-def _refuse_loss(bm, mesh, wins):
-    """Raises MeshProblem where what an edit has made on the winning side, (vertices,) bool, is gone in the rebuilt `bm`."""
+def _refuse_loss(bm, mesh, wins, faces):
+    """Raises MeshProblem where what an edit has made on the winning side, (vertices,) bool, is gone in the rebuilt `bm`, or so
+    many `faces` are that do not lose."""
     source, kept = bm.verts.layers.int[half_copy.SOURCE], np.zeros(len(wins), bool)
     numbers = np.array([vertex[source] for vertex in bm.verts], np.int64)
     kept[numbers[(numbers >= 0) & (numbers < len(wins))]] = True
-    if gone := np.count_nonzero((stored_map.read_edit(mesh) == stored_map.MADE) & wins & ~kept):
+    vertices = np.count_nonzero((stored_map.read_edit(mesh) == stored_map.MADE) & wins & ~kept)
+    if vertices or faces:
+        gone = f"{vertices:,} new vertices" if vertices else f"{faces:,} faces"
         raise mesh_data.MeshProblem(
-            f"{gone:,} new vertices would be deleted on both sides. Nothing is changed. Detect again, or make the edit on both sides"
+            f"{gone} would be deleted on both sides. Nothing is changed. Detect again, or make the edit on both sides"
         )
 
 

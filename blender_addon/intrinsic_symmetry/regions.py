@@ -43,11 +43,40 @@ def around(offsets, corners, numbers):
 
 
 def mirrored(offsets, corners, partner):
-    """(vertices,) bool: those whose faces are the mirror images of their partners' faces; not where the partner is -1."""
+    """(vertices,) bool: those whose faces are the mirror images of their partners' faces; not where the partner is -1. A face
+    whose vertices are all their own partners lies in the line, and is its own mirror image."""
+    itself = partner == np.arange(len(partner))
+    offsets, corners = _without(np.logical_and.reduceat(itself[corners], offsets[:-1]), offsets, corners)
     face = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
     backward = corners[offsets[face] + offsets[face + 1] - 1 - np.arange(len(corners))]
     own, images = around(offsets, corners, np.arange(len(partner))), around(offsets, backward, partner)
     return (partner >= 0) & (images == own[np.maximum(partner, 0)])
+
+
+def _without(faces, offsets, corners):
+    """Offsets and corners of all but those faces, (faces,) bool."""
+    sizes = np.diff(offsets)
+    return np.append(0, np.cumsum(sizes[~faces])), corners[np.repeat(~faces, sizes)]
+
+
+def holding(offsets, corners, wanted, chosen):
+    """(vertices,) for the chosen ones, (vertices,) bool, a face with all three of the `wanted` corners, (vertices, 3); -1 where
+    there is none."""
+    count = len(offsets)
+    face = np.repeat(np.arange(count - 1), np.diff(offsets))
+    keys = np.sort(corners * count + face)  # all faces of a vertex, one after another
+    found, rows = np.full(len(chosen), -1), np.flatnonzero(chosen)
+    at, end = (np.searchsorted(keys // count, wanted[rows, 0], side) for side in ("left", "right"))
+    while len(rows):
+        there = at < end
+        rows, at, end = rows[there], at[there], end[there]
+        held, fits = keys[at] % count, np.ones(len(rows), bool)
+        for other in (1, 2):
+            sought = wanted[rows, other] * count + held
+            fits &= keys[np.minimum(np.searchsorted(keys, sought), len(keys) - 1)] == sought
+        found[rows[fits]] = held[fits]
+        rows, at, end = rows[~fits], at[~fits] + 1, end[~fits]
+    return found
 
 
 def _mixed(numbers):

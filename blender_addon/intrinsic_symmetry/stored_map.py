@@ -87,6 +87,12 @@ def _vectors(mesh, name):
     return np.zeros((len(mesh.vertices), 3)) if attribute is None else mesh_data.read_attribute(attribute).astype(float)
 
 
+def is_touched(mesh, partner):
+    """(vertices,) bool: those that an edit has done something to, or to their partners, (vertices,)."""
+    edit = read_edit(mesh) > 0
+    return edit | edit[partner] & (partner >= 0)
+
+
 def is_changed(mesh, partner):
     """(vertices,) bool: those that an edit has made or moved, or their partners, (vertices,), since the map was found."""
     made = read_edit(mesh) == MADE

@@ -4,7 +4,8 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, module, positions, said
+from conftest import attribute, module, positions, said, selected
+from intrinsym import Merge
 
 ops = bpy.ops.intrinsic_symmetry
 
@@ -279,3 +280,18 @@ def test_a_mask_whose_twin_has_too_long_a_name(human, swelling):
     with pytest.raises(RuntimeError, match='"m{62}.R" is too long for Blender: shorten the name'):
         ops.mirror_shape_keys()
     assert "Smile.R" not in human.data.shape_keys.key_blocks
+
+
+def test_issue_38_a_key_that_is_relative_to_one_of_a_side_is_turned_as_the_basis_is(human, swelling):
+    """A pair that is exact already stays; Select Asymmetric agrees."""
+    places, symmetry = positions(human.data), module("stored_map").load(human.data)
+    image = lambda moved: symmetry.carry_displacement(places, moved, Merge.SWAP)  # noqa: E731
+    _key(human, "Puff.L", 20 * swelling)
+    _key(human, "Puff.R", image(20 * swelling))
+    _key(human, "Fist.R", image(swelling), relative_to="Puff.R")
+    _key(human, "Fist.L", swelling, relative_to="Puff.L")
+    ops.mirror_shape_keys()
+    assert np.abs(_moved(human, "Fist.R") - image(swelling)).max() < 1e-5
+    bpy.ops.object.mode_set(mode="EDIT")
+    ops.select_asymmetric(what="KEY", threshold=1e-4)
+    assert not len(selected(human))

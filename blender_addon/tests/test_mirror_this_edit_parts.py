@@ -226,3 +226,61 @@ def test_issue_38_a_half_that_is_rebuilt_is_a_warning(quadruped, capfd):
     _edit(quadruped, left[len(left) // 2 :][:1], lambda: bpy.ops.mesh.poke())
     assert "Warning: Left to right" in (words := said(capfd, ops.symmetrize_topology))
     assert "the whole half is replaced" in words
+
+
+def _states(object, names):
+    """(vertices, 3 + 3 keys) places, and how far keys move them."""
+    places = positions(object.data)
+    keys = object.data.shape_keys.key_blocks
+    return np.hstack([places, *(module("mesh_data").key_positions(keys[name]) - places for name in names)])
+
+
+def _farthest(states, wanted):
+    return max(np.linalg.norm(states - each, axis=1).min() for each in wanted)
+
+
+@pytest.mark.parametrize("active", ["Basis", "Puff.L", "Big"])
+@pytest.mark.parametrize("steps", [
+    [lambda: bpy.ops.mesh.extrude_region_shrink_fatten(TRANSFORM_OT_shrink_fatten={"value": 0.05})],
+    [lambda: bpy.ops.mesh.inset(thickness=0.01)],
+    [bpy.ops.mesh.duplicate, _shrink_fatten(0.05)],
+], ids=["extruded", "inset", "duplicated"])
+def test_issue_38_an_edit_on_a_key_is_mirrored_in_every_key_and_its_twin(active, steps):
+    bpy.ops.mesh.primitive_monkey_add()
+    object = bpy.context.object
+    enter("EDIT")
+    bpy.ops.mesh.subdivide()
+    enter("OBJECT")
+    mesh = object.data
+    places = positions(mesh)
+    assert ops.detect() == {"FINISHED"}
+    puff = np.exp(-30 * ((places - (0.5, -0.6, 0.4)) ** 2).sum(axis=1))[:, None] * (0.05, -0.1, 0.02)
+    image = np.array([np.argmin(np.linalg.norm(places - place * MIRROR, axis=1)) for place in places])
+    object.shape_key_add(name="Basis")
+    for name, moved in (("Puff.L", puff), ("Puff.R", puff[image] * MIRROR), ("Big", 0.1 * places)):
+        module("mesh_data").set_key_positions(object.shape_key_add(name=name), places + moved)
+    object.active_shape_key_index = mesh.shape_keys.key_blocks.find(active)
+    near = np.argsort(np.linalg.norm(_middles(mesh) - (0.5, -0.6, 0.4), axis=1))[:40]
+    assert _middles(mesh)[near, 0].min() > 0
+    _edit(object, near, *steps)
+    edited = _states(object, ("Puff.L", "Puff.R", "Big"))
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    now, mirrored = (_states(object, names) for names in (("Puff.L", "Puff.R", "Big"), ("Puff.R", "Puff.L", "Big")))
+    assert len(now) > len(edited) > len(places)
+    assert _farthest(now, edited[edited[:, 0] > 1e-4]) < 1e-5, "the side that wins"
+    assert _farthest(now, mirrored * np.tile(MIRROR, 4)) < 1e-4
+
+
+def test_issue_38_a_part_of_the_middle_that_is_duplicated_to_one_side_is_copied(monkey):  # noqa: F811
+    """A button: both sides of the original are in it, but the duplicate lies on one."""
+    bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0, -1.2, 0.2))
+    monkey.select_set(True)
+    bpy.context.view_layer.objects.active = monkey
+    bpy.ops.object.join()
+    assert ops.detect() == {"FINISHED"}
+    count = len(monkey.data.polygons)
+    edited = _edit(monkey, range(count - 6, count), bpy.ops.mesh.duplicate, lambda: bpy.ops.transform.translate(value=(0.4, 0.1, 0)))
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    now = positions(monkey.data)
+    assert len(now) == len(edited) + 8 and len(monkey.data.polygons) == count + 12
+    assert _away(now, now * MIRROR).max() < 1e-3 and _away(now, edited).max() < 1e-6
