@@ -6,6 +6,7 @@ pub mod attempt;
 pub mod clock;
 pub mod cluster_motion;
 pub mod companions;
+pub mod contact_graph;
 pub mod correspondence;
 pub mod coverage;
 pub mod detect_again;
@@ -23,7 +24,7 @@ pub mod mirror_plane;
 pub mod proxy;
 pub mod question;
 pub mod report;
-pub mod rigid_chain;
+
 pub mod shell_symmetry;
 pub mod spectrum;
 pub mod stated_signs;

@@ -10,13 +10,13 @@ use crate::connectivity::automorphism::{Automorphism, Connectivity};
 use crate::connectivity::mirrored_vertices;
 use crate::detect::assembly::{PointMap, Summary, symmetry};
 use crate::detect::companions::{self, Companion, Primary};
+use crate::detect::contact_graph::ContactGraph;
 use crate::detect::correspondence::Symmetry;
 use crate::detect::domain::mean_movement;
 use crate::detect::filled_holes::FilledShell;
 use crate::detect::fixed_curve::{odd_function, zero_set};
 use crate::detect::mirror_plane::{MIRRORED, MOSTLY, MirrorPlane};
 use crate::detect::proxy::Proxy;
-use crate::detect::rigid_chain::RigidChain;
 use crate::detect::shell_symmetry::PreparedShell;
 use crate::geometry::adjacency::nearest_seeds;
 use crate::geometry::embedded_triangles::Fans;
@@ -41,7 +41,7 @@ pub struct Gatherer<'a> {
     connectivity: Option<&'a Connectivity>,
     /// Whether vertices that are mirrored where edges are not are looked for.
     mirrored_vertices: bool,
-    chain: RigidChain,
+    contacts: ContactGraph,
 }
 
 /// A map of the searched shell, or of its proxy.
@@ -62,17 +62,19 @@ impl<'a> Gatherer<'a> {
         mirrored_vertices: bool,
     ) -> Self {
         let mut anchors = if shells.len() > 1 { anchors(mesh, shells, 0) } else { Vec::new() };
+        let contacts = ContactGraph::new(mesh, shells, &anchors);
         if let Some(proxy) = proxy {
             for anchor in anchors.iter_mut().flatten() {
                 *anchor = proxy.nearest_vertex(*anchor);
             }
         }
-        Gatherer { mesh, shells, anchors, connectivity, mirrored_vertices, chain: RigidChain::default() }
+        Gatherer { mesh, shells, anchors, connectivity, mirrored_vertices, contacts }
     }
 
     /// The same with triangles that join parts of the first shell.
-    pub fn with_joints(self, joints: &[[u32; 3]]) -> Self {
-        Gatherer { chain: RigidChain::new(&self.shells[0], joints), ..self }
+    pub fn with_joints(mut self, joints: &[[u32; 3]]) -> Self {
+        self.contacts.join(self.mesh, &self.shells[0], joints);
+        self
     }
 
     /// The symmetry that an exact bijection of the searched shell is, to which the shape agrees; its vertices go to `partners`.
@@ -151,7 +153,7 @@ impl<'a> Gatherer<'a> {
         progress: &Progress,
     ) -> Result<Symmetry> {
         let Known { searched, proxy, images, summary } = known;
-        let is_moved = self.chain.settle(self.mesh, &mut map, summary.kind, threads, progress)?;
+        let is_moved = self.contacts.settle(self.mesh, &mut map, summary.kind, threads, progress)?;
         if self.shells.len() > 1 {
             // The others follow what whole shells and vertices say of this one, if they say something.
             let is_settled = self.settle(&mut map, summary.kind, |_| true, threads, progress)?;
@@ -161,7 +163,7 @@ impl<'a> Gatherer<'a> {
             let solved = proxy.map_or(searched, |proxy| &proxy.shell);
             let images = settled.as_ref().unwrap_or(images);
             self.add_companions(&mut map, solved, images, summary.kind, progress)?;
-            self.chain.settle(self.mesh, &mut map, summary.kind, threads, progress)?;
+            self.contacts.settle(self.mesh, &mut map, summary.kind, threads, progress)?;
         }
         self.finished(map, summary, |_| true, threads, progress)
     }

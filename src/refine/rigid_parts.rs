@@ -20,7 +20,7 @@ mod turned_parts;
 mod whole_shells;
 
 pub use carrier::Carrier;
-pub use whole_shells::fit_whole_shell;
+pub use whole_shells::{Hint, WholeShell, carried};
 
 use crate::base::effort::PartsEffort;
 use crate::base::error::Result;

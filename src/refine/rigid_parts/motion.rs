@@ -85,6 +85,17 @@ impl Motion {
         Motion { turn, shift: [0, 1, 2].map(|axis| (to[axis] - from[axis]) / all) }
     }
 
+    /// The motion back.
+    pub fn inverse(&self) -> Motion {
+        let turn = transposed(&self.turn);
+        Motion { turn, shift: turned(&turn, self.shift).map(|x| -x) }
+    }
+
+    /// The same in a unit so many times as small.
+    pub fn scaled(&self, factor: f64) -> Motion {
+        Motion { shift: self.shift.map(|x| factor * x), ..*self }
+    }
+
     /// Where a point goes.
     pub fn of(&self, position: Vector) -> Vector {
         let turned = turned(&self.turn, position);

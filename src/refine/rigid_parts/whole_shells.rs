@@ -1,8 +1,8 @@
 //! Whole shells that have kept their shape: plates of armour, links of a robot, wheels.
 //!
-//! What is round tells a map of eigenfunctions little of how it is turned, but it is seldom round to the last digit. So the rigid motion nearest to the map, and others that are
-//! turned from it, are brought to the partner's surface (Y. Chen, G. Medioni, "Object modelling by registration of multiple range images", 1992); one
-//! that comes to lie on it is the map of the whole shell. Where the shell touches others, these say of one more start, and of which motion is nearest.
+//! What is round tells a map of eigenfunctions little of how it is turned, and a box lies on its partner in several ways. So the rigid motion nearest to the map, and others that are
+//! turned from it, are brought to the partner's surface (Y. Chen, G. Medioni, "Object modelling by registration of multiple range images", 1992); those
+//! that come to lie on it are the ways in which the shell may go. Which it is, others tell: what the shell touches, and what hangs on it.
 
 use super::motion::{Approach, Motion, Oriented, Place, Spread};
 use crate::base::symmetry_kind::SymmetryKind;
@@ -10,193 +10,336 @@ use crate::geometry::embedded_triangles::TrianglePoint;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::Shell;
-use crate::mesh::rotation::{principal_axes, rotation, turned};
+use crate::mesh::rotation::{principal_axes, product, rotation, turned};
 use crate::mesh::vector::{Vector, cross, point_areas, squared_norm, subtract, summed_normals, unit};
 use crate::spectral::sampling::area_weighted_vertices;
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+use std::f64::consts::{PI, TAU};
 
 /// The square root of a shell's area, in the unit of parts: it is about as large as these.
 const SIZE: f64 = 0.22;
 /// Vertices that are compared, at first and in the end.
 const FEW: usize = 48;
 const MANY: usize = 200;
-/// How a motion is brought to the surface, at first and in the end.
+/// How a motion is brought to the surface, at first and in the end; and how from where others say that the shell goes.
 const ROUGHLY: Approach = Approach { rounds: 6, noise: 0.0015, held: 0.05, free: true };
-const FINELY: Approach = Approach { rounds: 12, ..ROUGHLY };
-/// The same from where contacts put it.
-const FROM_AFAR: Approach = Approach { noise: 0.01, ..FINELY };
-/// Turns, in radians, about each axis of the shell.
-const TURNS: [f64; 4] = [-0.8, -0.4, 0.4, 0.8];
+const FINELY: Approach = Approach { rounds: 24, ..ROUGHLY };
+const FROM_AFAR: Approach = Approach { rounds: 12, noise: 0.01, ..ROUGHLY };
+const STILL: Approach = Approach { rounds: 0, ..ROUGHLY };
+/// Rounds after each of which it ends if they gain less than this.
+const ROUNDS: usize = 3;
+const GAIN: f64 = 1e-5;
+/// Turns about each axis of the shell.
+const TURNS: u32 = 6;
 /// Motions that are brought to the surface in the end.
-const FOLLOWED: usize = 4;
-/// A shell lies on its partner if it leaves no more than this, and exactly if so little.
+const FOLLOWED: usize = 12;
+/// Motions that put places so near each other are one.
+const ALIKE: f64 = 0.005;
+/// A shell lies on its partner if a motion leaves no more than this, and then every motion that leaves no more than that.
 const LIES_ON: f64 = 0.0008;
-const EXACTLY: f64 = 0.0001;
-/// One that is put where what it touches goes lies on its partner if it leaves no more than this, since the two may be cut differently, or so small a part
-/// of what the map leaves.
 const LIES_BESIDE: f64 = 0.002;
-const HALF: f64 = 0.5;
-/// What a motion leaves, and how far it goes from the map, that are as bad.
-const LEFT: f64 = 0.0003;
+/// What a motion leaves, and how far it goes from where it should, that are as bad: 1.
+const LEFT: f64 = 0.0006;
 const GONE: f64 = 0.05;
+/// Nothing says more than this against a way.
+const MOST: f64 = 4.0;
+/// What the map says, beside a neighbour.
+const MAP: f64 = 0.05;
 
-/// Images of all vertices of `own` by the rigid motion that puts it onto `target`, its partner or itself, from `images` on that of some of its vertices; `None` if no such motion
-/// is near. `contacts` are vertices that touch other shells, and where, in the target's unit, these say that they go. Some ten thousand steps on the surface.
-pub fn fit_whole_shell(
-    own: &Shell,
-    target: &Shell,
-    images: &[Option<TrianglePoint>],
-    contacts: &[(u32, Vector)],
-    kind: SymmetryKind,
-) -> Option<VertexMap> {
-    if own.scale == 0.0 || target.scale == 0.0 {
-        return None;
-    }
-    // Both in one unit.
-    let scaled = |shell: &Shell, factor: f64| -> Vec<Vector> {
-        shell.positions.iter().map(|position| position.map(|x| factor * x)).collect()
-    };
-    let factor = SIZE * own.scale / target.scale;
-    let (from, to) = (scaled(own, SIZE), scaled(target, factor));
-    let surface = Surface {
-        walk: SurfaceWalk::new(&to, &target.triangles),
-        positions: &to,
-        triangles: &target.triangles,
-    };
-    let normals = summed_normals(&from, &own.triangles);
-    let areas = point_areas(&from, &own.triangles);
-    let place = |vertex: usize| {
-        let image = images[vertex]?;
-        let own = Oriented { position: from[vertex], normal: unit(normals[vertex]) };
-        let partner = target.triangles[image.triangle as usize][image.heaviest()];
-        Some(Place { own, image: image.interpolate_vectors(&target.triangles, &to), partner, weight: 1.0 })
-    };
-    let places = |count: usize| -> Vec<Place> {
-        let mut picked = area_weighted_vertices(&areas, count);
-        picked.dedup();
-        picked.into_iter().filter_map(place).collect()
-    };
-    let (few, many) = (places(FEW), places(MANY));
-    if few.len() < 4 {
-        return None;
-    }
-    let mirrored = kind == SymmetryKind::Reflection;
-    let start = Motion::between(&many, mirrored);
-    let near = surface.settled(start, &many, FINELY);
-    let contact = |&(vertex, goal): &(u32, Vector)| Place {
-        own: Oriented { position: from[vertex as usize], normal: [0.0; 3] },
-        image: goal.map(|x| factor * x),
+/// A shell and the one to which it goes, its partner or itself, with the ways in which it lies there. Places are in the mesh's unit.
+pub struct WholeShell {
+    /// Positions of both, in the unit of parts.
+    own: Vec<Vector>,
+    target: Vec<Vector>,
+    triangles: Vec<[u32; 3]>,
+    tree: RTree<GeomWithData<Vector, u32>>,
+    /// The unit of parts over that of the mesh.
+    unit: f64,
+    mirrored: bool,
+    places: Vec<Place>,
+    /// The motion nearest to the map.
+    map: Motion,
+    /// What each way leaves, and the way.
+    ways: Vec<(f64, Motion)>,
+}
+
+/// What says how a shell is turned: places on it or near it, and where each may go. It speaks with one voice.
+pub struct Hint {
+    /// Places.
+    pub from: Vec<Vector>,
+    /// For each place where it goes, in one way or another.
+    pub to: Vec<Vec<Vector>>,
+}
+
+/// Where `places` go with a surface of which some points go to others, each by its weight.
+pub fn carried(goes: &[(Vector, Vector, f64)], kind: SymmetryKind, places: &[Vector]) -> Vec<Vector> {
+    let place = |&(position, image, weight): &(Vector, Vector, f64)| Place {
+        own: Oriented { position, normal: [0.0; 3] },
+        image,
         partner: 0,
-        weight: 1.0,
+        weight,
     };
-    let held = Held { start, mirrored, contacts: contacts.iter().map(contact).collect() };
-    let (_, motion) = match near.0 < EXACTLY && held.contacts.is_empty() {
-        true => near,
-        false => surface.best(near, &held, &few, &many)?,
-    };
-    let mut last = 0;
-    let image = |(vertex, &position): (usize, &Vector)| {
-        let goal = motion.of(position);
-        let partner = images[vertex].map_or(last, |image| target.triangles[image.triangle as usize][0]);
-        let (partner, point) = surface.walk.nearest(goal, surface.walk.nearer(goal, partner, last));
-        last = partner;
-        (partner, point)
-    };
-    let (partners, points) = from.iter().enumerate().map(image).unzip();
-    Some(VertexMap { partners, points })
+    let fitted: Vec<Place> = goes.iter().map(place).collect();
+    let motion = Motion::between(&fitted, kind == SymmetryKind::Reflection);
+    places.iter().map(|&place| motion.of(place)).collect()
+}
+
+impl WholeShell {
+    /// From `images` of a shell's vertices on `target`, both of a mesh with `positions`; `None` if they are too few. Some hundred thousand steps on the surface.
+    pub fn new(
+        positions: &[Vector],
+        own: &Shell,
+        target: &Shell,
+        images: &[Option<TrianglePoint>],
+        kind: SymmetryKind,
+    ) -> Option<WholeShell> {
+        if own.scale == 0.0 || target.scale == 0.0 {
+            return None;
+        }
+        let scale = SIZE * own.scale;
+        let scaled = |shell: &Shell| -> Vec<Vector> {
+            shell.points.iter().map(|&point| positions[point as usize].map(|x| scale * x)).collect()
+        };
+        let (from, to) = (scaled(own), scaled(target));
+        let normals = summed_normals(&from, &own.triangles);
+        let areas = point_areas(&from, &own.triangles);
+        let place = |vertex: usize| {
+            let image = images[vertex]?.interpolate_vectors(&target.triangles, &to);
+            let own = Oriented { position: from[vertex], normal: unit(normals[vertex]) };
+            Some(Place { own, image, partner: 0, weight: 1.0 })
+        };
+        let places = |count: usize| -> Vec<Place> {
+            let mut picked = area_weighted_vertices(&areas, count);
+            picked.dedup();
+            picked.into_iter().filter_map(place).collect()
+        };
+        let (few, many) = (places(FEW), places(MANY));
+        if few.len() < 4 {
+            return None;
+        }
+        let mirrored = kind == SymmetryKind::Reflection;
+        let leaves = to.iter().zip(0..).map(|(&at, vertex)| GeomWithData::new(at, vertex)).collect();
+        let mut shell = WholeShell {
+            own: from,
+            tree: RTree::bulk_load(leaves),
+            target: to,
+            triangles: target.triangles.clone(),
+            unit: scale,
+            mirrored,
+            map: Motion::between(&many, mirrored),
+            places: many,
+            ways: Vec::new(),
+        };
+        shell.ways = shell.found(&few);
+        Some(shell)
+    }
+
+    /// Motions that lie on the target: that near the map, and from starts that are turned from it.
+    fn found(&self, few: &[Place]) -> Vec<(f64, Motion)> {
+        let (surface, many) = (self.surface(), &self.places);
+        let near = surface.settled(self.map, many, FINELY);
+        let start = if near.0 < LIES_ON { near.1 } else { self.map };
+        let spread = Spread::of(many);
+        let axes = principal_axes(spread.moments).map(|axis| turned(&start.turn, axis));
+        let about = start.of(spread.middle);
+        let starts = (0..3).flat_map(|k| {
+            let flips = [0.0, PI].map(|flip| rotation(axes[(k + 1) % 3], flip));
+            let turn = move |turn: u32| rotation(axes[k], TAU * f64::from(turn) / f64::from(TURNS));
+            (0..TURNS).map(turn).flat_map(move |turn| flips.map(|flip| product(&turn, &flip)))
+        });
+        let starts = starts.map(|turn| (0.0, start.then_turned(&turn, about))).collect();
+        let roughly =
+            distinct(starts, few).into_iter().map(|(_, start)| surface.settled(start, few, ROUGHLY));
+        let finely = distinct(roughly.collect(), few).into_iter().take(FOLLOWED);
+        let finely = finely.map(|(_, motion)| surface.settled(motion, many, FINELY));
+        let found: Vec<(f64, Motion)> = [near].into_iter().chain(finely).collect();
+        if found.iter().all(|found| found.0 >= LIES_ON) {
+            return Vec::new();
+        }
+        let lying = found.into_iter().filter(|found| found.0 < LIES_BESIDE);
+        distinct(lying.chain([(LIES_BESIDE, self.map)]).collect(), many)
+    }
+
+    /// Whether no motion is known that puts the shell onto its target.
+    pub fn has_none(&self) -> bool {
+        self.ways.is_empty()
+    }
+
+    /// Gives a shell and its partner, whose partner it is, the same ways in the same order, each the other's inverse.
+    pub fn share_ways(&mut self, other: &mut WholeShell) {
+        let ratio = self.unit / other.unit;
+        let theirs = other.ways.iter().map(|(_, motion)| motion.inverse().scaled(ratio));
+        let all = self.ways.iter().map(|(_, motion)| *motion).chain(theirs);
+        let both = |motion: Motion| {
+            let [here, there] = [(&*self, motion), (&*other, motion.inverse().scaled(1.0 / ratio))]
+                .map(|(shell, motion)| shell.surface().settled(motion, &shell.places, STILL).0);
+            ((here.hypot(there) / 2f64.sqrt()).min(LIES_BESIDE), motion)
+        };
+        let found = all.map(both).collect();
+        self.ways = distinct(found, &self.places);
+        let inverse = |(left, motion): &(f64, Motion)| (*left, motion.inverse().scaled(1.0 / ratio));
+        other.ways = self.ways.iter().map(inverse).collect();
+    }
+
+    /// How bad is each way, beside what the `hints` say. Of a shell that `is_own` target each way should be its own inverse.
+    pub fn costs(&self, hints: &[Hint], is_own: bool) -> Vec<f64> {
+        let cost = |found: &(f64, Motion)| {
+            let there = |place: &Place| found.1.of(found.1.of(place.own.position));
+            let twice = |place: &Place| squared_norm(subtract(there(place), place.own.position));
+            let twice = self.places.iter().map(twice).sum::<f64>() / self.places.len() as f64;
+            let is_one = if is_own { bad(twice) } else { 0.0 };
+            self.cost(found, hints) + is_one
+        };
+        self.ways.iter().map(cost).collect()
+    }
+
+    /// How bad it is, in all ways of this shell and of one that it touches, that they take `places` between them apart.
+    pub fn apart(&self, other: &WholeShell, places: &[Vector]) -> Vec<Vec<f64>> {
+        let goals = |shell: &WholeShell| -> Vec<Vec<Vector>> {
+            let put = |motion: &Motion, place: &Vector| {
+                motion.of(place.map(|x| shell.unit * x)).map(|x| x / shell.unit)
+            };
+            let goals = |(_, motion): &(f64, Motion)| places.iter().map(|place| put(motion, place)).collect();
+            shell.ways.iter().map(goals).collect()
+        };
+        let (one, two) = (goals(self), goals(other));
+        let unit = self.unit.max(other.unit);
+        let away = |a: &[Vector], b: &[Vector]| {
+            let sum: f64 = a.iter().zip(b).map(|(&a, &b)| squared_norm(subtract(a, b))).sum();
+            bad(unit * unit * sum / places.len() as f64)
+        };
+        one.iter().map(|a| two.iter().map(|b| away(a, b)).collect()).collect()
+    }
+
+    /// Images of all vertices by a `way`, or by what lies on the target nearer to what the `hints` say; `None` if neither is there.
+    pub fn images(&self, way: Option<usize>, hints: &[Hint]) -> Option<VertexMap> {
+        let motion = self.best(way, hints)?;
+        let walk = SurfaceWalk::new(&self.target, &self.triangles);
+        let image = |&position: &Vector| {
+            let goal = motion.of(position);
+            walk.nearest(goal, self.nearest_vertex(goal))
+        };
+        let (partners, points) = self.own.iter().map(image).unzip();
+        Some(VertexMap { partners, points })
+    }
+
+    fn best(&self, way: Option<usize>, hints: &[Hint]) -> Option<Motion> {
+        let mut best = way.map(|way| self.ways[way]);
+        let start = best.map_or(self.map, |found| found.1);
+        if let Some(start) = self.by_hints(&start, hints) {
+            let surface = self.surface();
+            let near = surface.settled(start, &self.places, FROM_AFAR).1;
+            let found = surface.settled(near, &self.places, FINELY);
+            let is_near = |other: &Motion| moved(&self.places, &found.1, other) < GONE * GONE;
+            let is_better = best
+                .is_none_or(|best| is_near(&best.1) && self.cost(&found, hints) < self.cost(&best, hints));
+            if found.0 < LIES_BESIDE && is_better {
+                best = Some(found);
+            }
+        }
+        best.map(|found| found.1)
+    }
+
+    /// How bad is what a motion leaves, and what the map and hints say against it.
+    fn cost(&self, (left, motion): &(f64, Motion), hints: &[Hint]) -> f64 {
+        let away = |place: Vector, goal: Vector| squared_norm(subtract(motion.of(place), goal));
+        let scaled = |at: &Vector| at.map(|x| self.unit * x);
+        let from_hint = |hint: &Hint| {
+            let nearest = |(from, to): (&Vector, &Vec<Vector>)| {
+                to.iter().map(|to| away(scaled(from), scaled(to))).fold(f64::INFINITY, f64::min)
+            };
+            bad(hint.from.iter().zip(&hint.to).map(nearest).sum::<f64>() / hint.from.len() as f64)
+        };
+        let says: f64 = hints.iter().map(from_hint).sum();
+        (left / LEFT).powi(2).min(MOST) + says + MAP * bad(moved(&self.places, motion, &self.map))
+    }
+
+    /// The motion by hints, of several goals that nearest to where `motion` puts a place, and by the middle, which weighs as much as all.
+    fn by_hints(&self, motion: &Motion, hints: &[Hint]) -> Option<Motion> {
+        let scaled = |at: &Vector| at.map(|x| self.unit * x);
+        let place = |(from, to): (&Vector, &Vec<Vector>)| {
+            let position = scaled(from);
+            let away = |to: &Vector| squared_norm(subtract(*to, motion.of(position)));
+            let image = to.iter().map(scaled).min_by(|a, b| away(a).total_cmp(&away(b)))?;
+            let weight = 1.0 / (1.0 + away(&image) / (GONE * GONE));
+            Some(Place { own: Oriented { position, normal: [0.0; 3] }, image, partner: 0, weight })
+        };
+        let all = hints.iter().flat_map(|hint| hint.from.iter().zip(&hint.to));
+        let mut places: Vec<Place> = all.filter_map(place).collect();
+        let weight: f64 = places.iter().map(|place| place.weight).sum();
+        let middle = Spread::of(&self.places).middle;
+        let own = Oriented { position: middle, normal: [0.0; 3] };
+        places.push(Place { own, image: motion.of(middle), partner: 0, weight });
+        (weight > 0.0).then(|| Motion::nearest(&places, self.mirrored, |place| place.weight))
+    }
+
+    fn nearest_vertex(&self, goal: Vector) -> u32 {
+        self.tree.nearest_neighbor(goal).expect("a shell has points").data
+    }
+
+    fn surface(&self) -> Surface<'_> {
+        Surface { shell: self, walk: SurfaceWalk::new(&self.target, &self.triangles) }
+    }
+}
+
+/// How bad a squared distance is from where something should be.
+fn bad(squared: f64) -> f64 {
+    (squared / (GONE * GONE)).min(MOST)
 }
 
 /// The surface to which motions are brought.
 struct Surface<'a> {
+    shell: &'a WholeShell,
     walk: SurfaceWalk<'a>,
-    positions: &'a [Vector],
-    triangles: &'a [[u32; 3]],
 }
 
 impl Surface<'_> {
-    /// What a motion that was brought to the surface leaves, and the motion.
+    /// What a motion that is brought to the surface leaves, and the motion.
     fn settled(&self, start: Motion, places: &[Place], approach: Approach) -> (f64, Motion) {
-        let mut near: Vec<u32> = places.iter().map(|place| place.partner).collect();
+        let WholeShell { target, triangles, .. } = self.shell;
+        let at = |place: &Place| self.shell.nearest_vertex(start.of(place.own.position));
+        let mut near: Vec<u32> = places.iter().map(at).collect();
         let mut nearest = |index: usize, goal: Oriented| {
             let (vertex, point) = self.walk.nearest(goal.position, near[index]);
             near[index] = vertex;
-            let [a, b, c] =
-                self.triangles[point.triangle as usize].map(|corner| self.positions[corner as usize]);
-            let position = point.interpolate_vectors(self.triangles, self.positions);
+            let [a, b, c] = triangles[point.triangle as usize].map(|corner| target[corner as usize]);
+            let position = point.interpolate_vectors(triangles, target);
             Oriented { position, normal: unit(cross(subtract(b, a), subtract(c, a))) }
         };
-        let motion = start.settled(places, &mut nearest, approach);
-        (motion.left(places, &mut nearest), motion)
-    }
-
-    /// The vertex nearest to a place. O(vertices).
-    fn nearest(&self, goal: Vector) -> u32 {
-        let away = |vertex: &u32| squared_norm(subtract(self.positions[*vertex as usize], goal));
-        (0..self.positions.len() as u32).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(0)
-    }
-
-    /// The best of a motion and others, from starts that are turned and from where the shell is `held`, if it lies on the surface.
-    fn best(&self, near: (f64, Motion), held: &Held, few: &[Place], many: &[Place]) -> Option<(f64, Motion)> {
-        let spread = Spread::of(many);
-        let axes = principal_axes(spread.moments).map(|axis| turned(&held.start.turn, axis));
-        let starts = axes.iter().flat_map(|&axis| TURNS.map(|angle| rotation(axis, angle)));
-        let about = held.start.of(spread.middle);
-        let mut roughly: Vec<(f64, Motion)> = starts
-            .map(|turn| self.settled(held.start.then_turned(&turn, about), few, ROUGHLY))
-            .map(|found| (held.cost(&found, few), found.1))
-            .collect();
-        roughly.sort_by(|a, b| a.0.total_cmp(&b.0));
-        // The map says nothing of where that is on the surface.
-        let there = |motion: &Motion| -> Vec<Place> {
-            let at = |place: &Place| self.nearest(motion.of(place.own.position));
-            many.iter().map(|place| Place { partner: at(place), ..*place }).collect()
-        };
-        let settled = |start: Motion, approach: Approach| self.settled(start, &there(&start), approach);
-        let by_contacts = held.by_contacts(&spread).map(|start| settled(settled(start, FROM_AFAR).1, FINELY));
-        let least = LIES_BESIDE.max(HALF * near.0);
-        let lies_beside =
-            |found: &(f64, Motion)| found.0 < least && held.cost(found, many) < held.cost(&near, many);
-        roughly
-            .into_iter()
-            .take(FOLLOWED)
-            .map(|(_, motion)| self.settled(motion, many, FINELY))
-            .chain([near])
-            .filter(|found| found.0 < LIES_ON)
-            .chain(by_contacts.filter(lies_beside))
-            .min_by(|a, b| held.cost(a, many).total_cmp(&held.cost(b, many)))
+        let mut best = (start.left(places, &mut nearest), start);
+        for _ in 0..approach.rounds / ROUNDS {
+            let motion = best.1.settled(places, &mut nearest, Approach { rounds: ROUNDS, ..approach });
+            let left = motion.left(places, &mut nearest);
+            let gain = best.0 - left;
+            if gain > 0.0 {
+                best = (left, motion);
+            }
+            if gain < GAIN {
+                break;
+            }
+        }
+        best
     }
 }
 
-/// What says how a shell is turned beside its form: the shells that it touches, or the map.
-struct Held {
-    /// The motion nearest to the map.
-    start: Motion,
-    mirrored: bool,
-    /// Places that touch others, with where these go.
-    contacts: Vec<Place>,
+/// How far apart two motions put places: the mean of the squares.
+fn moved(places: &[Place], one: &Motion, other: &Motion) -> f64 {
+    let there = |place: &Place| subtract(one.of(place.own.position), other.of(place.own.position));
+    places.iter().map(|place| squared_norm(there(place))).sum::<f64>() / places.len() as f64
 }
 
-impl Held {
-    /// How bad is what a motion leaves, and how far it goes from what holds the shell.
-    fn cost(&self, (left, motion): &(f64, Motion), places: &[Place]) -> f64 {
-        let from_map = |place: &Place| {
-            squared_norm(subtract(motion.of(place.own.position), self.start.of(place.own.position)))
-        };
-        let from_contact = |place: &Place| squared_norm(subtract(motion.of(place.own.position), place.image));
-        let gone = match self.contacts.len() {
-            0 => places.iter().map(from_map).sum::<f64>() / places.len() as f64,
-            count => self.contacts.iter().map(from_contact).sum::<f64>() / count as f64,
-        };
-        (left / LEFT).powi(2) + gone / (GONE * GONE)
+/// Of motions that put places nearly alike the one that leaves least; the best first.
+fn distinct(mut motions: Vec<(f64, Motion)>, places: &[Place]) -> Vec<(f64, Motion)> {
+    motions.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut kept: Vec<(f64, Motion)> = Vec::new();
+    for (left, motion) in motions {
+        let is_far = |(_, other): &(f64, Motion)| moved(places, &motion, other) > ALIKE * ALIKE;
+        if kept.iter().all(is_far) {
+            kept.push((left, motion));
+        }
     }
-
-    /// The motion by the contacts and the middle, which weighs as much as they.
-    fn by_contacts(&self, spread: &Spread) -> Option<Motion> {
-        let own = Oriented { position: spread.middle, normal: [0.0; 3] };
-        let weight = self.contacts.len() as f64;
-        let middle = Place { own, image: self.start.of(spread.middle), partner: 0, weight };
-        let places: Vec<Place> = self.contacts.iter().copied().chain([middle]).collect();
-        (weight > 0.0).then(|| Motion::nearest(&places, self.mirrored, |place| place.weight))
-    }
+    kept
 }
 
 #[cfg(test)]
@@ -207,27 +350,33 @@ mod tests {
 
     const AROUND: u32 = 24;
     const ALONG: u32 = 13;
+    const EACH: u32 = AROUND * ALONG;
 
-    /// A tube with a mirror plane, nearly round, whose middle goes where `to` says.
-    fn tube(to: impl Fn(Vector) -> Vector) -> Shell {
+    /// Tubes with one mirror plane, nearly round, or with `corners` alike, each put where it says.
+    fn tubes(corners: Option<f64>, to: &[&dyn Fn(Vector) -> Vector]) -> Mesh {
         let position = |index: u32| {
             let (along, around) =
                 (index / AROUND, f64::from(index % AROUND) * std::f64::consts::TAU / f64::from(AROUND));
             let height = f64::from(along) / f64::from(ALONG - 1);
-            let radius =
-                0.3 + 0.02 * (2.0 * around).cos() + 0.02 * (3.0 * around).cos() + 0.1 * height * height;
-            to([radius * around.sin(), radius * around.cos(), 1.2 * height])
+            let bumps = match corners {
+                Some(corners) => 0.03 * (corners * around).cos(),
+                None => 0.02 * (2.0 * around).cos() + 0.02 * (3.0 * around).cos(),
+            };
+            let radius = 0.3 + bumps + 0.1 * height * height;
+            [radius * around.sin(), radius * around.cos(), 1.2 * height]
         };
         let quads = (0..ALONG - 1).flat_map(|along| (0..AROUND).map(move |around| [along, around]));
         let corner = |along: u32, around: u32| along * AROUND + around % AROUND;
+        let quad =
+            |[i, k]: [u32; 2]| [corner(i, k), corner(i, k + 1), corner(i + 1, k + 1), corner(i + 1, k)];
+        let faces: Vec<u32> = quads.flat_map(quad).collect();
+        let count = to.len() as u32;
         let polygons = PolygonMesh {
-            positions: (0..AROUND * ALONG).map(position).collect(),
-            face_offsets: (0..=AROUND * (ALONG - 1)).map(|face| 4 * face).collect(),
-            face_vertices: quads
-                .flat_map(|[i, k]| [corner(i, k), corner(i, k + 1), corner(i + 1, k + 1), corner(i + 1, k)])
-                .collect(),
+            positions: to.iter().flat_map(|to| (0..EACH).map(move |index| to(position(index)))).collect(),
+            face_offsets: (0..=count * AROUND * (ALONG - 1)).map(|face| 4 * face).collect(),
+            face_vertices: (0..count).flat_map(|tube| faces.iter().map(move |v| v + tube * EACH)).collect(),
         };
-        Mesh::new(&polygons, &Limits::default()).expect("a usable mesh").shells().swap_remove(0)
+        Mesh::new(&polygons, &Limits::default()).expect("a usable mesh")
     }
 
     /// The mirror image of a vertex, turned on by some steps around.
@@ -235,41 +384,66 @@ mod tests {
         vertex / AROUND * AROUND + (AROUND - vertex % AROUND + steps) % AROUND
     }
 
-    /// What a map, mirrored and turned on by some steps of 15 degrees, and contacts say of a tube on another.
-    fn found(own: &Shell, target: &Shell, steps: u32, contacts: &[(u32, Vector)]) -> Option<Vec<u32>> {
-        let partners = (0..AROUND * ALONG).map(|vertex| mirrored(vertex, steps)).collect();
-        let images = VertexMap::at_vertices(&target.triangles, partners).points.into_iter().map(Some);
-        let images: Vec<_> = images.collect();
-        Some(fit_whole_shell(own, target, &images, contacts, SymmetryKind::Reflection)?.partners)
+    fn all_mirrored(steps: u32) -> Vec<u32> {
+        (0..EACH).map(|vertex| mirrored(vertex, steps)).collect()
     }
 
-    #[test]
-    fn what_its_map_turns_far_goes_where_it_touches_others() {
-        let own = tube(|[x, y, z]| [x, 0.9 * y, z]);
-        let expected: Vec<u32> = (0..AROUND * ALONG).map(|vertex| mirrored(vertex, 0)).collect();
-        let contact = |vertex: u32| (vertex, own.positions[mirrored(vertex, 0) as usize]);
-        let turned = |contacts: &[(u32, Vector)]| found(&own, &own, 12, contacts);
-        assert_ne!(turned(&[]).as_ref(), Some(&expected));
-        assert_eq!(turned(&[2, 8, 13].map(contact)).as_ref(), Some(&expected));
+    /// One tube on another by a map that is mirrored, and turned on by some steps of 15 degrees.
+    fn whole(mesh: &Mesh, own: u32, target: u32, steps: u32) -> WholeShell {
+        let shells = mesh.shells();
+        let tube =
+            |number: u32| shells.iter().find(|shell| shell.points[0] == number * EACH).expect("a tube");
+        let images = VertexMap::at_vertices(&tube(target).triangles, all_mirrored(steps)).points;
+        let images: Vec<_> = images.into_iter().map(Some).collect();
+        WholeShell::new(&mesh.positions, tube(own), tube(target), &images, SymmetryKind::Reflection)
+            .expect("enough images")
     }
 
-    /// Images of a tube on another by a map that is turned by two steps of 15 degrees.
-    fn moved(own: &Shell, target: &Shell) -> Option<Vec<u32>> {
-        found(own, target, 2, &[])
+    /// Partners by the way that costs least.
+    fn partners(shell: &WholeShell, hints: &[Hint]) -> Vec<u32> {
+        let costs = shell.costs(hints, false);
+        let way = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]));
+        shell.images(way, hints).expect("images").partners
     }
 
     #[test]
     fn what_is_nearly_round_is_turned_back_onto_itself_and_onto_a_twin() {
-        let own = tube(|at| at);
-        let twin = tube(|[x, y, z]| [3.0 + z, x, y]);
-        let expected: Vec<u32> = (0..AROUND * ALONG).map(|vertex| mirrored(vertex, 0)).collect();
-        assert_eq!(moved(&own, &own).as_ref(), Some(&expected));
-        assert_eq!(moved(&own, &twin).as_ref(), Some(&expected));
+        let mesh = tubes(None, &[&|at| at, &|[x, y, z]| [3.0 + z, x, y]]);
+        for (target, steps) in [(0, 2), (1, 2), (0, 12)] {
+            assert_eq!(partners(&whole(&mesh, 0, target, steps), &[]), all_mirrored(0), "{target} {steps}");
+        }
+    }
+
+    #[test]
+    fn what_lies_on_itself_in_many_ways_goes_where_others_say() {
+        let mesh = tubes(Some(6.0), &[&|at| at]);
+        let shell = whole(&mesh, 0, 0, 0);
+        assert_eq!(partners(&shell, &[]), all_mirrored(0));
+        let at = |vertex: u32| mesh.positions[vertex as usize];
+        let from = [2, 8, 13];
+        let to = from.map(|vertex| vec![at(mirrored(vertex, 12)), at(100)]);
+        let hint = Hint { from: from.map(at).to_vec(), to: to.to_vec() };
+        assert_eq!(partners(&shell, &[hint]), all_mirrored(12));
+    }
+
+    #[test]
+    fn twins_go_to_each_other_and_back_in_the_same_ways() {
+        let mesh = tubes(Some(6.0), &[&|at| at, &|[x, y, z]| [3.0 + z, x, y]]);
+        let (mut one, mut two) = (whole(&mesh, 0, 1, 0), whole(&mesh, 1, 0, 8));
+        one.share_ways(&mut two);
+        assert!(one.ways.len() > 5 && one.ways.len() == two.ways.len());
+        for way in 0..one.ways.len() {
+            let [there, back] =
+                [&one, &two].map(|shell| shell.images(Some(way), &[]).expect("images").partners);
+            let around = (0..EACH as usize).filter(|&vertex| back[there[vertex] as usize] != vertex as u32);
+            assert_eq!(around.count(), 0, "{way}");
+        }
     }
 
     #[test]
     fn what_is_bent_follows_its_map() {
-        let bent = tube(|[x, y, z]| [x, y + 0.3 * z * z, z]);
-        assert_eq!(moved(&tube(|at| at), &bent), None);
+        let mesh = tubes(None, &[&|at| at, &|[x, y, z]| [3.0 + x, y + 0.3 * z * z, z]]);
+        let shell = whole(&mesh, 0, 1, 2);
+        assert!(shell.has_none() && shell.images(None, &[]).is_none());
     }
 }
