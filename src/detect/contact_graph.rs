@@ -14,7 +14,6 @@ use crate::geometry::surface_walk::SurfaceWalk;
 use crate::mesh::vector::{Vector, mean, point_areas, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell};
 use crate::refine::rigid_parts::{self, Hint, WholeShell};
-use std::collections::BTreeMap;
 
 /// Shares of the surface of shells whose own form is asked how they are turned: the least, and the most, since larger ones are bodies, which a pose bends.
 const LEAST: f64 = 0.001;
@@ -35,14 +34,14 @@ const ROUNDS: usize = 2;
 
 /// What tells how shells lie on their partners.
 pub struct ContactGraph {
-    /// By the shells that touch, both ways.
-    contacts: BTreeMap<[usize; 2], Contact>,
+    contacts: Vec<Contact>,
     /// Shells that are carried along, by those on which they hang.
-    hung: BTreeMap<usize, Vec<Hung>>,
+    hung: Vec<Vec<Hung>>,
 }
 
 /// Where two shells touch: the middle and places around it, and how far it reaches, squared.
 struct Contact {
+    shells: [usize; 2],
     places: Vec<Vector>,
     reach: f64,
 }
@@ -70,7 +69,7 @@ struct Scene<'a> {
 impl ContactGraph {
     /// Shells, of which all but the first hang on the vertices of that one that are their `anchors`.
     pub fn new(mesh: &Mesh, shells: &[Shell], anchors: &[Vec<u32>]) -> ContactGraph {
-        let mut hung: BTreeMap<usize, Vec<Hung>> = BTreeMap::new();
+        let mut hung: Vec<Vec<Hung>> = (0..mesh.shell_count).map(|_| Vec::new()).collect();
         let at = |point: u32| mesh.positions[point as usize];
         let base: Vec<Vector> = shells[0].points.iter().map(|&point| at(point)).collect();
         let walk = SurfaceWalk::new(&base, &shells[0].triangles);
@@ -82,29 +81,29 @@ impl ContactGraph {
             };
             let all: Vec<(Vector, u32, f64)> = shell.points.iter().zip(anchors).map(on_base).collect();
             let least = all.iter().map(|(.., away)| *away).fold(TOUCHING, f64::min);
-            let mut touching: BTreeMap<u32, Vec<Vector>> = BTreeMap::new();
-            for (place, host, _) in
-                all.into_iter().filter(|(.., away)| least < TOUCHING && *away < least + TOUCHING)
-            {
-                touching.entry(mesh.shell_of_point[host as usize]).or_default().push(place);
+            let mut touching: Vec<(u32, Vec<Vector>)> = Vec::new();
+            for (place, host, away) in all {
+                if least < TOUCHING && away < least + TOUCHING {
+                    gather(&mut touching, mesh.shell_of_point[host as usize], [place]);
+                }
             }
             let middle = mean(shell.points.iter().map(|&point| at(point)));
             for (host, places) in touching {
                 let places = [mean(places), middle];
-                hung.entry(host as usize).or_default().push(Hung { places, area: shell.area() });
+                hung[host as usize].push(Hung { places, area: shell.area() });
             }
         }
-        ContactGraph { contacts: BTreeMap::new(), hung }
+        ContactGraph { contacts: Vec::new(), hung }
     }
 
     /// Adds where `joints` join parts of the `searched` shell.
     pub fn join(&mut self, mesh: &Mesh, searched: &Shell, joints: &[[u32; 3]]) {
-        let mut points: BTreeMap<[usize; 2], Vec<Vector>> = BTreeMap::new();
+        let mut points: Vec<([usize; 2], Vec<Vector>)> = Vec::new();
         for joint in joints {
             let pair = [joint[0], joint[1]].map(|local| searched.points[local as usize]);
             let mut shells = pair.map(|point| mesh.shell_of_point[point as usize] as usize);
             shells.sort_unstable();
-            points.entry(shells).or_default().extend(pair.map(|point| mesh.positions[point as usize]));
+            gather(&mut points, shells, pair.map(|point| mesh.positions[point as usize]));
         }
         let mut areas = vec![0.0; mesh.shell_count];
         let point_areas = point_areas(&mesh.positions, &mesh.triangles);
@@ -120,9 +119,7 @@ impl ContactGraph {
                 std::array::from_fn(|axis| middle[axis] + if axis == side / 2 { step } else { 0.0 })
             });
             let places: Vec<Vector> = [middle].into_iter().chain(beside).collect();
-            for pair in [[a, b], [b, a]] {
-                self.contacts.insert(pair, Contact { places: places.clone(), reach });
-            }
+            self.contacts.push(Contact { shells: [a, b], places, reach });
         }
     }
 
@@ -170,45 +167,46 @@ impl ContactGraph {
 
     /// The way of each node, where it has any, by which the energy of all is least, or nearly.
     fn ways(&self, scene: &Scene, map: &PointMap, nodes: &[Node]) -> Vec<Option<usize>> {
-        let with_ways = nodes.iter().enumerate().filter(|(_, node)| !node.shell.has_none());
-        let node_of: BTreeMap<usize, usize> = with_ways.map(|(index, node)| (node.own, index)).collect();
+        let mut node_of = vec![None; scene.shells.len()];
+        for (index, node) in nodes.iter().enumerate().filter(|(_, node)| !node.shell.has_none()) {
+            node_of[node.own] = Some(index);
+        }
         // A shell and its twin choose together.
-        let variable = |index: usize| match node_of.get(&nodes[index].target) {
-            Some(&twin) if nodes[twin].target == nodes[index].own => twin.min(index),
+        let variable = |index: usize| match node_of[nodes[index].target] {
+            Some(twin) if nodes[twin].target == nodes[index].own => twin.min(index),
             _ => index,
         };
         let mut costs: Vec<Vec<f64>> = vec![Vec::new(); nodes.len()];
         for (index, node) in nodes.iter().enumerate() {
-            let hints = self.hints(scene, map, node, |other| !node_of.contains_key(&other));
+            let hints = self.hints(scene, map, node, |other| node_of[other].is_none());
             let own = node.shell.costs(&hints, node.own == node.target);
             let sums = &mut costs[variable(index)];
             sums.resize(own.len(), 0.0);
             sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
         }
-        let mut edges: BTreeMap<[usize; 2], Vec<Vec<f64>>> = BTreeMap::new();
-        for ([a, b], contact) in &self.contacts {
-            let (Some(&a), Some(&b)) = (node_of.get(a), node_of.get(b)) else { continue };
-            let pair = [variable(a), variable(b)];
-            let apart = || nodes[a].shell.apart(&nodes[b].shell, &contact.places);
-            if pair[0] < pair[1] {
-                let apart = apart();
-                let sums = edges.entry(pair).or_insert_with(|| vec![vec![0.0; apart[0].len()]; apart.len()]);
-                let both = sums.iter_mut().flatten().zip(apart.iter().flatten());
-                both.for_each(|(sum, apart)| *sum += apart);
-            } else if pair[0] == pair[1] && a < b {
-                apart().iter().enumerate().for_each(|(way, row)| costs[pair[0]][way] += row[way]);
+        let mut edges = Vec::new();
+        for contact in &self.contacts {
+            let [Some(a), Some(b)] = contact.shells.map(|shell| node_of[shell]) else { continue };
+            let (first, second) = (variable(a), variable(b));
+            let apart = nodes[a].shell.apart(&nodes[b].shell, &contact.places);
+            match first == second {
+                true => apart.iter().enumerate().for_each(|(way, row)| costs[first][way] += row[way]),
+                false => edges.push(([first, second], apart)),
             }
         }
-        let ways = least_energy(&costs, &edges.into_iter().collect::<Vec<_>>());
+        let ways = least_energy(&costs, &edges);
         (0..nodes.len()).map(|index| ways[variable(index)]).collect()
     }
 
     /// What says how a node's shell is turned: shells it touches that are `asked`, and what hangs on it.
     fn hints(&self, scene: &Scene, map: &PointMap, node: &Node, asked: impl Fn(usize) -> bool) -> Vec<Hint> {
-        let touched = self.contacts.range([node.own, 0]..=[node.own, usize::MAX]);
-        let touched = touched.filter(|([_, other], _)| asked(*other));
-        let beside = touched.filter_map(|([_, other], contact)| scene.hint(map, *other, contact));
-        let on = |shell: usize| self.hung.get(&shell).into_iter().flatten();
+        let beside = self.contacts.iter().filter_map(|contact| {
+            let [a, b] = contact.shells;
+            let other = if a == node.own { b } else { a };
+            let is_asked = contact.shells.contains(&node.own) && asked(other);
+            is_asked.then(|| scene.hint(map, other, contact)).flatten()
+        });
+        let on = |shell: usize| self.hung[shell].iter();
         let hanging = on(node.own).filter_map(|hung| {
             let is_alike = |other: &&Hung| (other.area / hung.area).ln().abs() < ALIKE;
             let alike: Vec<&Hung> = on(node.target).filter(is_alike).collect();
@@ -253,6 +251,14 @@ impl Scene<'_> {
             let to = rigid_parts::carried(&goes, self.kind, &from);
             Hint { from, to: to.into_iter().map(|to| vec![to]).collect() }
         })
+    }
+}
+
+/// Adds places to those of a key.
+fn gather<K: PartialEq>(all: &mut Vec<(K, Vec<Vector>)>, key: K, places: impl IntoIterator<Item = Vector>) {
+    match all.iter_mut().find(|(other, _)| *other == key) {
+        Some((_, known)) => known.extend(places),
+        None => all.push((key, places.into_iter().collect())),
     }
 }
 
@@ -359,7 +365,7 @@ mod tests {
     }
 
     fn empty() -> ContactGraph {
-        ContactGraph { contacts: BTreeMap::new(), hung: BTreeMap::new() }
+        ContactGraph { contacts: Vec::new(), hung: (0..3).map(|_| Vec::new()).collect() }
     }
 
     #[test]

@@ -331,13 +331,10 @@ fn moved(places: &[Place], one: &Motion, other: &Motion) -> f64 {
 
 /// Of motions that put places nearly alike the one that leaves least; the best first.
 fn distinct(mut motions: Vec<(f64, Motion)>, places: &[Place]) -> Vec<(f64, Motion)> {
-    motions.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut kept: Vec<(f64, Motion)> = Vec::new();
-    for (left, motion) in motions {
-        let is_far = |(_, other): &(f64, Motion)| moved(places, &motion, other) > ALIKE * ALIKE;
-        if kept.iter().all(is_far) {
-            kept.push((left, motion));
-        }
+    let mut kept = Vec::new();
+    while let Some(&best) = motions.iter().min_by(|a, b| a.0.total_cmp(&b.0)) {
+        motions.retain(|(_, motion)| moved(places, motion, &best.1) > ALIKE * ALIKE);
+        kept.push(best);
     }
     kept
 }
