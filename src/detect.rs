@@ -24,7 +24,6 @@ pub mod mirror_plane;
 pub mod proxy;
 pub mod question;
 pub mod report;
-
 pub mod shell_symmetry;
 pub mod spectrum;
 pub mod stated_signs;

@@ -31,9 +31,10 @@ def rebuild(bm, halves):
         apart += face.verts
         _split(face, label)
     alone = _flip(_alone(apart, source, label, twin), source, label, twin)
-    walls = _walls(_around(apart, label), label)
+    around = _around(apart, label)
+    walls = _walls(around, label)
     lost = walls + [face for face in alone if any(vertex[label] == LOSES for vertex in face.verts)]
-    kept = set(_around(apart, label)) - set(lost)
+    kept = set(around) - set(lost)
     copied = [face for face in alone if any(vertex[label] == WINS for vertex in face.verts)]
     copied += [edge for edge in bm.edges if edge.is_wire and _is_edited(edge, label, source, halves.edited, twin)]
     edges = dict.fromkeys(edge for face in lost for edge in face.edges)

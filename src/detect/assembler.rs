@@ -53,28 +53,23 @@ struct Known<'a> {
 }
 
 impl<'a> Gatherer<'a> {
-    /// `proxy` is that of the first of `shells`, if it has one. `connectivity` is `None` where it is not mirrored.
+    /// `joints` join parts of the first of `shells`; `proxy` is that of it, if it has one. `connectivity` is `None` where it is not mirrored.
     pub fn new(
         mesh: &'a Mesh,
         shells: &'a [Shell],
+        joints: &[[u32; 3]],
         proxy: Option<&Proxy>,
         connectivity: Option<&'a Connectivity>,
         mirrored_vertices: bool,
     ) -> Self {
         let mut anchors = if shells.len() > 1 { anchors(mesh, shells, 0) } else { Vec::new() };
-        let contacts = ContactGraph::new(mesh, shells, &anchors);
+        let contacts = ContactGraph::new(mesh, shells, joints, &anchors);
         if let Some(proxy) = proxy {
             for anchor in anchors.iter_mut().flatten() {
                 *anchor = proxy.nearest_vertex(*anchor);
             }
         }
         Gatherer { mesh, shells, anchors, connectivity, mirrored_vertices, contacts }
-    }
-
-    /// The same with triangles that join parts of the first shell.
-    pub fn with_joints(mut self, joints: &[[u32; 3]]) -> Self {
-        self.contacts.join(self.mesh, &self.shells[0], joints);
-        self
     }
 
     /// The symmetry that an exact bijection of the searched shell is, to which the shape agrees; its vertices go to `partners`.

@@ -30,11 +30,9 @@ const LEAST_TRUST: f32 = 0.65;
 /// A shell that lies farther from its mirrored place than this part of its own sqrt(area) is not its own image: its twin may be missing.
 const BESIDE: f32 = 0.5;
 /// Natural logarithm of the largest ratio of two partners' areas.
-const AREA_TOLERANCE: f64 = 0.3;
+pub const AREA_TOLERANCE: f64 = 0.3;
 /// Most shells that are assigned together.
 const MOST_TOGETHER: usize = 300;
-/// Rounds in which a shell is shifted onto its partner.
-const SHIFTING_ROUNDS: usize = 5;
 
 /// The map of one companion shell.
 #[derive(Debug, Clone)]
@@ -93,7 +91,7 @@ pub fn by_plane(
     let place = |shell: &Shell| shell.points.iter().map(|&point| mesh.positions[point as usize]).collect();
     let own: Vec<Vec<Vector>> = shells.iter().map(place).collect();
     let image = |points: &Vec<Vector>| points.iter().map(|&point| plane.image(point)).collect();
-    let places = Places { mirrored: own.iter().map(image).collect(), own, shifts: false };
+    let places = Places { mirrored: own.iter().map(image).collect(), own };
     paired(mesh, shells, &places, usize::MAX, progress)
 }
 
@@ -121,8 +119,6 @@ fn paired(
 struct Places {
     own: Vec<Vec<Vector>>,
     mirrored: Vec<Vec<Vector>>,
-    /// Whether a shell is shifted onto its partner: where it should be is not known that well.
-    shifts: bool,
 }
 
 impl Places {
@@ -140,7 +136,7 @@ impl Places {
         let carried = |(points, anchors): (&Vec<Vector>, &Vec<u32>)| primary.carrier.carried(points, anchors);
         let mut mirrored: Vec<Vec<Vector>> = own.iter().zip(anchors).map(carried).collect();
         cluster_motion::settle(&mut mirrored, &own);
-        Places { mirrored, own, shifts: true }
+        Places { mirrored, own }
     }
 
     /// Mean distance from where points of `source` should be to the nearest points of `target`.
@@ -296,39 +292,17 @@ fn assigned(count: usize, mismatch: impl Fn(usize, usize) -> Option<f32>) -> Vec
     kuhn_munkres_min(&costs).1
 }
 
-/// Images of the points of `source` on `target`: the nearest points to where they should be, once the two shells lie over each other.
+/// Images of the points of `source` on `target`: the nearest points to where they should be.
 fn match_shells(shells: &[Shell], places: &Places, source: usize, target: usize) -> VertexMap {
     let walk = SurfaceWalk::new(&places.own[target], &shells[target].triangles);
-    let goals = &places.mirrored[source];
-    let shift = match places.shifts {
-        true => shift_onto(&picked(goals), &places.own[target]),
-        false => [0.0; 3],
-    };
-    let goals: Vec<Vector> =
-        goals.iter().map(|goal| [0, 1, 2].map(|axis| goal[axis] + shift[axis])).collect();
     let leaves = places.own[target].iter().copied().zip(0..);
     let tree = RTree::bulk_load(leaves.map(|(at, local)| GeomWithData::new(at, local)).collect());
     let image = |goal: &Vector| {
         let start: u32 = tree.nearest_neighbor(*goal).expect("a shell has points").data;
         walk.nearest(*goal, start)
     };
-    let (partners, points) = goals.iter().map(image).unzip();
+    let (partners, points) = places.mirrored[source].iter().map(image).unzip();
     VertexMap { partners, points }
-}
-
-/// The shift that brings points onto others (P. Besl, N. McKay, "A method for registration of 3-D shapes", 1992, without the turn).
-fn shift_onto(points: &[Vector], targets: &[Vector]) -> Vector {
-    let mut shift = [0.0; 3];
-    for _ in 0..SHIFTING_ROUNDS {
-        let shifted: Vec<Vector> =
-            points.iter().map(|point| [0, 1, 2].map(|axis| point[axis] + shift[axis])).collect();
-        let partners = nearest(rows(&shifted).as_ref(), rows(targets).as_ref());
-        for (point, partner) in shifted.iter().zip(partners) {
-            let gap = subtract(targets[partner as usize], *point);
-            (0..3).for_each(|axis| shift[axis] += gap[axis] / points.len() as f64);
-        }
-    }
-    shift
 }
 
 /// Some of the points.

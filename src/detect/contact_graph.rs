@@ -2,54 +2,51 @@
 //!
 //! What is round, as a head under a hat, lies on itself in many ways, and a thin neck says little of them to a map of eigenfunctions. Others say more: shells that touch each other stay
 //! together, and what hangs on a shell goes to what hangs on its partner. So the ways are the labels of a random field on the graph of contacts, whose least energy is
-//! sought by belief propagation (J. Pearl, "Probabilistic reasoning in intelligent systems", 1988). No contact counts more than some, since some lie.
+//! sought by belief propagation (J. Pearl, "Probabilistic reasoning in intelligent systems", 1988). No contact counts more than a limit, since some mislead.
 
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::base::threads;
 use crate::detect::assembly::PointMap;
+use crate::detect::companions::AREA_TOLERANCE;
+use crate::detect::joined_shells::TOUCHING;
 use crate::geometry::embedded_triangles::TrianglePoint;
 use crate::geometry::surface_walk::SurfaceWalk;
-use crate::mesh::vector::{Vector, mean, point_areas, squared_norm, subtract};
+use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell};
 use crate::refine::rigid_parts::{self, Hint, WholeShell};
 
 /// Shares of the surface of shells whose own form is asked how they are turned: the least, and the most, since larger ones are bodies, which a pose bends.
 const LEAST: f64 = 0.001;
 const MOST: f64 = 0.5;
-/// What is nearer than this, in sqrt(area), touches.
-const TOUCHING: f64 = 0.015;
-/// Natural logarithm of the largest ratio of the areas of what hangs on partners.
-const ALIKE: f64 = 0.3;
 /// Of what more than so many on a partner are like, as hair, it is hard to say where it goes.
 const SWARM: usize = 6;
 /// Places around a contact, which tell of turns, in sqrt(area) of the smaller shell from its middle.
 const AROUND: f64 = 0.3;
 /// Distance from a contact, in sqrt(area), at which a point of a shell has less to say there.
 const NEAR: f64 = 0.03;
-/// Messages along each contact, and then rounds in which each shell follows those that it touches.
+/// Messages along each contact.
 const MESSAGES: usize = 40;
-const ROUNDS: usize = 2;
 
 /// What tells how shells lie on their partners.
 pub struct ContactGraph {
     contacts: Vec<Contact>,
-    /// Shells that are carried along, by those on which they hang.
+    /// Shells that are carried along, by those on which they hang, the smallest first.
     hung: Vec<Vec<Hung>>,
 }
 
-/// Where two shells touch: the middle and places around it, and how far it reaches, squared.
+/// Where two shells touch: the middle, and how far it reaches, squared.
 struct Contact {
     shells: [usize; 2],
-    places: Vec<Vector>,
+    middle: Vector,
     reach: f64,
 }
 
-/// A shell that hangs on another: where it touches that, and its middle.
+/// A shell that hangs on another: where it touches that and its middle, and the natural logarithm of its area.
 struct Hung {
     places: [Vector; 2],
-    area: f64,
+    size: f64,
 }
 
 /// A whole shell that is not settled yet, and its partner.
@@ -67,9 +64,19 @@ struct Scene<'a> {
 }
 
 impl ContactGraph {
-    /// Shells, of which all but the first hang on the vertices of that one that are their `anchors`.
-    pub fn new(mesh: &Mesh, shells: &[Shell], anchors: &[Vec<u32>]) -> ContactGraph {
-        let mut hung: Vec<Vec<Hung>> = (0..mesh.shell_count).map(|_| Vec::new()).collect();
+    /// Shells, of which all but the first hang on the vertices of that one that are their `anchors`; `joints` join parts of the first. O(points log points).
+    pub fn new(mesh: &Mesh, shells: &[Shell], joints: &[[u32; 3]], anchors: &[Vec<u32>]) -> ContactGraph {
+        let mut graph = ContactGraph { contacts: Vec::new(), hung: Vec::new() };
+        graph.hung.resize_with(mesh.shell_count, Vec::new);
+        // One large shell has its images by the search.
+        if shells.len() > 1 && (!joints.is_empty() || shells[0].area() < MOST) {
+            graph.hang(mesh, shells, anchors);
+        }
+        graph.join(mesh, &shells[0], joints);
+        graph
+    }
+
+    fn hang(&mut self, mesh: &Mesh, shells: &[Shell], anchors: &[Vec<u32>]) {
         let at = |point: u32| mesh.positions[point as usize];
         let base: Vec<Vector> = shells[0].points.iter().map(|&point| at(point)).collect();
         let walk = SurfaceWalk::new(&base, &shells[0].triangles);
@@ -77,27 +84,26 @@ impl ContactGraph {
             let on_base = |(&point, &anchor): (&u32, &u32)| {
                 let (host, there) = walk.nearest(at(point), anchor);
                 let there = there.interpolate_vectors(&shells[0].triangles, &base);
-                (at(point), shells[0].points[host as usize], squared_norm(subtract(at(point), there)).sqrt())
+                let host = mesh.shell_of_point[shells[0].points[host as usize] as usize] as usize;
+                (at(point), host, squared_norm(subtract(at(point), there)).sqrt())
             };
-            let all: Vec<(Vector, u32, f64)> = shell.points.iter().zip(anchors).map(on_base).collect();
-            let least = all.iter().map(|(.., away)| *away).fold(TOUCHING, f64::min);
-            let mut touching: Vec<(u32, Vec<Vector>)> = Vec::new();
+            let all: Vec<(Vector, usize, f64)> = shell.points.iter().zip(anchors).map(on_base).collect();
+            let least = all.iter().map(|(.., away)| *away).fold(f64::INFINITY, f64::min);
+            let mut touching: Vec<(usize, Vec<Vector>)> = Vec::new();
             for (place, host, away) in all {
                 if least < TOUCHING && away < least + TOUCHING {
-                    gather(&mut touching, mesh.shell_of_point[host as usize], [place]);
+                    gather(&mut touching, host, [place]);
                 }
             }
             let middle = mean(shell.points.iter().map(|&point| at(point)));
             for (host, places) in touching {
-                let places = [mean(places), middle];
-                hung[host as usize].push(Hung { places, area: shell.area() });
+                self.hung[host].push(Hung { places: [mean(places), middle], size: shell.area().ln() });
             }
         }
-        ContactGraph { contacts: Vec::new(), hung }
+        self.hung.iter_mut().for_each(|hung| hung.sort_by(|a, b| a.size.total_cmp(&b.size)));
     }
 
-    /// Adds where `joints` join parts of the `searched` shell.
-    pub fn join(&mut self, mesh: &Mesh, searched: &Shell, joints: &[[u32; 3]]) {
+    fn join(&mut self, mesh: &Mesh, searched: &Shell, joints: &[[u32; 3]]) {
         let mut points: Vec<([usize; 2], Vec<Vector>)> = Vec::new();
         for joint in joints {
             let pair = [joint[0], joint[1]].map(|local| searched.points[local as usize]);
@@ -105,22 +111,11 @@ impl ContactGraph {
             shells.sort_unstable();
             gather(&mut points, shells, pair.map(|point| mesh.positions[point as usize]));
         }
-        let mut areas = vec![0.0; mesh.shell_count];
-        let point_areas = point_areas(&mesh.positions, &mesh.triangles);
-        for (point, area) in point_areas.iter().enumerate() {
-            areas[mesh.shell_of_point[point] as usize] += area;
-        }
-        for ([a, b], points) in points {
+        self.contacts.extend(points.into_iter().map(|(shells, points)| {
             let middle = mean(points.iter().copied());
             let reach = points.iter().map(|&at| squared_norm(subtract(at, middle))).fold(0.0, f64::max);
-            let around = AROUND * areas[a].min(areas[b]).sqrt();
-            let beside = (0..6).map(|side| {
-                let step = if side % 2 == 0 { around } else { -around };
-                std::array::from_fn(|axis| middle[axis] + if axis == side / 2 { step } else { 0.0 })
-            });
-            let places: Vec<Vector> = [middle].into_iter().chain(beside).collect();
-            self.contacts.push(Contact { shells: [a, b], places, reach });
-        }
+            Contact { shells, middle, reach }
+        }));
     }
 
     /// Replaces images of shells that are not settled yet, and that a rigid motion puts onto the shell to which most of their points go. Says whether there was any.
@@ -148,13 +143,11 @@ impl ContactGraph {
         share_ways(&mut nodes);
         let ways = self.ways(&scene, map, &nodes);
         let mut is_moved = false;
-        for round in 0..=ROUNDS {
+        // Each by its way, and then after those that it touches.
+        for follows in [false, true] {
             for (node, &way) in nodes.iter().zip(&ways) {
                 token.check()?;
-                let hints = match round {
-                    0 => Vec::new(),
-                    _ => self.hints(&scene, map, node, |_| true),
-                };
+                let hints = if follows { self.hints(&scene, map, node, |_| true) } else { Vec::new() };
                 if let Some(images) = node.shell.images(way, &hints) {
                     let (own, target) = (&scene.shells[node.own], &scene.shells[node.target]);
                     map.move_shell(mesh, own, target, &images, node.own == node.target);
@@ -188,7 +181,7 @@ impl ContactGraph {
         for contact in &self.contacts {
             let [Some(a), Some(b)] = contact.shells.map(|shell| node_of[shell]) else { continue };
             let (first, second) = (variable(a), variable(b));
-            let apart = nodes[a].shell.apart(&nodes[b].shell, &contact.places);
+            let apart = nodes[a].shell.apart(&nodes[b].shell, &scene.around(contact));
             match first == second {
                 true => apart.iter().enumerate().for_each(|(way, row)| costs[first][way] += row[way]),
                 false => edges.push(([first, second], apart)),
@@ -206,13 +199,14 @@ impl ContactGraph {
             let is_asked = contact.shells.contains(&node.own) && asked(other);
             is_asked.then(|| scene.hint(map, other, contact)).flatten()
         });
-        let on = |shell: usize| self.hung[shell].iter();
-        let hanging = on(node.own).filter_map(|hung| {
-            let is_alike = |other: &&Hung| (other.area / hung.area).ln().abs() < ALIKE;
-            let alike: Vec<&Hung> = on(node.target).filter(is_alike).collect();
-            let is_told = (1..=SWARM).contains(&alike.len());
-            let to = |place: usize| alike.iter().map(|other| other.places[place]).collect();
-            is_told.then(|| Hint { from: hung.places.to_vec(), to: vec![to(0), to(1)] })
+        let hanging = self.hung[node.own].iter().filter_map(|hung| {
+            let there = &self.hung[node.target];
+            let [first, last] = [-AREA_TOLERANCE, AREA_TOLERANCE]
+                .map(|apart| there.partition_point(|other| other.size < hung.size + apart));
+            let to = |place: usize| there[first..last].iter().map(|other| other.places[place]).collect();
+            (1..=SWARM)
+                .contains(&(last - first))
+                .then(|| Hint { from: hung.places.to_vec(), to: vec![to(0), to(1)] })
         });
         beside.chain(hanging).collect()
     }
@@ -235,18 +229,29 @@ impl Scene<'_> {
         Some(Node { own, target, shell })
     }
 
+    /// The middle of a contact, and places around it.
+    fn around(&self, contact: &Contact) -> Vec<Vector> {
+        let [a, b] = contact.shells.map(|shell| self.shells[shell].area());
+        let around = AROUND * a.min(b).sqrt();
+        let beside = (0..6).map(|side| {
+            let mut place = contact.middle;
+            place[side / 2] += if side % 2 == 0 { around } else { -around };
+            place
+        });
+        [contact.middle].into_iter().chain(beside).collect()
+    }
+
     /// Where a shell takes the places of a contact; `None` if few of its points go anywhere.
     fn hint(&self, map: &PointMap, shell: usize, contact: &Contact) -> Option<Hint> {
-        let mesh = self.mesh;
+        let (mesh, from) = (self.mesh, self.around(contact));
         let goes = |&point: &u32| {
             let point = point as usize;
             let image = map.image[point].interpolate_vectors(&mesh.triangles, &mesh.positions);
-            let away = squared_norm(subtract(mesh.positions[point], contact.places[0]));
+            let away = squared_norm(subtract(mesh.positions[point], contact.middle));
             let weight = 1.0 / (1.0 + away / (contact.reach + NEAR * NEAR)).powi(2);
             (map.partner[point] != NONE).then_some((mesh.positions[point], image, weight))
         };
         let goes: Vec<(Vector, Vector, f64)> = self.shells[shell].points.iter().filter_map(goes).collect();
-        let from = contact.places.clone();
         (goes.len() > 3).then(|| {
             let to = rigid_parts::carried(&goes, self.kind, &from);
             Hint { from, to: to.into_iter().map(|to| vec![to]).collect() }
@@ -364,27 +369,21 @@ mod tests {
         (0..8).map(|corner| corner ^ axes).collect()
     }
 
-    fn empty() -> ContactGraph {
-        ContactGraph { contacts: Vec::new(), hung: (0..3).map(|_| Vec::new()).collect() }
-    }
-
     #[test]
     fn what_lies_on_itself_in_several_ways_follows_what_it_touches() {
         let mesh = blocks();
-        assert_eq!(settled(&mesh, &empty(), true), onto(2));
+        let whole = [mesh.shell_of((0..24).collect(), mesh.triangles.clone(), true)];
+        assert_eq!(settled(&mesh, &ContactGraph::new(&mesh, &whole, &[], &[]), true), onto(2));
         // The middle's left side touches the left arm's right one.
         let joints = [0, 2, 4, 6].map(|left: u32| [left, 8 + (left ^ 1), 8]);
-        let whole = mesh.shell_of((0..24).collect(), mesh.triangles.clone(), true);
-        let mut graph = empty();
-        graph.join(&mesh, &whole, &joints);
-        assert_eq!(settled(&mesh, &graph, true), onto(1));
+        assert_eq!(settled(&mesh, &ContactGraph::new(&mesh, &whole, &joints, &[]), true), onto(1));
     }
 
     #[test]
     fn what_hangs_on_a_shell_says_how_it_is_turned() {
         let mesh = blocks();
         let shells = mesh.shells();
-        let graph = ContactGraph::new(&mesh, &shells, &anchors(&mesh, &shells, 0));
+        let graph = ContactGraph::new(&mesh, &shells, &[], &anchors(&mesh, &shells, 0));
         assert_eq!(settled(&mesh, &graph, false), onto(1));
     }
 

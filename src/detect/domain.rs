@@ -46,8 +46,8 @@ impl<'a> Domain<'a> {
     /// Carries maps of the searched shell, or of its `proxy`, to all shells.
     pub fn gatherer(&self, proxy: Option<&Proxy>) -> Gatherer<'_> {
         let Question { mesh, mechanisms, connectivity, .. } = self.question;
-        Gatherer::new(mesh, self.shells, proxy, connectivity.as_ref(), mechanisms.mirrored_vertices)
-            .with_joints(self.joints)
+        let vertices = mechanisms.mirrored_vertices;
+        Gatherer::new(mesh, self.shells, self.joints, proxy, connectivity.as_ref(), vertices)
     }
 
     /// The answer where the connectivity of the searched shell admits one reflection and the shape agrees with it: nothing is solved then.

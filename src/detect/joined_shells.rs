@@ -10,7 +10,7 @@ use crate::geometry::shortest_paths::EdgeLengths;
 use crate::geometry::surface_grid::{Place, places};
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
-use crate::mesh::{Mesh, NONE, Shell, UnionFind};
+use crate::mesh::{Mesh, NONE, Shell};
 use crate::spectral::twin_parts::MOST_PARTS;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -23,9 +23,7 @@ const LEAST: f64 = 0.008;
 /// Distance of the places on surfaces that are compared, in sqrt(area).
 const SPACING: f64 = 0.01;
 /// Shells that are nearer to each other than this, in sqrt(area), touch.
-const TOUCHING: f64 = 0.015;
-/// Shells that are nearer than this may touch in another pose.
-const NEAR: f64 = 0.05;
+pub const TOUCHING: f64 = 0.015;
 /// Distance of the triangles that join, in sqrt(area), and most of them at one contact.
 const APART: f64 = 0.03;
 const MOST_JOINTS: usize = 32;
@@ -63,7 +61,6 @@ impl JoinedShells {
         let distances = contacts.distances(mesh, &shells[..members]);
         let mut twins = twins::likely(mesh, &shells[..members], &distances);
         contacts.add_hubs(&mut twins);
-        contacts.drop_held(&mut twins);
         if twins.iter().filter(|twin| **twin != NONE).count() < 2 {
             return JoinedShells::alone(shells);
         }
@@ -108,8 +105,8 @@ struct Contacts {
     /// For each shell.
     places: Vec<Vec<Place>>,
     trees: Vec<RTree<GeomWithData<Vector, usize>>>,
-    /// Those of shells that are near each other.
-    near: Vec<Contact>,
+    /// Those of shells that touch.
+    touching: Vec<Contact>,
 }
 
 impl Contacts {
@@ -126,15 +123,15 @@ impl Contacts {
             )
         };
         let trees = places.iter().map(tree).collect();
-        let mut contacts = Contacts { places, trees, near: Vec::new() };
+        let mut contacts = Contacts { places, trees, touching: Vec::new() };
         for second in 1..shells.len() {
             for first in 0..second {
                 if !contacts.may_touch(first, second) {
                     continue;
                 }
                 let contact = contact([first, second], &contacts.places, &contacts.trees);
-                if contact.distance <= NEAR {
-                    contacts.near.push(contact);
+                if contact.distance <= TOUCHING {
+                    contacts.touching.push(contact);
                 }
             }
         }
@@ -145,7 +142,7 @@ impl Contacts {
     fn may_touch(&self, first: usize, second: usize) -> bool {
         let [a, b] = [first, second].map(|shell| self.trees[shell].root().envelope());
         (0..3).all(|axis| {
-            a.lower()[axis] <= b.upper()[axis] + NEAR && b.lower()[axis] <= a.upper()[axis] + NEAR
+            a.lower()[axis] <= b.upper()[axis] + TOUCHING && b.lower()[axis] <= a.upper()[axis] + TOUCHING
         })
     }
 
@@ -182,9 +179,8 @@ impl Contacts {
     /// Joints of each shell's largest contact with another one `among` some.
     fn largest(&self, among: impl Fn(usize) -> bool) -> Vec<usize> {
         let mut largest = vec![0; self.places.len()];
-        for contact in self.near.iter().filter(|contact| {
-            contact.distance <= TOUCHING && contact.shells.iter().all(|&shell| among(shell))
-        }) {
+        for contact in self.touching.iter().filter(|contact| contact.shells.iter().all(|&shell| among(shell)))
+        {
             for shell in contact.shells {
                 largest[shell] = largest[shell].max(contact.joints.len());
             }
@@ -194,7 +190,7 @@ impl Contacts {
 
     /// Makes shells without a twin their own if they touch twins mostly in pairs, as a trunk touches both arms.
     fn add_hubs(&self, twins: &mut [u32]) {
-        let touching = self.touching();
+        let touching = self.pairs();
         let touch = |a: usize, b: usize| touching.contains(&[a.min(b), a.max(b)]);
         let alone = (0..twins.len()).filter(|&own| twins[own] == NONE);
         let is_hub = |&own: &usize| {
@@ -209,50 +205,18 @@ impl Contacts {
         hubs.into_iter().for_each(|own| twins[own] = own as u32);
     }
 
-    /// Takes their twins from shells that touch others only where the twins of both are not near each other, as a sword that is its own mirror image touches one hand.
-    fn drop_held(&self, twins: &mut [u32]) {
-        let near: HashSet<[usize; 2]> = self.near.iter().map(|contact| contact.shells).collect();
-        let is_of_twins = |[a, b]: [usize; 2]| twins[a] != NONE && twins[b] != NONE;
-        let is_kept = |[a, b]: [usize; 2]| {
-            let [a, b] = [twins[a] as usize, twins[b] as usize];
-            a == b || near.contains(&[a.min(b), a.max(b)])
-        };
-        let mut groups = UnionFind::new(twins.len());
-        let pairs = twins.iter().zip(0..).filter(|(twin, _)| **twin != NONE);
-        pairs.for_each(|(&twin, own)| groups.join(own, twin));
-        let (kept, refused): (Vec<[usize; 2]>, Vec<_>) =
-            self.touching().into_iter().filter(|&pair| is_of_twins(pair)).partition(|&pair| is_kept(pair));
-        kept.iter().for_each(|&[a, b]| groups.join(a as u32, b as u32));
-        // Shells come by falling area.
-        let main =
-            (0..twins.len()).find(|&shell| twins[shell] != NONE).map(|shell| groups.find(shell as u32));
-        let groups: Vec<u32> = (0..twins.len() as u32).map(|shell| groups.find(shell)).collect();
-        let held: HashSet<u32> = refused
-            .into_iter()
-            .filter(|pair| pair.iter().any(|&shell| Some(groups[shell]) == main))
-            .flat_map(|pair| pair.map(|shell| groups[shell]))
-            .filter(|&group| Some(group) != main)
-            .collect();
-        twins
-            .iter_mut()
-            .zip(&groups)
-            .filter(|(_, group)| held.contains(group))
-            .for_each(|(twin, _)| *twin = NONE);
-    }
-
     /// Pairs of shells that touch.
-    fn touching(&self) -> HashSet<[usize; 2]> {
-        let contacts = self.near.iter().filter(|contact| contact.distance <= TOUCHING);
-        contacts.map(|contact| contact.shells).collect()
+    fn pairs(&self) -> HashSet<[usize; 2]> {
+        self.touching.iter().map(|contact| contact.shells).collect()
     }
 
     /// Triangles over the mesh's points that make one surface of the shells that have a twin, where the twins of two that touch do, too.
     fn joints(&self, twins: &[u32]) -> Vec<[u32; 3]> {
         let is_joined = |shell: usize| twins[shell] != NONE;
-        let touching = self.touching();
+        let touching = self.pairs();
         let is_kept = |contact: &Contact| {
             let [a, b] = contact.shells.map(|shell| twins[shell] as usize);
-            touching.contains(&contact.shells) && touching.contains(&[a.min(b), a.max(b)])
+            touching.contains(&[a.min(b), a.max(b)])
         };
         let shells: Vec<usize> = (0..self.places.len()).filter(|&shell| is_joined(shell)).collect();
         let largest = self.largest(is_joined);
@@ -263,7 +227,7 @@ impl Contacts {
             joined.extend(&contact.joints);
             group.iter_mut().filter(|own| **own == from).for_each(|own| *own = to);
         };
-        for contact in self.near.iter().filter(|contact| is_kept(contact)) {
+        for contact in self.touching.iter().filter(|contact| is_kept(contact)) {
             let least = contact.shells.map(|shell| SMALLEST_CONTACT * largest[shell] as f64);
             if contact.joints.len() as f64 >= least[0].min(least[1]) {
                 join(contact, &mut group);
@@ -324,8 +288,8 @@ mod tests {
     fn a_trunk_between_twins_is_its_own_and_what_one_of_them_holds_is_not() {
         // A trunk, two arms that touch it, a rod that one of them holds, and a bag on the trunk.
         let touching = [[0, 1], [0, 2], [1, 3], [0, 4]];
-        let near = touching.map(|shells| Contact { shells, distance: 0.0, joints: Vec::new() });
-        let contacts = Contacts { places: Vec::new(), trees: Vec::new(), near: near.into() };
+        let touching = touching.map(|shells| Contact { shells, distance: 0.0, joints: Vec::new() });
+        let contacts = Contacts { places: Vec::new(), trees: Vec::new(), touching: touching.into() };
         let mut twins = [NONE, 2, 1, NONE, NONE];
         contacts.add_hubs(&mut twins);
         assert_eq!(twins, [0, 2, 1, NONE, NONE]);

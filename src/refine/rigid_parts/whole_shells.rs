@@ -26,7 +26,6 @@ const MANY: usize = 200;
 const ROUGHLY: Approach = Approach { rounds: 6, noise: 0.0015, held: 0.05, free: true };
 const FINELY: Approach = Approach { rounds: 24, ..ROUGHLY };
 const FROM_AFAR: Approach = Approach { rounds: 12, noise: 0.01, ..ROUGHLY };
-const STILL: Approach = Approach { rounds: 0, ..ROUGHLY };
 /// Rounds after each of which it ends if they gain less than this.
 const ROUNDS: usize = 3;
 const GAIN: f64 = 1e-5;
@@ -42,9 +41,9 @@ const LIES_BESIDE: f64 = 0.002;
 /// What a motion leaves, and how far it goes from where it should, that are as bad: 1.
 const LEFT: f64 = 0.0006;
 const GONE: f64 = 0.05;
-/// Nothing says more than this against a way.
+/// No single cost of a way is more than this.
 const MOST: f64 = 4.0;
-/// What the map says, beside a neighbour.
+/// Weight of what the map says, where that of a neighbour is 1.
 const MAP: f64 = 0.05;
 
 /// A shell and the one to which it goes, its partner or itself, with the ways in which it lies there. Places are in the mesh's unit.
@@ -74,13 +73,7 @@ pub struct Hint {
 
 /// Where `places` go with a surface of which some points go to others, each by its weight.
 pub fn carried(goes: &[(Vector, Vector, f64)], kind: SymmetryKind, places: &[Vector]) -> Vec<Vector> {
-    let place = |&(position, image, weight): &(Vector, Vector, f64)| Place {
-        own: Oriented { position, normal: [0.0; 3] },
-        image,
-        partner: 0,
-        weight,
-    };
-    let fitted: Vec<Place> = goes.iter().map(place).collect();
+    let fitted: Vec<Place> = goes.iter().map(|&(from, to, weight)| unoriented(from, to, weight)).collect();
     let motion = Motion::between(&fitted, kind == SymmetryKind::Reflection);
     places.iter().map(|&place| motion.of(place)).collect()
 }
@@ -171,9 +164,10 @@ impl WholeShell {
         let ratio = self.unit / other.unit;
         let theirs = other.ways.iter().map(|(_, motion)| motion.inverse().scaled(ratio));
         let all = self.ways.iter().map(|(_, motion)| *motion).chain(theirs);
+        let (own, others) = (self.surface(), other.surface());
         let both = |motion: Motion| {
-            let [here, there] = [(&*self, motion), (&*other, motion.inverse().scaled(1.0 / ratio))]
-                .map(|(shell, motion)| shell.surface().settled(motion, &shell.places, STILL).0);
+            let [here, there] = [(&own, motion), (&others, motion.inverse().scaled(1.0 / ratio))]
+                .map(|(surface, motion)| surface.left(motion));
             ((here.hypot(there) / 2f64.sqrt()).min(LIES_BESIDE), motion)
         };
         let found = all.map(both).collect();
@@ -185,11 +179,8 @@ impl WholeShell {
     /// How bad is each way, beside what the `hints` say. Of a shell that `is_own` target each way should be its own inverse.
     pub fn costs(&self, hints: &[Hint], is_own: bool) -> Vec<f64> {
         let cost = |found: &(f64, Motion)| {
-            let there = |place: &Place| found.1.of(found.1.of(place.own.position));
-            let twice = |place: &Place| squared_norm(subtract(there(place), place.own.position));
-            let twice = self.places.iter().map(twice).sum::<f64>() / self.places.len() as f64;
-            let is_one = if is_own { bad(twice) } else { 0.0 };
-            self.cost(found, hints) + is_one
+            let back = if is_own { bad(moved(&self.places, &found.1, &found.1.inverse())) } else { 0.0 };
+            self.cost(found, hints) + back
         };
         self.ways.iter().map(cost).collect()
     }
@@ -214,21 +205,20 @@ impl WholeShell {
 
     /// Images of all vertices by a `way`, or by what lies on the target nearer to what the `hints` say; `None` if neither is there.
     pub fn images(&self, way: Option<usize>, hints: &[Hint]) -> Option<VertexMap> {
-        let motion = self.best(way, hints)?;
-        let walk = SurfaceWalk::new(&self.target, &self.triangles);
+        let surface = self.surface();
+        let motion = self.best(&surface, way, hints)?;
         let image = |&position: &Vector| {
             let goal = motion.of(position);
-            walk.nearest(goal, self.nearest_vertex(goal))
+            surface.walk.nearest(goal, self.nearest_vertex(goal))
         };
         let (partners, points) = self.own.iter().map(image).unzip();
         Some(VertexMap { partners, points })
     }
 
-    fn best(&self, way: Option<usize>, hints: &[Hint]) -> Option<Motion> {
+    fn best(&self, surface: &Surface, way: Option<usize>, hints: &[Hint]) -> Option<Motion> {
         let mut best = way.map(|way| self.ways[way]);
         let start = best.map_or(self.map, |found| found.1);
         if let Some(start) = self.by_hints(&start, hints) {
-            let surface = self.surface();
             let near = surface.settled(start, &self.places, FROM_AFAR).1;
             let found = surface.settled(near, &self.places, FINELY);
             let is_near = |other: &Motion| moved(&self.places, &found.1, other) < GONE * GONE;
@@ -263,14 +253,13 @@ impl WholeShell {
             let away = |to: &Vector| squared_norm(subtract(*to, motion.of(position)));
             let image = to.iter().map(scaled).min_by(|a, b| away(a).total_cmp(&away(b)))?;
             let weight = 1.0 / (1.0 + away(&image) / (GONE * GONE));
-            Some(Place { own: Oriented { position, normal: [0.0; 3] }, image, partner: 0, weight })
+            Some(unoriented(position, image, weight))
         };
         let all = hints.iter().flat_map(|hint| hint.from.iter().zip(&hint.to));
         let mut places: Vec<Place> = all.filter_map(place).collect();
         let weight: f64 = places.iter().map(|place| place.weight).sum();
         let middle = Spread::of(&self.places).middle;
-        let own = Oriented { position: middle, normal: [0.0; 3] };
-        places.push(Place { own, image: motion.of(middle), partner: 0, weight });
+        places.push(unoriented(middle, motion.of(middle), weight));
         (weight > 0.0).then(|| Motion::nearest(&places, self.mirrored, |place| place.weight))
     }
 
@@ -281,6 +270,11 @@ impl WholeShell {
     fn surface(&self) -> Surface<'_> {
         Surface { shell: self, walk: SurfaceWalk::new(&self.target, &self.triangles) }
     }
+}
+
+/// A place that has no normal, and where it goes.
+fn unoriented(position: Vector, image: Vector, weight: f64) -> Place {
+    Place { own: Oriented { position, normal: [0.0; 3] }, image, partner: 0, weight }
 }
 
 /// How bad a squared distance is from where something should be.
@@ -320,6 +314,11 @@ impl Surface<'_> {
             }
         }
         best
+    }
+
+    /// What a motion of the shell leaves.
+    fn left(&self, motion: Motion) -> f64 {
+        self.settled(motion, &self.shell.places, Approach { rounds: 0, ..FINELY }).0
     }
 }
 
