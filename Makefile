@@ -53,6 +53,7 @@ mutants: setup-test ## Change the program in one place at a time; a test must fa
 # As soon built as can be: unoptimised, and no tests but the folder's own. The same source means the same changes.
 mutants-sample: ## Change a few places of src/geometry; a unit test of that folder must fail for each
 	@scripts/setup.sh mutants
+	@mkdir -p out/mutants-sample
 	CARGO_TARGET_DIR=$(abspath target/mutants) CARGO_INCREMENTAL=1 CARGO_PROFILE_DEV_DEBUG=0 cargo mutants --no-config \
 		--package intrinsym --file 'src/geometry/**' --sharding round-robin --shard 0/66 --output out/mutants-sample \
 		--test-tool nextest --cargo-arg=--locked --cargo-arg=--lib -- geometry::
