@@ -156,11 +156,10 @@ impl Detection {
         self.symmetries.first().map_or(0.0, |best| best.plausibility * best.mean_confidence)
     }
 
-    /// Whether this answer has a better outcome than an earlier one, or the same one and is worth more, and gives partners to at least so large a `part` of what has one there.
-    pub(crate) fn is_worth_more(&self, earlier: &Detection, part: f64) -> bool {
+    /// Whether this answer has a better outcome than an earlier one, or the same one and is worth more, and gives partners to no less of the surface.
+    pub(crate) fn is_worth_more(&self, earlier: &Detection) -> bool {
         let share = |of: &Detection| of.symmetries.first().map_or(0.0, |best| best.coverage.paired_share);
-        share(self) >= part * share(earlier)
-            && (self.outcome, -self.worth()) < (earlier.outcome, -earlier.worth())
+        share(self) >= share(earlier) && (self.outcome, -self.worth()) < (earlier.outcome, -earlier.worth())
     }
 
     /// Whether this answer, of a part of the surface, makes so much less doubtful what another one says of more.

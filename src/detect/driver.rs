@@ -21,8 +21,6 @@ use crate::verify::outcome::{CONFIDENT, Outcome};
 
 /// A mirror plane in space, or one shell's mirrored connectivity, from whose [`Detection::worth`] on it is the answer, and nothing is searched.
 const ENOUGH: f64 = 0.9;
-/// The largest shell alone must give partners to this part of what has one where shells are joined, to be the answer: a map of less is plausible more easily.
-const NEARLY_ALL: f64 = 0.9;
 /// How often parts without a counterpart are taken away.
 const ROUNDS: usize = 3;
 
@@ -71,11 +69,11 @@ fn answer(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Dete
     clock.lap("mirror plane");
     match at_rest {
         Some(at_rest) if at_rest.worth() >= ENOUGH => Ok(at_rest),
-        other => better(other, searched(question, plans, clock), 1.0),
+        other => better(other, searched(question, plans, clock)),
     }
 }
 
-/// The answer of the largest shell's connectivity, if it says nearly all; or of the joined shells; if that leaves doubts that of the largest one alone, if that is worth more.
+/// The answer of the largest shell's connectivity, if it says nearly all; or of the joined shells; if that is doubtful that of the largest one alone, if that is worth more.
 fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
     // Twins are those of one symmetry, and stated signs those of the largest shell's functions.
     let alone = || JoinedShells::alone(question.mesh.shells());
@@ -95,9 +93,9 @@ fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<De
         return Ok(exact);
     }
     let found = of_parts(question, joined, plans, clock)?;
-    match found.is_settled() {
-        true => Ok(found),
-        false => better(Some(found), of_parts(question, alone(), plans, clock), NEARLY_ALL),
+    match found.outcome {
+        Outcome::Found => Ok(found),
+        _ => better(Some(found), of_parts(question, alone(), plans, clock)),
     }
 }
 
@@ -151,11 +149,11 @@ fn of_rest(
     Ok(None)
 }
 
-/// The later of two answers if it is worth more and gives partners to that `part` of what has one in the earlier; the earlier one, as doubtful, if time ended the other.
-fn better(earlier: Option<Detection>, later: Result<Detection>, part: f64) -> Result<Detection> {
+/// The later of two answers if it is worth more and gives partners to no less of the surface; the earlier one, as doubtful, if time ended the other.
+fn better(earlier: Option<Detection>, later: Result<Detection>) -> Result<Detection> {
     match (earlier, later) {
         (Some(earlier), Err(Error::TimeLimit { .. })) => Ok(earlier.out_of_time()),
-        (Some(earlier), Ok(later)) if !later.is_worth_more(&earlier, part) => Ok(earlier),
+        (Some(earlier), Ok(later)) if !later.is_worth_more(&earlier) => Ok(earlier),
         (_, later) => later,
     }
 }

@@ -17,7 +17,7 @@ use rstar::primitives::GeomWithData;
 use std::collections::HashSet;
 
 /// A largest shell with at least this share of the area speaks for the whole mesh.
-const MAJORITY: f64 = 0.5;
+const MAJORITY: f64 = 0.8;
 /// Smaller shells, by their share of the area, are carried along: of a swarm of these, as hair and feathers, it is hard to say which is whose twin.
 const LEAST: f64 = 0.008;
 /// Distance of the places on surfaces that are compared, in sqrt(area).

@@ -29,6 +29,9 @@ const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
 /// a symmetry, too.
 const COARSE_SIZE: usize = 50;
 
+/// Displacement of a map of joined shells, in radii of the embedding: that twins go to each other tells it from the identity, however near to the middle the others lie.
+const EXCHANGED: f64 = 1.0;
+
 /// Vertices the network looks at.
 const NETWORK_POINTS: usize = 512;
 
@@ -195,7 +198,10 @@ pub fn of_images(shell: &PreparedShell, target: &MatchTarget, images: VertexMap)
 
 /// `images` are those of all vertices.
 fn judge(shell: &PreparedShell, score: &Score, signature_mismatch: f64, images: &VertexMap) -> Judgement {
-    let displacement = mean_displacement(&shell.basis, &shell.surface.lumped_mass, &images.partners);
+    let displacement = match shell.surface.parts {
+        Some(_) => EXCHANGED,
+        None => mean_displacement(&shell.basis, &shell.surface.lumped_mass, &images.partners),
+    };
     Judgement::new(score, signature_mismatch, displacement)
 }
 

@@ -5,28 +5,25 @@
 //! shells that is worth most is sought by single changes, from each of the pairs of a shell that may have several twins.
 
 use crate::connectivity::automorphism::{Signature, shell_signatures};
-use crate::mesh::vector::{Vector, cross, dot};
+use crate::mesh::vector::{Vector, dot};
 use crate::mesh::{Mesh, NONE, Shell};
 
-/// What speaks for two shells of one connectivity and size, how much more if it tells their points apart, and for two of one size alone.
-const SAME_CONNECTIVITY: f64 = 3.2;
-const DISTINCT: f64 = 0.7;
-const SAME_SIZE: f64 = 2.1;
-/// What speaks for a shell that is its own image, and how much less if another is of its size, and of its connectivity, which tells its points apart.
-const ITSELF: f64 = 1.1;
-const LESS_BESIDE_SIZE: f64 = 0.25;
-const LESS_BESIDE_TWIN: f64 = 2.3;
-/// Natural logarithms of ratios of two shells' lengths by area, by volume and by extent at which these count as one size by 1 / e.
-const TOLERANCES: [f64; 3] = [0.04, 0.06, 0.12];
+/// What speaks for two shells of one size, where 1 speaks for a shell that is its own image, and by which part more if one connectivity tells the points of both apart.
+const SAME_SIZE: f64 = 2.0;
+const DISTINCT: f64 = 0.75;
+/// How much less speaks for a shell that is its own image if another is of its size, and of its connectivity, which tells its points apart.
+const LESS_BESIDE_SIZE: f64 = 0.4;
+const LESS_BESIDE_TWIN: f64 = 2.5;
+/// Natural logarithms of ratios of two shells' lengths by area and by extent at which these count as one size by 1 / e. A limb that is bent in one
+/// of two twins changes its extent: where the connectivity tells points apart it says nothing, and areas may differ twice as much.
+const TOLERANCES: [f64; 2] = [0.045, 0.1];
 /// The same by area of shells that are alike to the last, as twins are that were mirrored, and feathers of one wing are not: others are half as similar.
-const CLOSE: f64 = 0.012;
-/// How much more two shells may differ, in all, whose connectivity is the same and tells their points apart.
-const LOOSE: f64 = 1.0;
+const CLOSE: f64 = 0.016;
 /// A change of a distance, in sqrt(area), from which on two pairs exclude each other, and what speaks against a pair that excludes all others.
-const APART: f64 = 0.1;
-const EXCLUDED: f64 = 2.8;
+const APART: f64 = 0.22;
+const EXCLUDED: f64 = 3.5;
 /// Distance, in sqrt(area), at which another shell says 1 / e of what one nearby does.
-const NEARBY: f64 = 0.45;
+const NEARBY: f64 = 0.17;
 /// Pairs of one shell from which twins are sought.
 const MOST_STARTS: usize = 12;
 
@@ -35,7 +32,7 @@ pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64]) -> Vec<u32> {
     let signatures = shell_signatures(mesh);
     let signature = |shell: &Shell| signatures[mesh.shell_of_point[shell.points[0] as usize] as usize];
     let signatures: Vec<Signature> = shells.iter().map(signature).collect();
-    let sizes: Vec<[f64; 3]> = shells.iter().map(sizes).collect();
+    let sizes: Vec<[f64; 2]> = shells.iter().map(sizes).collect();
     let weights: Vec<f64> = sizes.iter().map(|size| size[0]).collect();
     let count = shells.len();
     let evidence = evidence(&signatures, &sizes);
@@ -46,28 +43,26 @@ pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64]) -> Vec<u32> {
 }
 
 /// What speaks for each pair of shells, row by row.
-fn evidence(signatures: &[Signature], sizes: &[[f64; 3]]) -> Vec<f64> {
+fn evidence(signatures: &[Signature], sizes: &[[f64; 2]]) -> Vec<f64> {
     let count = sizes.len();
     let distinct = |a: usize, b: usize| match signatures[a].hash == signatures[b].hash {
         true => signatures[a].distinct,
         false => 0.0,
     };
     let similarity = |a: usize, b: usize| {
-        let ratio = |k: usize| (sizes[a][k] / sizes[b][k]).ln() / TOLERANCES[k];
-        let apart = (0..3).map(|k| ratio(k).powi(2)).sum::<f64>();
-        let close = (-(ratio(0) * TOLERANCES[0] / CLOSE).powi(2)).exp();
-        (-apart / (1.0 + LOOSE * distinct(a, b)).powi(2)).exp() * 0.5 * (1.0 + close)
+        let [area, extent] = [0, 1].map(|k| (sizes[a][k] / sizes[b][k]).ln());
+        let [by_area, by_extent] = [area / TOLERANCES[0], extent / TOLERANCES[1]].map(|ratio| ratio.powi(2));
+        let apart = by_area + (1.0 - distinct(a, b)) * by_extent;
+        let close = (-(area / CLOSE).powi(2)).exp();
+        (-apart / (1.0 + distinct(a, b)).powi(2)).exp() * 0.5 * (1.0 + close)
     };
     let twin = |a: usize, b: usize| similarity(a, b) * distinct(a, b);
     let most = |a: usize, of: &dyn Fn(usize, usize) -> f64| {
         (0..count).filter(|&b| b != a).map(|b| of(a, b)).fold(0.0, f64::max)
     };
     let of = |a: usize, b: usize| match a == b {
-        true => ITSELF - LESS_BESIDE_SIZE * most(a, &similarity) - LESS_BESIDE_TWIN * most(a, &twin),
-        false if signatures[a].hash == signatures[b].hash => {
-            SAME_CONNECTIVITY * (1.0 + DISTINCT * signatures[a].distinct) * (2.0 * similarity(a, b) - 1.0)
-        }
-        false => SAME_SIZE * (2.0 * similarity(a, b) - 1.0),
+        true => 1.0 - LESS_BESIDE_SIZE * most(a, &similarity) - LESS_BESIDE_TWIN * most(a, &twin),
+        false => SAME_SIZE * (1.0 + DISTINCT * distinct(a, b)) * (2.0 * similarity(a, b) - 1.0),
     };
     (0..count * count).map(|pair| of(pair / count, pair % count)).collect()
 }
@@ -185,15 +180,12 @@ impl Involution<'_> {
     }
 }
 
-/// Lengths that say how large a shell is, in the unit of the mesh: by its area, by the volume that it holds, and by how far its points are from their mean.
-fn sizes(shell: &Shell) -> [f64; 3] {
-    let at = |vertex: u32| shell.positions[vertex as usize];
-    let volume: f64 = shell.triangles.iter().map(|&[a, b, c]| dot(at(a), cross(at(b), at(c)))).sum();
+/// Lengths that say how large a shell is, in the unit of the mesh: by its area, and by how far its points are from their mean.
+fn sizes(shell: &Shell) -> [f64; 2] {
     let squares: f64 = shell.positions.iter().map(|&position: &Vector| dot(position, position)).sum();
     let extent = (squares / shell.positions.len() as f64).sqrt();
     let unit = shell.scale.max(f64::MIN_POSITIVE).recip();
-    // A sheet holds nothing to speak of.
-    [unit, unit * (volume.abs() + 0.01).cbrt(), unit * extent]
+    [unit, unit * extent]
 }
 
 #[cfg(test)]
@@ -208,7 +200,7 @@ mod tests {
         let between = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
         let distances: Vec<f64> = places.iter().flat_map(|&a| places.map(|b| between(a, b))).collect();
         let of = |pair: usize| match (pair / 5, pair % 5) {
-            (a, b) if a == b => ITSELF,
+            (a, b) if a == b => 1.0,
             (a, b) if a.max(b) == 4 => -SAME_SIZE,
             _ => SAME_SIZE,
         };

@@ -24,7 +24,7 @@ pub struct Judgement {
     pub isometry_score: f64,
     /// Mean difference of the heat kernel signatures of partners: 0 for an isometry.
     pub signature_mismatch: f64,
-    /// Mean distance of vertices from their images in the finished map, as the eigenfunctions measure it: 0 for the identity.
+    /// Mean distance of vertices from their images in the finished map, as the eigenfunctions measure it: 0 for the identity; 1 where shells were joined.
     pub displacement: f64,
     /// How far apart overlapping rigid parts put a point of most of the surface at most, in sqrt(area); `None` where no parts are fitted, and for half turns.
     pub disagreement: Option<f64>,

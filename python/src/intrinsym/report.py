@@ -87,7 +87,7 @@ class Judgement:
     isometry_score: float
     #: Mean difference of the heat kernel signatures of partners; 0 for an isometry.
     signature_mismatch: float
-    #: How far the map moves points in the mean; 0 for the identity.
+    #: How far the map moves points in the mean; 0 for the identity, 1 where shells were joined.
     displacement: float
     #: How far apart rigid parts of the map put a point, in units of sqrt(area); None where no parts are fitted.
     disagreement: float | None
