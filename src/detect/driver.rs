@@ -26,7 +26,7 @@ const ROUNDS: usize = 3;
 
 /// Finds the intrinsic symmetries of `mesh`.
 ///
-/// A mesh that a plane in space mirrors is answered by that. Else the symmetry is sought on the largest shell, or on the large shells joined where no shell holds most of
+/// A mesh that a plane in space mirrors is answered by that. Else the symmetry is sought on the largest shell, or on the large shells joined where none holds four fifths of
 /// the surface; every other shell is then given its partner.
 ///
 /// # Errors
