@@ -61,7 +61,8 @@ impl JoinedShells {
         let distances = contacts.distances(mesh, &shells[..members]);
         let mut twins = twins::likely(mesh, &shells[..members], &distances);
         contacts.add_hubs(&mut twins);
-        if twins.iter().filter(|twin| **twin != NONE).count() < 2 {
+        // Shells that are all their own say no more together.
+        if twins.iter().zip(0..).all(|(&twin, own)| twin == NONE || twin == own) {
             return JoinedShells::alone(shells);
         }
         let is_joined = |shell: usize| shell < members && twins[shell] != NONE;
