@@ -27,7 +27,7 @@ const ROUNDS: usize = 3;
 /// Finds the intrinsic symmetries of `mesh`.
 ///
 /// A mesh that a plane in space mirrors is answered by that. Else the symmetry is sought on the largest shell, or on the large shells joined where none holds four fifths of
-/// the surface; every other shell is then given its partner.
+/// the surface and two of them are twins; every other shell is then given its partner.
 ///
 /// # Errors
 /// [`crate::Error::Option`], [`crate::Error::File`], [`crate::Error::Model`], [`crate::Error::Limit`], [`crate::Error::TimeLimit`], [`crate::Error::Cancelled`],
@@ -73,7 +73,7 @@ fn answer(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Dete
     }
 }
 
-/// The answer of the largest shell's connectivity, if it says nearly all; or of the joined shells; if that is doubtful that of the largest one alone, if that is worth more.
+/// The answer of the largest shell's connectivity, if it says nearly all; or of the joined shells; if that is not found that of the largest one alone, if that is worth more.
 fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
     // Twins are those of one symmetry, and stated signs those of the largest shell's functions.
     let alone = || JoinedShells::alone(question.mesh.shells());

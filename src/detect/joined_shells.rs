@@ -48,7 +48,7 @@ impl JoinedShells {
         JoinedShells { shells, joints: Vec::new(), twins: Vec::new() }
     }
 
-    /// The large shells that have a likely twin, joined, where no shell holds four fifths of the area; else the largest shell alone.
+    /// The large shells that have a likely twin, joined, where none holds four fifths of the area and two are twins of each other; else the largest shell alone.
     ///
     /// O(area / spacing^2 x log + shells x mesh).
     pub fn new(mesh: &Mesh, shells: Vec<Shell>) -> JoinedShells {
