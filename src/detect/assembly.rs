@@ -153,7 +153,17 @@ impl PointMap {
                 self.odd[point] = 0.5 * (odd[point] - odd[partner as usize]);
             }
         }
+        self.keep_exact_pairs();
         self.dissolve_specks(mesh, found);
+    }
+
+    /// What had an exact partner that now has another is exact no more.
+    fn keep_exact_pairs(&mut self) {
+        for point in 0..self.exact.len() {
+            let partner = self.partner[point] as usize;
+            self.exact[point] &=
+                self.exact.get(partner) == Some(&true) && self.partner[partner] == point as u32;
+        }
     }
 
     /// Small parts on the wrong side, on each shell whose vertices are mirrored by itself: another's halves may be as small.
@@ -183,6 +193,7 @@ impl PointMap {
     /// `odd <- (odd - odd of the partner) / 2` where the bijection is exact: 0 on its fixed points. Each
     /// part between the fixed points gets one sign, that of its mean.
     fn make_odd(&mut self, mesh: &Mesh) {
+        self.keep_exact_pairs();
         let odd = self.odd.clone();
         for point in 0..odd.len() {
             if self.exact[point] {
@@ -410,6 +421,24 @@ mod tests {
         let map = replaced(&mesh, &found);
         assert_eq!(map.partner, [NONE; 6]);
         assert_eq!(map.exact, [false; 6]);
+    }
+
+    #[test]
+    fn a_point_whose_exact_partner_gets_another_is_exact_no_more() {
+        let (mesh, found) = triangles([[6.0, 0.0, 0.0], [5.5, 1.0, 0.0]]);
+        let mut map = replaced(&mesh, &found);
+        let image = map.image.clone();
+        let mirrored = MirroredVertices {
+            partner: vec![4, NONE, NONE, NONE, NONE, NONE],
+            image,
+            paired: vec![false; 6],
+        };
+        map.replace_by_vertices(&mesh, &mirrored);
+        assert_eq!(map.exact, [false, true, true, false, true, true]);
+        // A shell may also be given another place as a whole.
+        map.partner[1] = NONE;
+        map.replace_by_connectivity(&mesh, &Automorphism { partner: vec![NONE; 6], ..found });
+        assert_eq!(map.exact, [false, false, true, false, false, true]);
     }
 
     #[test]
