@@ -5,7 +5,7 @@
 
 use crate::base::error::Result;
 use crate::base::progress::Progress;
-use crate::connectivity::automorphism::shell_signatures;
+use crate::connectivity::automorphism::surroundings;
 use crate::detect::cluster_motion;
 use crate::detect::mirror_plane::MirrorPlane;
 use crate::geometry::surface_walk::SurfaceWalk;
@@ -174,9 +174,9 @@ impl SimilarShells {
         SimilarShells { sizes, trees }
     }
 
-    /// The natural logarithm of the ratio of two shells' lengths by area.
+    /// The natural logarithm of the ratio of two shells' areas.
     fn differ(&self, source: usize, target: usize) -> f64 {
-        0.5 * (self.sizes[source] - self.sizes[target]).abs()
+        (self.sizes[source] - self.sizes[target]).abs()
     }
 
     fn class(size: f64) -> i64 {
@@ -215,23 +215,25 @@ fn pair_shells(
     let (mirrored, own) = (middles(&places.mirrored), middles(&places.own));
     let others = (0..shells.len()).filter(|&shell| shell != primary);
     let similar = SimilarShells::new(shells, &own, others.clone());
-    let signatures = shell_signatures(mesh);
-    let signature =
-        |shell: usize| signatures[mesh.shell_of_point[shells[shell].points[0] as usize] as usize].hash;
+    let surroundings = surroundings(mesh);
+    let around = |shell: usize| &surroundings[mesh.shell_of_point[shells[shell].points[0] as usize] as usize];
     let mut options: BTreeMap<(usize, usize), f32> = BTreeMap::new();
     for source in others {
         progress.report("other shells", 0.95)?;
-        let near: Vec<usize> = similar.nearest(source, mirrored[source]).collect();
-        // One that is its own image has no other of its connectivity nearby.
-        let same = |&&target: &&usize| signature(target) == signature(source);
-        let any_other = near.iter().filter(same).any(|&target| target != source);
-        for &target in near.iter().filter(|target| !any_other || same(target)) {
+        let of = |target: usize| {
             let gap = 0.5 * (places.mismatch(source, target) + places.mismatch(target, source));
-            let both = gap.hypot(similar.differ(source, target) as f32);
+            let differ = similar.differ(source, target) as f32;
             let is_beside = target == source && gap > BESIDE * shells[source].area().sqrt() as f32;
-            if both < FARTHEST && !is_beside {
-                options.insert((source.min(target), source.max(target)), both);
-            }
+            let may_be = gap.hypot(FARTHEST * differ / AREA_TOLERANCE as f32) < FARTHEST && !is_beside;
+            may_be.then_some((target, gap.hypot(0.5 * differ)))
+        };
+        let near: Vec<(usize, f32)> = similar.nearest(source, mirrored[source]).filter_map(of).collect();
+        // One that is its own image has no other of its connectivity nearby.
+        let same = |&&(target, _): &&(usize, f32)| around(target).are_like(around(source));
+        let any_other =
+            near.iter().filter(same).any(|&(target, mismatch)| target != source && mismatch < FARTHEST);
+        for &(target, mismatch) in near.iter().filter(|target| !any_other || same(target)) {
+            options.insert((source.min(target), source.max(target)), mismatch);
         }
     }
     Ok(involution(&options))
@@ -312,4 +314,56 @@ fn picked(points: &[Vector]) -> Vec<Vector> {
 
 fn rows(points: &[Vector]) -> Mat<f32> {
     Mat::from_fn(points.len(), 3, |i, j| points[i][j] as f32)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::limits::Limits;
+    use crate::mesh::PolygonMesh;
+
+    /// Blocks: the lowest corner, the size, and by a bit a side along which diagonal that is cut.
+    fn blocks(of: &[([f64; 3], f64, u32)]) -> Mesh {
+        let sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let mut polygons = PolygonMesh { face_offsets: vec![0], ..PolygonMesh::default() };
+        for (block, &(middle, size, cuts)) in of.iter().enumerate() {
+            let corner =
+                |corner: u32| std::array::from_fn(|axis| middle[axis] + size * f64::from(corner >> axis & 1));
+            polygons.positions.extend((0..8).map(corner));
+            for (side, corners) in sides.iter().enumerate() {
+                let [a, b, c, d] = corners.map(|corner| 8 * block as u32 + corner);
+                let cut = if cuts >> side & 1 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] };
+                for triangle in cut {
+                    polygons.face_vertices.extend(triangle);
+                    polygons.face_offsets.push(polygons.face_vertices.len() as u32);
+                }
+            }
+        }
+        Mesh::new(&polygons, &Limits::default()).expect("a usable mesh")
+    }
+
+    /// The block that each block goes to, by the plane between the sides.
+    fn targets(mesh: &Mesh, count: usize) -> Vec<Option<usize>> {
+        let shells = mesh.shells();
+        let plane = MirrorPlane { normal: [1.0, 0.0, 0.0], offset: -mesh.centre[0] / mesh.unit_length };
+        let found = by_plane(mesh, &shells, &plane, &Progress::default()).expect("an answer");
+        let shell = |block: usize| mesh.shell_of_point[mesh.point_of_vertex[8 * block] as usize] as usize;
+        let block = |target: usize| (0..count).find(|&block| shell(block) == target).expect("a block");
+        (0..count).map(|own| found[shell(own)].as_ref().map(|companion| block(companion.target))).collect()
+    }
+
+    #[test]
+    fn a_wheel_goes_across_though_only_the_one_behind_it_is_cut_alike() {
+        let wheel = |x: f64, y: f64, cuts| ([x, y, 0.0], 1.0, cuts);
+        let mesh =
+            blocks(&[wheel(-3.0, 0.0, 0), wheel(-3.0, 4.0, 0), wheel(2.0, 0.0, 7), wheel(2.0, 4.0, 7)]);
+        assert_eq!(targets(&mesh, 4), [Some(2), Some(3), Some(0), Some(1)]);
+    }
+
+    #[test]
+    fn an_arm_in_a_bracer_is_the_partner_of_one_without() {
+        let mesh =
+            blocks(&[([-2.0, 0.0, 0.0], 1.0, 0), ([0.9, 0.0, 0.0], 1.1, 7), ([-3.0, 6.0, 0.0], 6.0, 0)]);
+        assert_eq!(targets(&mesh, 3)[..2], [Some(1), Some(0)]);
+    }
 }

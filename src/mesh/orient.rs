@@ -1,7 +1,9 @@
 //! Consistent orientation over the edges that exactly two polygons share: disjoint sets of polygons, each as it was given and reversed.
 
+use super::Mesh;
 use super::edges::{EdgeTable, UnionFind};
 use super::polygons::Polygons;
+use super::vector::{cross, dot, subtract};
 
 /// What [`orientation`] decides, per polygon.
 pub struct Orientation {
@@ -55,4 +57,23 @@ fn lowest_that_agree(polygons: &Polygons, edges: &EdgeTable) -> Vec<[u32; 2]> {
         sets.join(a + count, reversed);
     }
     (0..count).map(|polygon| [sets.find(polygon), sets.find(polygon + count)]).collect()
+}
+
+impl Mesh {
+    /// Whether the faces of each shell look inwards: by its volume about the mean of its points, so that open ones say it, too.
+    pub fn inside_out(&self) -> Vec<bool> {
+        let (mut middles, mut counts) = (vec![[0.0; 3]; self.shell_count], vec![0.0; self.shell_count]);
+        for (at, &shell) in self.positions.iter().zip(&self.shell_of_point) {
+            (0..3).for_each(|axis| middles[shell as usize][axis] += at[axis]);
+            counts[shell as usize] += 1.0;
+        }
+        let mut volumes = vec![0.0; self.shell_count];
+        for triangle in &self.triangles {
+            let shell = self.shell_of_point[triangle[0] as usize] as usize;
+            let middle = middles[shell].map(|sum| sum / counts[shell]);
+            let [a, b, c] = triangle.map(|corner| subtract(self.positions[corner as usize], middle));
+            volumes[shell] += dot(a, cross(b, c));
+        }
+        volumes.into_iter().map(|volume| volume < 0.0).collect()
+    }
 }

@@ -10,11 +10,15 @@ use crate::mesh::Mesh;
 
 /// Rounds of colours: three leave lookalikes to half of an independent triangulation of 50,000 vertices, five to a thirtieth.
 const ROUNDS: usize = 5;
+/// Rounds of the colours that tell two shells alike in part: what is three rings away from a difference looks the same.
+const NEAR: usize = 3;
 
 /// Which shells have as many lookalikes as [`super::almost`] asks for. Others have no bijection, and no pairing but for a few
 /// defects. O(corners + points log points).
 pub(super) fn shells_with_lookalikes(mesh: &Mesh) -> Vec<bool> {
-    let mut of_shell = coloured(mesh);
+    let colours = coloured(mesh, ROUNDS);
+    let mut of_shell: Vec<(u64, u32)> =
+        colours.into_iter().zip(mesh.shell_of_point.iter().copied()).collect();
     of_shell.sort_unstable();
     let mut counts = vec![[0usize; 2]; mesh.shell_count];
     for class in of_shell.chunk_by(|a, b| a.0 == b.0) {
@@ -27,13 +31,9 @@ pub(super) fn shells_with_lookalikes(mesh: &Mesh) -> Vec<bool> {
     counts.iter().map(|&[repeated, points]| repeated as f64 >= REPEATED * points as f64).collect()
 }
 
-/// The colour of each point, and its shell.
-fn coloured(mesh: &Mesh) -> Vec<(u64, u32)> {
-    let mut colours = vec![0; mesh.point_count()];
-    for _ in 0..ROUNDS {
-        colours = refined(mesh, &colours);
-    }
-    colours.into_iter().zip(mesh.shell_of_point.iter().copied()).collect()
+/// The colour of each point after some rounds.
+fn coloured(mesh: &Mesh, rounds: usize) -> Vec<u64> {
+    (0..rounds).fold(vec![0; mesh.point_count()], |colours, _| refined(mesh, &colours))
 }
 
 /// One round: each face takes in the colours of its corners, each point those of its faces, both in no order.
@@ -51,28 +51,133 @@ fn refined(mesh: &Mesh, colours: &[u64]) -> Vec<u64> {
     rings
 }
 
-/// What is seen of a shell's connectivity that no mirroring changes.
-#[derive(Debug, Clone, Copy)]
-pub struct Signature {
-    /// Two shells of different connectivity hardly ever have the same.
-    pub hash: u64,
-    /// Share of the points, 0..=1, that tell themselves from most others by their surroundings: next to nothing of a regular tube.
-    pub distinct: f64,
+/// What the connectivity of a shell looks like around each of its points.
+#[derive(Debug)]
+pub struct Surroundings {
+    /// A hash of each point's as seen from outside, sorted.
+    seen: Vec<u64>,
+    /// The same as in a mirror.
+    mirrored: Vec<u64>,
 }
 
-/// The signature of each shell. O(corners + points log points).
-pub fn shell_signatures(mesh: &Mesh) -> Vec<Signature> {
-    let mut signatures = vec![Signature { hash: 0, distinct: 0.0 }; mesh.shell_count];
-    let mut points = vec![0usize; mesh.shell_count];
-    let mut of_shell = coloured(mesh);
-    of_shell.sort_unstable_by_key(|&(colour, shell)| (shell, colour));
-    for class in of_shell.chunk_by(|a, b| a == b) {
-        let (colour, shell) = (class[0].0, class[0].1 as usize);
-        let own = &mut signatures[shell];
-        own.hash = own.hash.wrapping_add(hash(colour).wrapping_mul(class.len() as u64));
-        own.distinct += if class.len() <= 2 { class.len() as f64 } else { 0.0 };
-        points[shell] += class.len();
+impl Surroundings {
+    /// Whether another shell's are the same, but for the order of corners around faces.
+    pub fn are_like(&self, other: &Surroundings) -> bool {
+        self.seen == other.mirrored || self.seen == other.seen
     }
-    signatures.iter_mut().zip(points).for_each(|(own, points)| own.distinct /= points.max(1) as f64);
-    signatures
+
+    /// How many points tell themselves from most others by their surroundings and have the mirror image of these in another shell, and their share, 0..=1: nearly
+    /// all of a mirrored copy, or of one with something else on it, next to nothing of a regular tube; none of a copy that was but turned. O(points).
+    pub fn mirrored_in(&self, other: &Surroundings) -> (usize, f64) {
+        let points = self.seen.len().max(other.seen.len()).max(1) as f64;
+        let [mirrored, turned] = [&other.mirrored, &other.seen].map(|there| shared(&self.seen, there));
+        if mirrored < turned { (0, 0.0) } else { (mirrored, mirrored as f64 / points) }
+    }
+}
+
+/// How many of some sorted values, each of which few have, are among others.
+fn shared(own: &[u64], there: &[u64]) -> usize {
+    let mut there = there.iter().peekable();
+    let few = own.chunk_by(|a, b| a == b).filter(|class| class.len() <= 2);
+    let found = |class: &[u64]| {
+        while there.next_if(|&&other| other < class[0]).is_some() {}
+        class.iter().filter(|&&value| there.next_if(|&&other| other == value).is_some()).count()
+    };
+    few.map(found).sum()
+}
+
+/// The surroundings of each shell. O(corners + points log points).
+pub fn surroundings(mesh: &Mesh) -> Vec<Surroundings> {
+    let colours = coloured(mesh, NEAR);
+    // The order of colours around a face, from either side.
+    let (mut seen, mut mirrored) = (colours.clone(), colours.clone());
+    let inside_out = mesh.inside_out();
+    for face in mesh.polygon_offsets.windows(2) {
+        let corners = &mesh.polygon_points[face[0] as usize..face[1] as usize];
+        for (corner, &point) in corners.iter().enumerate() {
+            let beside = [corner + corners.len() - 1, corner + 1];
+            let [before, after] = beside.map(|beside| colours[corners[beside % corners.len()] as usize]);
+            let [forth, back] = [[before, after], [after, before]].map(|[a, b]| hash(hash(a) ^ b));
+            let is_inside_out = inside_out[mesh.shell_of_point[point as usize] as usize];
+            let [forth, back] = if is_inside_out { [back, forth] } else { [forth, back] };
+            let (seen, mirrored) = (&mut seen[point as usize], &mut mirrored[point as usize]);
+            (*seen, *mirrored) = (seen.wrapping_add(forth), mirrored.wrapping_add(back));
+        }
+    }
+    let empty = || Surroundings { seen: Vec::new(), mirrored: Vec::new() };
+    let mut shells: Vec<Surroundings> = (0..mesh.shell_count).map(|_| empty()).collect();
+    for (point, &shell) in mesh.shell_of_point.iter().enumerate() {
+        shells[shell as usize].seen.push(seen[point]);
+        shells[shell as usize].mirrored.push(mirrored[point]);
+    }
+    for shell in &mut shells {
+        shell.seen.sort_unstable();
+        shell.mirrored.sort_unstable();
+    }
+    shells
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::limits::Limits;
+    use crate::mesh::PolygonMesh;
+
+    /// A closed shell of 20 corners that is like its mirror image nowhere, a copy beside it, its mirror image, and that given inside out.
+    fn copies() -> Mesh {
+        let turn = |k: u32, at: [f64; 3]| {
+            let angle = f64::from(k) * std::f64::consts::TAU / 6.0;
+            [at[0] * angle.cos(), at[0] * angle.sin(), at[1] + at[2]]
+        };
+        let ring = |level: u32| (0..6).map(move |k| turn(k, [1.0, f64::from(level), 0.0]));
+        let mut positions: Vec<[f64; 3]> = (0..3).flat_map(ring).collect();
+        positions.extend([[0.0, 0.0, -0.5], [0.0, 0.0, 2.5]]);
+        let mut faces: Vec<Vec<u32>> = Vec::new();
+        for k in 0..6 {
+            let next = (k + 1) % 6;
+            faces.extend([vec![next, k, 18], vec![12 + k, 12 + next, 19]]);
+            for level in [0, 6] {
+                let [a, b, c, d] = [level + k, level + next, level + 6 + next, level + 6 + k];
+                // Some squares are cut, along one diagonal or the other.
+                faces.extend(match (level + k) % 5 {
+                    0 | 1 => vec![vec![a, b, c], vec![a, c, d]],
+                    2 => vec![vec![a, b, d], vec![b, c, d]],
+                    _ => vec![vec![a, b, c, d]],
+                });
+            }
+        }
+        let mut all = PolygonMesh { face_offsets: vec![0], ..PolygonMesh::default() };
+        for (copy, [flip, reverse]) in
+            [[false, false], [false, false], [true, true], [true, false]].into_iter().enumerate()
+        {
+            let first = all.positions.len() as u32;
+            let sign = if flip { -1.0 } else { 1.0 };
+            all.positions.extend(positions.iter().map(|&[x, y, z]| [sign * x + 4.0 * copy as f64, y, z]));
+            for face in &faces {
+                let corners = face.iter().map(|&corner| first + corner);
+                match reverse {
+                    true => all.face_vertices.extend(corners.rev()),
+                    false => all.face_vertices.extend(corners),
+                }
+                all.face_offsets.push(all.face_vertices.len() as u32);
+            }
+        }
+        Mesh::new(&all, &Limits::default()).expect("a usable mesh")
+    }
+
+    #[test]
+    fn a_mirrored_copy_is_told_from_one_that_was_moved() {
+        let mesh = copies();
+        let surroundings = surroundings(&mesh);
+        let of = |copy: usize| {
+            let point = mesh.point_of_vertex[20 * copy];
+            &surroundings[mesh.shell_of_point[point as usize] as usize]
+        };
+        assert_eq!(of(0).mirrored_in(of(1)), (0, 0.0));
+        for copy in [2, 3] {
+            let (points, share) = of(0).mirrored_in(of(copy));
+            assert!(points >= 15 && share >= 0.75, "{points} {share}");
+        }
+        assert!((1..4).all(|copy| of(0).are_like(of(copy))));
+    }
 }
