@@ -297,7 +297,7 @@ def changeable(mesh, mode):
     if mode == "SCULPT":
         free *= 1 - _of_points(mesh, ".sculpt_mask")
     elif mode != "EDIT" and mesh.use_paint_mask:
-        free *= _of_selected_faces(mesh)
+        free *= of_selected_faces(mesh)
     elif mode != "EDIT" and mesh.use_paint_mask_vertex:
         free *= selected_vertices(mesh)
     return free
@@ -309,7 +309,7 @@ def _of_points(mesh, name):
     return np.zeros(len(mesh.vertices)) if attribute is None else read_attribute(attribute).astype(float)
 
 
-def _of_selected_faces(mesh):
+def of_selected_faces(mesh):
     """(vertices,) bool: the corners of selected faces."""
     chosen = np.empty(len(mesh.polygons), bool)
     mesh.polygons.foreach_get("select", chosen)
