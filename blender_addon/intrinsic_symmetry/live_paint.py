@@ -99,14 +99,6 @@ class PaintChannel:
         return current[vertices]
 
 
-def paintable(mesh):
-    """(faces,) bool: those that are neither hidden nor outside a paint selection."""
-    hidden, selected = np.empty((2, len(mesh.polygons)), bool)
-    mesh.polygons.foreach_get("hide", hidden)
-    mesh.polygons.foreach_get("select", selected)
-    return ~hidden & (selected | (not mesh.use_paint_mask))
-
-
 class SculptedPositions(Positions, PaintChannel):
     """Positions in sculpt mode; the mask says how much of a change arrives."""
 
@@ -165,9 +157,8 @@ class Colours(PaintChannel):
     def flags(self, lit):
         selected, fixed, share = super().flags(lit)
         if self._is_of_corners:
-            mesh = self._object.data
-            offsets, vertex = mesh_data.polygons(mesh)
-            fixed = fixed[vertex] | ~np.repeat(paintable(mesh), np.diff(offsets))
+            mesh, mode = self._object.data, self._object.mode
+            fixed = fixed[mesh_data.polygons(mesh).corners] | ~mesh_data.open_elements(mesh, mode, "CORNER")
             selected = np.zeros(len(fixed), bool)
         return selected, fixed, share
 

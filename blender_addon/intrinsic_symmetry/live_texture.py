@@ -14,7 +14,7 @@ from mathutils.bvhtree import BVHTree
 from . import mesh_data
 from .elements import barycentric
 from .live_carry import differing
-from .live_paint import PaintChannel, paintable
+from .live_paint import PaintChannel
 
 #: How far beyond a triangle's border texels belong to it, as those of no triangle do in Blender's own strokes.
 _MARGIN = 2.0
@@ -140,7 +140,7 @@ class _Mirror:
         self._size = np.array(size)
         uvs = mesh_data.read_attribute(mesh.attributes[uv_map])
         self._uvs = uvs[corners.reshape(-1, 3)] * self._size - 0.5  # in texels: whole numbers are their centres
-        self._open = paintable(mesh)[faces]
+        self._open = mesh_data.open_elements(mesh, object.mode, "FACE")[faces]
         self._points = mesh_data.positions(mesh).astype(float)
         self._carrier = carrier
 

@@ -303,6 +303,21 @@ def changeable(mesh, mode):
     return free
 
 
+def open_elements(mesh, mode, domain):
+    """(elements,) bool: edges, faces or face corners that Blender's own tools may change in a mode. Those of hidden faces
+    are not, whatever their vertices are, nor in the paint modes those outside the paint selection of faces."""
+    if domain == "CORNER":
+        return np.repeat(open_elements(mesh, mode, "FACE"), np.diff(polygons(mesh)[0]))
+    elements = {"POINT": mesh.vertices, "EDGE": mesh.edges, "FACE": mesh.polygons}[domain]
+    hidden, selected = np.zeros((2, len(elements)), bool)
+    if mode != "OBJECT":
+        elements.foreach_get("hide", hidden)
+    if domain != "FACE" or mode in ("OBJECT", "EDIT", "SCULPT") or not mesh.use_paint_mask:
+        return ~hidden
+    elements.foreach_get("select", selected)
+    return ~hidden & selected
+
+
 def _of_points(mesh, name):
     """(vertices,) values of an attribute, 0 where there is none."""
     attribute = mesh.attributes.get(name)

@@ -47,13 +47,15 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
         free = self.may_change(object, mode, symmetry)
         how_far = _HowFar(shares(symmetry, self.merge), self.trust(symmetry) * free, self.merge)
         if mesh.has_custom_normals and self._name(mesh) == _NORMALS:
-            return _mirror_normals(symmetry, mesh, how_far)
+            return _mirror_normals(symmetry, mesh, how_far, mesh_data.open_elements(mesh, mode, "CORNER"))
         attribute = self._attribute(mesh)
         values = mesh_data.read_attribute(attribute)
         if self.as_vector:
             new = self._vectors(symmetry, object, attribute, values, self.shares(symmetry) * free)
         else:
             new = _MIRROR[attribute.domain](symmetry, mesh, attribute, values, how_far)
+        fixed = ~mesh_data.open_elements(mesh, mode, attribute.domain)
+        new[fixed] = values[fixed]
         mesh_data.update_attribute(mesh.attributes[attribute.name], new)
         mesh.update()
         changed = (new != values).reshape(len(values), -1).any(axis=1)
@@ -157,12 +159,14 @@ def normals(mesh):
     return values
 
 
-def _mirror_normals(symmetry, mesh, how_far):
-    """Those of face corners, turned with the surface."""
-    own = normals(mesh)
+def _mirror_normals(symmetry, mesh, how_far, may_change):
+    """Those of face corners, turned with the surface. `may_change`: (corners,) bool; around a vertex Blender keeps one
+    normal for all corners of a smooth surface, so that one which may not change holds all."""
+    own, vertex = normals(mesh), mesh_data.polygons(mesh).corners
+    may_change = np.bincount(vertex, ~may_change)[vertex] == 0
     image, share = _corner_images(symmetry, mesh, own, how_far, True)
-    turn = local_frames.turns(symmetry, mesh_data.positions(mesh))[mesh_data.polygons(mesh).corners]
-    new = blend(own, np.einsum("nij,nj->ni", turn, image), share)
+    turn = local_frames.turns(symmetry, mesh_data.positions(mesh))[vertex]
+    new = blend(own, np.einsum("nij,nj->ni", turn, image), share * may_change)
     new /= np.maximum(np.linalg.norm(new, axis=1, keepdims=True), 1e-12)
     mesh.normals_split_custom_set(new.tolist())
     mesh.update()
