@@ -177,7 +177,9 @@ def _load(mesh):
 
 
 def switch_on(object):
-    """Raises mesh_data.MeshProblem if there is no map to follow."""
+    """Raises mesh_data.MeshProblem if there is no map to follow, or the mesh cannot be written."""
+    if problem := mesh_data.why_fixed(object, is_left=object.mode == "EDIT"):
+        raise mesh_data.MeshProblem(f"the mesh {problem}")
     session = Session(object)
     session.enter(object)
     _sessions[object.session_uid] = session

@@ -24,24 +24,29 @@ class MeshProblem(Exception):
     """What the user has to know; the text is shown as it is."""
 
 
-def why_not(context):
-    """Why the active object cannot be worked on, or nothing."""
+def why_not(context, only_read=False):
+    """Why the active object cannot be worked on, or `only_read`; or nothing."""
     object = context.active_object
     if object is None or object.type != "MESH":
         return "Needs an active mesh object"
-    problem = why_fixed(object, is_left=object.mode == "EDIT")
+    problem = why_fixed(object, object.mode == "EDIT", only_read)
     return f"The mesh {problem}" if problem else None
 
 
-def why_fixed(object, is_left=False):
-    """Why an object's mesh cannot be written, to follow its name, or nothing. `is_left`: edit mode is left before."""
+def why_fixed(object, is_left=False, only_read=False):
+    """Why an object's mesh cannot be written, or `only_read`, to follow its name; or nothing. `is_left`: edit mode is left
+    before."""
     mesh = object.data
-    if mesh.library is not None or mesh.override_library is not None:
+    if is_linked(mesh) and not only_read:
         return "is linked from another file: make it local first"
     if mesh.is_editmode and not is_left:
         through = ": leave it first" if object.mode == "EDIT" else " through another object: leave that first"
         return f"is in edit mode{through}"
     return None
+
+
+def is_linked(mesh):
+    return mesh.library is not None or mesh.override_library is not None
 
 
 def refuse_fixed(objects):
