@@ -37,8 +37,8 @@ class Track:
     """One array of values that the mode of an object edits, and what has happened to it."""
 
     def __init__(self, channel, carrier, kept, undone):
-        """`carrier` is that of the vertices. `kept`: state and history when it was edited last, or nothing. After an undo the state is looked for in the
-        history; else it is only gone on with if it is still there."""
+        """`carrier` is that of the vertices. `kept`: state and history when it was edited last, or nothing. After an undo
+        the state is looked for in the history; else it is only gone on with if it is still there."""
         self.channel, values, carrier = channel, channel.values, channel.carrier(carrier)
         state, history = kept or (values, None)
         if state.shape != values.shape:

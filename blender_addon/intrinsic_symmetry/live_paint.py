@@ -142,7 +142,7 @@ class Colours(PaintChannel):
         return self._attribute.domain == "CORNER"
 
     def _elements(self):
-        return self._attribute.data
+        return getattr(self._attribute, "data", ())
 
     def _read(self):
         return mesh_data.read_attribute(self._attribute)

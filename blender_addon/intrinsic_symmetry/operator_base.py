@@ -31,7 +31,8 @@ class MeshOperator:
 
     @classmethod
     def poll(cls, context):
-        problem = mesh_data.why_not(context, cls.only_reads) or cls.lacks(context, context.active_object) or cls._all_empty(context)
+        problem = mesh_data.why_not(context, cls.only_reads)
+        problem = problem or cls.lacks(context, context.active_object) or cls._all_empty(context)
         if problem:
             cls.poll_message_set(problem)
         return problem is None
