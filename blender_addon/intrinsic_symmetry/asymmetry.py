@@ -21,6 +21,8 @@ ABOUT = (
 )
 #: A body is posed if more than this share of its surface is farther from its place than this share of its size.
 _POSED_SHARE, _POSED_DISTANCE = 0.05, 0.05
+#: A vertex has a mirrored one if that is off by less than this share of the size, as numbers in files are.
+_EXACT = 1e-5
 _ROUNDS = 20
 
 
@@ -46,7 +48,20 @@ class Reference:
         if self.plane is None:
             return symmetry.symmetrize_positions(positions, Merge.SWAP)
         found = self.plane.reflect(symmetry.surface_points.positions(positions))
+        found = np.where(self.exact(symmetry, positions)[:, None], self._partners(symmetry, positions), found)
         return np.where(np.isfinite(found), found, positions)
+
+    def exact(self, symmetry, positions):
+        """(vertices,) bool: those at the mirrored places of their partners. What the map says of the surface beside these
+        is not as near; in a pose there are none."""
+        if self.plane is None:
+            return np.zeros(len(positions), bool)
+        off = np.linalg.norm(self._partners(symmetry, positions) - positions, axis=1)
+        return (symmetry.partner >= 0) & (off <= _EXACT * size(positions))
+
+    def _partners(self, symmetry, positions):
+        """(vertices, 3) the mirrored places of the partners."""
+        return self.plane.reflect(positions[symmetry.partner.astype(np.int64)])
 
     def asymmetry(self, symmetry, positions):
         """(vertices,) how far each vertex is from there, in the size of the object."""

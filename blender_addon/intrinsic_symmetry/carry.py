@@ -24,7 +24,7 @@ def loaded(mesh):
     try:
         return stored_map.load(mesh), ""
     except stored_map.ChangedMesh:
-        if not stored_map.may_be_carried(mesh):
+        if not stored_map.may_be_carried(mesh) or mesh_data.is_linked(mesh):
             raise
     said = _bring(mesh)
     return stored_map.load(mesh), said

@@ -12,7 +12,11 @@ def edge_partners(mesh, partner):
     if not len(ends):
         return np.zeros(0, np.int64)
     keys = np.sort(ends, axis=1) @ (len(partner), 1)
-    wanted = np.sort(partner[ends], axis=1).astype(np.int64) @ (len(partner), 1)
+    return _rows(keys, np.sort(partner[ends], axis=1).astype(np.int64) @ (len(partner), 1))
+
+
+def _rows(keys, wanted):
+    """The row of each wanted one among the keys, -1 where it is none."""
     order = np.argsort(keys)
     place = order[np.clip(np.searchsorted(keys, wanted, sorter=order), 0, len(keys) - 1)]
     return np.where(keys[place] == wanted, place, -1)
@@ -43,10 +47,14 @@ def corner_partners(mesh, partner, faces):
     """(corners,) the corner at the partner of each corner's vertex in the partner of its face, of `face_partners`;
     -1 where that face has no such corner."""
     offsets, corners = mesh_data.polygons(mesh)
-    face_of = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
-    place = {pair: corner for corner, pair in enumerate(zip(face_of.tolist(), corners.tolist()))}
-    wanted = zip(faces[face_of].tolist(), partner[corners].tolist())
-    return np.fromiter((place.get(pair, -1) for pair in wanted), np.int64, len(corners))
+    return corners_at(mesh, np.repeat(faces, np.diff(offsets)), partner[corners].astype(np.int64))
+
+
+def corners_at(mesh, faces, vertices):
+    """The corner of each face at each vertex; -1 where there is none, or face or vertex are below 0."""
+    offsets, corners = mesh_data.polygons(mesh)
+    face_of, count = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets)), len(mesh.vertices)
+    return np.where(vertices >= 0, _rows(face_of * count + corners, faces * count + vertices), -1)
 
 
 def barycentric(points, triangles):

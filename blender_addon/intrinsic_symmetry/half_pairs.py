@@ -7,6 +7,7 @@ mirror image is cut. Where the twins around an edit are mirrored about one plane
 """
 
 import functools
+from collections import Counter
 
 import numpy as np
 from intrinsym import Merge
@@ -177,14 +178,14 @@ class _Pairs:
 
     def _doubled(self, labels):
         """(vertices,) bool: ends of edges on the line with two faces that would be copied: these would have four."""
-        sizes = np.diff(self._offsets)
-        face = np.repeat(np.arange(len(sizes)), sizes)
-        copied = np.logical_or.reduceat(labels[self._corners] == WINS, self._offsets[:-1])[face]
-        step = np.arange(len(face)) - self._offsets[face]
-        ends = np.stack([self._corners, self._corners[self._offsets[face] + (step + 1) % sizes[face]]], axis=1)
-        ends = np.sort(ends[copied & (labels[ends] == LINE).all(axis=1)], axis=1)
-        edges, count = np.unique(ends, axis=0, return_counts=True)
-        return np.isin(np.arange(len(labels)), edges[count > 1])
+        twin = np.where(labels == LINE, np.arange(len(labels)), self._twin)
+        rows = np.flatnonzero(np.add.reduceat(labels[self._corners] == LINE, self._offsets[:-1], dtype=int) > 1)
+        faces = [self._corners[self._offsets[row] : self._offsets[row + 1]].tolist() for row in rows]
+        lone = [faces[number] for number in half_faces.without_images(faces, twin.tolist())]
+        copied = [face for face in lone if (labels[face] == WINS).any()]
+        count = Counter(frozenset(ends) for face in copied for ends in zip(face, face[1:] + face[:1]))
+        doubled = [list(ends) for ends, faces in count.items() if faces > 1 and (labels[list(ends)] == LINE).all()]
+        return np.isin(np.arange(len(labels)), doubled)
 
     def _touched(self, flags, region):
         """(vertices,) bool: those of whose region a face has one of the flags, (vertices,) bool."""
@@ -200,13 +201,16 @@ class _Pairs:
         return chosen & np.isin(group, group[seeds])
 
     def _crossed(self, bm, faces):
-        """Winning ends, losing ends, shares and numbers of the edges at which faces are cut."""
-        found = {}
+        """Winning ends, losing ends, shares and numbers of the edges at which faces are cut. Where an edge is not its own
+        image, the cut parts its other faces from their images: these are cut, too."""
+        found, faces = {}, list(faces)
         for corners in faces:
             for pair in zip(corners, corners[1:] + corners[:1]):
-                if sorted(self._labels[list(pair)]) == [LOSES, WINS]:
-                    edge = bm.edges.get([bm.verts[vertex] for vertex in pair])
+                edge = bm.edges.get([bm.verts[vertex] for vertex in pair])
+                if sorted(self._labels[list(pair)]) == [LOSES, WINS] and edge.index not in found:
                     found[edge.index] = sorted(pair, key=lambda vertex: -self._labels[vertex])
+                    if self._twin[pair[0]] != pair[1]:
+                        faces += [[vertex.index for vertex in face.verts] for face in edge.link_faces]
         winning, losing = np.array(list(found.values()), np.int64).reshape(-1, 2).T
         ahead, behind = self._height[winning], -self._height[losing]
         if count := np.count_nonzero((ahead <= 0) | (behind <= 0)):

@@ -37,9 +37,9 @@ class Track:
     """One array of values that the mode of an object edits, and what has happened to it."""
 
     def __init__(self, channel, carrier, kept, undone):
-        """`kept`: state and history when it was edited last, or nothing. After an undo the state is looked for in the
-        history; else it is only gone on with if it is still there."""
-        self.channel, values = channel, channel.values
+        """`carrier` is that of the vertices. `kept`: state and history when it was edited last, or nothing. After an undo
+        the state is looked for in the history; else it is only gone on with if it is still there."""
+        self.channel, values, carrier = channel, channel.values, channel.carrier(carrier)
         state, history = kept or (values, None)
         if state.shape != values.shape:
             state = None
@@ -177,7 +177,9 @@ def _load(mesh):
 
 
 def switch_on(object):
-    """Raises mesh_data.MeshProblem if there is no map to follow."""
+    """Raises mesh_data.MeshProblem if there is no map to follow, or the mesh cannot be written."""
+    if problem := mesh_data.why_fixed(object, is_left=object.mode == "EDIT"):
+        raise mesh_data.MeshProblem(f"the mesh {problem}")
     session = Session(object)
     session.enter(object)
     _sessions[object.session_uid] = session

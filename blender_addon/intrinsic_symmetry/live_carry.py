@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What live mirroring does to arrays: which vertices follow which, and where they go.
 
-Values are (vertices, components): positions, weights, colours. A change of positions turns on its way, by one matrix a
-vertex; those are three displacements of `intrinsym.Symmetry.carry_displacement`, one along each axis. No bpy here.
+Values are (vertices, components): positions, weights, colours; of a colour attribute of face corners, (corners,
+components). Of positions the change is carried, and turns on its way, by one matrix a vertex; those are three
+displacements of `intrinsym.Symmetry.carry_displacement`, one along each axis. Of all else the value is. No bpy here.
 """
 
 import numpy as np
@@ -18,18 +19,20 @@ def differing(one, other):
 
 
 class Carrier:
-    """The map of a mesh, ready to carry the change of some vertices."""
+    """The map of a mesh, ready to carry what happens to some vertices."""
 
     def __init__(self, symmetry):
-        points = symmetry.surface_points
-        self.symmetry, self.side = symmetry, symmetry.side
-        self.has_image = symmetry.partner >= 0
-        self.corners = np.where(self.has_image[:, None], points.corners, 0).astype(np.intp)
-        self.weights = np.where(self.has_image[:, None], points.barycentrics, 0).astype(float)
-        self.on_line = self.has_image & (self.side == 0)
-        if symmetry.kind == SymmetryKind.HALF_TURN:
+        points, self.symmetry = symmetry.surface_points, symmetry
+        self._set(symmetry.side, symmetry.partner >= 0, points.corners, points.barycentrics)
+
+    def _set(self, side, has_image, corners, weights):
+        self.side, self.has_image = side, has_image
+        self.corners = np.where(has_image[:, None], corners, 0).astype(np.intp)
+        self.weights = np.where(has_image[:, None], weights, 0).astype(float)
+        self.on_line = has_image & (side == 0)
+        if self.symmetry.kind == SymmetryKind.HALF_TURN:
             self.on_line[:] = False
-        self.turn = self.fitted_to = None
+        self.turn = self.fitted_to = self.of_corners = None
 
     def fit(self, positions):
         """Fits the matrices to a pose, (vertices, 3) float32; nothing is done if they fit it already."""
@@ -60,6 +63,18 @@ class Carrier:
 
     def route(self, vertices):
         return Route(self, vertices)
+
+
+class CornerCarrier(Carrier):
+    """That of face corners, whose images are points between three corners of a face. Where the map has a vertex on the
+    line, the face says of which side its corner is."""
+
+    def __init__(self, carrier, offsets, vertex, images):
+        """`images`, (corners, 3), are the corners; each counts as its vertex does in the image of the corner's."""
+        self.symmetry, side = carrier.symmetry, carrier.side[vertex]
+        of_faces = np.repeat(np.sign(np.add.reduceat(side.astype(int), offsets[:-1])), np.diff(offsets))
+        has_image = carrier.has_image[vertex] & (images >= 0).all(axis=1)
+        self._set(np.where(side == 0, of_faces, side), has_image, images, carrier.weights[vertex])
 
 
 class Route:
@@ -95,7 +110,7 @@ class Change:
     """What one operation has done to one array so far: `base` before it, `current` now, `written` by us.
 
     Every update starts from `base` again, so that an operation that is cancelled leaves nothing behind. The channel
-    that the values are of says what becomes of a change on its way (`mirrored`) and of one on the line (`on_line`).
+    that the values are of says what arrives on the other side (`carried`) and what stays on the line (`on_line`).
     """
 
     def __init__(self, carrier, values, channel):
@@ -132,9 +147,8 @@ class Change:
         return plan.candidates if changed.any() else plan.candidates[:0]
 
     def _write(self, plan, share):
-        sources, targets = plan.sources, plan.targets
-        plan.change[sources] = self.current[sources] - self.base[sources].astype(float)
-        carried = self._channel.mirrored(plan.route, plan.route.carry(plan.change))
+        targets = plan.targets
+        carried = self._channel.carried(plan, self.base, self.current)
         if share is not None:
             carried *= share[targets, None]
         self.current[plan.left] = self.base[plan.left]
@@ -142,8 +156,7 @@ class Change:
         self.written[plan.left], self.written[targets], self.moved[targets] = False, True, False
 
     def _change_line(self, vertices):
-        change = self.current[vertices] - self.base[vertices].astype(float)
-        self.current[vertices] = self.base[vertices] + self._channel.on_line(self.carrier, vertices, change)
+        self.current[vertices] = self._channel.on_line(self.carrier, vertices, self.base, self.current)
 
     def _winning_side(self, selected):
         """The side whose change is carried, or 0 for both: the one with selected vertices; without a selection, as in

@@ -160,12 +160,17 @@ class Positions:
     turns = True
 
     @staticmethod
-    def mirrored(route, there):
-        return route.turned(there)
+    def carrier(of_vertices):
+        return of_vertices
 
     @staticmethod
-    def on_line(carrier, vertices, change):
-        return carrier.clamped(vertices, change)
+    def carried(plan, base, current):
+        plan.change[plan.sources] = current[plan.sources] - base[plan.sources].astype(float)
+        return plan.route.turned(plan.route.carry(plan.change))
+
+    @staticmethod
+    def on_line(carrier, vertices, base, current):
+        return base[vertices] + carrier.clamped(vertices, current[vertices] - base[vertices].astype(float))
 
 
 class EditChannel(Positions, EditVertices):

@@ -5,16 +5,20 @@ import bpy
 import numpy as np
 
 from . import mesh_data, side_names
+from .elements import corner_partners, corners_at, face_partners
+from .live_carry import CornerCarrier
 from .live_edit import Positions
+from .vertex_map import whole
 from .weights import read_weights
 
 _STROKES = ("SCULPT_OT_", "PAINT_OT_")
 
 
 class PaintChannel:
-    """One array of an object's mesh, (vertices, components) float32. Each kind says how it is read and written."""
+    """One array of an object's mesh, (vertices, components) float32. Each kind says how it is read and written. What a
+    stroke makes of a value on one side is the value on the other."""
 
-    turns, limits = False, None
+    turns = False
 
     def __init__(self, object, key):
         self._object, self.key = object, key
@@ -22,9 +26,17 @@ class PaintChannel:
 
     def is_alive(self):
         try:
-            return len(self._object.data.vertices) == len(self.values)
+            return len(self._elements()) == len(self.values)
         except ReferenceError:
             return False
+
+    def _elements(self):
+        """Those that have the values."""
+        return self._object.data.vertices
+
+    def carrier(self, of_vertices):
+        """The map of the elements, from that of the vertices."""
+        return of_vertices
 
     @staticmethod
     def is_busy():
@@ -45,7 +57,7 @@ class PaintChannel:
     def write(self, vertices, values):
         """Returns what the vertices hold now: bytes do not hold all."""
         wanted = self.values.copy()
-        wanted[vertices] = values if self.limits is None else np.clip(values, *self.limits)
+        wanted[vertices] = values
         self._write(wanted, vertices)
         self.values = self._read()
         return self.values[vertices]
@@ -63,24 +75,28 @@ class PaintChannel:
         if mesh.use_paint_mask_vertex:
             fixed |= ~mesh_data.selected_vertices(mesh)
         elif mesh.use_paint_mask:
-            fixed |= ~_vertices_of_selected_faces(mesh)
+            fixed |= ~mesh_data.of_selected_faces(mesh)
         return np.zeros(len(fixed), bool), fixed, None
 
+    def carried(self, plan, base, current):
+        """The values at the images, by the share of each image that was painted."""
+        painted = np.zeros(base.shape)
+        painted[plan.sources] = self._painted(base[plan.sources], current[plan.sources])
+        share, there = (self._mirrored(plan.route.carry(values)) for values in (painted, painted * current))
+        return there - share * base[plan.targets]
+
     @staticmethod
-    def mirrored(_route, there):
+    def _painted(before, after):
+        """Which components a stroke has given their values, of elements that it has changed."""
+        return np.ones(before.shape)
+
+    @staticmethod
+    def _mirrored(there):
         return there
 
     @staticmethod
-    def on_line(_carrier, _vertices, change):
-        return change
-
-
-def _vertices_of_selected_faces(mesh):
-    selected, (offsets, corners) = np.empty(len(mesh.polygons), bool), mesh_data.polygons(mesh)
-    mesh.polygons.foreach_get("select", selected)
-    inside = np.zeros(len(mesh.vertices), bool)
-    inside[corners[np.repeat(selected, np.diff(offsets))]] = True
-    return inside
+    def on_line(_carrier, vertices, _base, current):
+        return current[vertices]
 
 
 class SculptedPositions(Positions, PaintChannel):
@@ -103,8 +119,6 @@ class SculptedPositions(Positions, PaintChannel):
 class Mask(PaintChannel):
     """The sculpt mask."""
 
-    limits = 0, 1
-
     def _read(self):
         mask = self._object.data.attributes.get(".sculpt_mask")
         if mask is None:
@@ -117,37 +131,53 @@ class Mask(PaintChannel):
 
 
 class Colours(PaintChannel):
-    """The active colour attribute. Where corners have colours of their own, a vertex has their mean, and its change is
-    theirs."""
-
-    limits = 0, 1
+    """The active colour attribute, of vertices or of face corners."""
 
     @property
     def _attribute(self):
         return self._object.data.color_attributes.active_color
 
-    def _read(self):
-        values = mesh_data.read_attribute(self._attribute)
-        if self._attribute.domain == "POINT":
-            return values
-        _, corners = mesh_data.polygons(self._object.data)
-        count = len(self._object.data.vertices)
-        sums = [np.bincount(corners, values[:, column], count) for column in range(4)]
-        uses = np.maximum(np.bincount(corners, minlength=count), 1)
-        return (np.stack(sums, axis=1) / uses[:, None]).astype(np.float32)
+    @property
+    def _is_of_corners(self):
+        return self._attribute.domain == "CORNER"
 
-    def _write(self, values, _vertices):
-        if self._attribute.domain == "CORNER":
-            _, corners = mesh_data.polygons(self._object.data)
-            values = mesh_data.read_attribute(self._attribute) + (values - self.values)[corners]
-        mesh_data.update_attribute(self._attribute, np.clip(values, 0, 1))
+    def _elements(self):
+        return getattr(self._attribute, "data", ())
+
+    def _read(self):
+        return mesh_data.read_attribute(self._attribute)
+
+    def _write(self, values, _elements):
+        mesh_data.update_attribute(self._attribute, values)
         self._object.data.update()
+
+    def carrier(self, of_vertices):
+        return of_corners(of_vertices, self._object.data) if self._is_of_corners else of_vertices
+
+    def flags(self, lit):
+        selected, fixed, share = super().flags(lit)
+        if self._is_of_corners:
+            mesh, mode = self._object.data, self._object.mode
+            fixed = fixed[mesh_data.polygons(mesh).corners] | ~mesh_data.open_elements(mesh, mode, "CORNER")
+            selected = np.zeros(len(fixed), bool)
+        return selected, fixed, share
+
+
+def of_corners(carrier, mesh):
+    """The map of face corners, made once: the image of each is that in the mirror image of its face, as far as there is
+    one, or else in the face that holds the image of its vertex."""
+    if carrier.of_corners is None:
+        symmetry, (offsets, vertex) = carrier.symmetry, mesh_data.polygons(mesh)
+        points, faces = symmetry.surface_points, face_partners(mesh, symmetry)
+        exact = corner_partners(mesh, symmetry.partner, faces)[:, None]
+        held = corners_at(mesh, points.faces[vertex][:, None].astype(np.int64), points.corners[vertex].astype(np.int64))
+        images = np.where((exact >= 0) & whole(symmetry)[vertex][:, None], exact, held)
+        carrier.of_corners = CornerCarrier(carrier, offsets, vertex, images)
+    return carrier.of_corners
 
 
 class Weights(PaintChannel):
     """The active vertex group and, as second column, that of the other side; a group without a side is its own."""
-
-    limits = 0, 1
 
     def __init__(self, object, key):
         self._groups = key[1:]
@@ -166,13 +196,18 @@ class Weights(PaintChannel):
         self._object.data.update()
 
     @staticmethod
-    def mirrored(_route, there):
+    def _painted(before, after):
+        """The weight in one group may be painted, and that in the other is not."""
+        return before != after
+
+    @staticmethod
+    def _mirrored(there):
         return there[:, ::-1]
 
     @staticmethod
-    def on_line(_carrier, _vertices, change):
+    def on_line(_carrier, vertices, _base, current):
         """Both groups have the same there."""
-        return np.repeat(change[:, :1], change.shape[1], axis=1)
+        return np.repeat(current[vertices, :1], current.shape[1], axis=1)
 
 
 def channels_of(object):
@@ -184,7 +219,7 @@ def channels_of(object):
 def keys_of(object):
     """Names of the arrays, without reading them."""
     colour = object.data.color_attributes.active_color
-    colours = [("COLOURS", colour.name)] if colour is not None else []
+    colours = [("COLOURS", colour.name, colour.domain)] if colour is not None else []
     if object.mode == "SCULPT" and not object.use_dynamic_topology_sculpting:
         return [("POSITIONS", mesh_data.key_name(object)), ("MASK",), *colours]
     if object.mode == "VERTEX_PAINT":

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Live mirroring of texture paint: after a stroke, the texels of the other side whose image points it has changed
-change as much.
+have what is there.
 
 A texel of the other side is a place in a triangle of the UV map. Its image point is the same place among the image
-points of that triangle's corners, brought to the nearest triangle that the stroke has touched, and the change is read
-there. Only triangles near the stroke and near its mirror image are looked at.
+points of that triangle's corners, brought to the nearest triangle that the stroke has touched, and what it has
+painted is read there. Only triangles near the stroke and near its mirror image are looked at.
 """
 
 import bpy
@@ -20,7 +20,7 @@ from .live_paint import PaintChannel
 _MARGIN = 2.0
 #: A change of a larger share of the image is no stroke, and stays as it is.
 _MOST_OF_IMAGE = 0.25
-#: Change of a texel that counts: less than a byte holds.
+#: Share of a texel that counts: less than a byte holds.
 _STILL = 1e-3
 
 
@@ -97,11 +97,10 @@ class TextureTrack(PaintChannel):
             self.values = pixels
             return
         before, mirror = self.values, _Mirror(self._object, self._carrier, *self.key[2:])
-        texels, change = mirror.carried(changed, pixels[changed] - before[changed])
+        texels, values, share = mirror.carried(changed, before[changed], pixels[changed])
         self.values = pixels
         if len(texels):
-            most = np.inf if canvas(self._object)[0].is_float else 1
-            pixels[texels] = np.clip(pixels[texels] + change, 0, most)
+            pixels[texels] = (1 - share) * pixels[texels] + values
             self._write(pixels)
         both = np.concatenate([changed, texels])
         self.history = self.history[: self.done]
@@ -141,22 +140,22 @@ class _Mirror:
         self._size = np.array(size)
         uvs = mesh_data.read_attribute(mesh.attributes[uv_map])
         self._uvs = uvs[corners.reshape(-1, 3)] * self._size - 0.5  # in texels: whole numbers are their centres
-        self._open = _paintable(mesh)[faces]
+        self._open = mesh_data.open_elements(mesh, object.mode, "FACE")[faces]
         self._points = mesh_data.positions(mesh).astype(float)
         self._carrier = carrier
 
-    def carried(self, changed, change):
-        """Flat numbers of the texels that follow, and (texels, 4) how much they change."""
+    def carried(self, changed, before, after):
+        """Flat numbers of the texels that follow, (texels, 4) what was painted there, and (texels, 1) its share in them."""
         touched = self._touching(changed)
         texels, triangles, weights = self._raster(touched)
         of_stroke = np.isin(texels, changed)
         sizes = np.zeros(self._size.prod(), np.float32)
-        sizes[changed] = np.abs(change).sum(axis=1)
+        sizes[changed] = np.abs(after - before).sum(axis=1)
         sides = np.einsum("tc,tc->t", weights, self._carrier.side[self._vertices[triangles]])
         side = np.sign((sizes[texels] * np.sign(sides))[of_stroke].sum())
         sources = np.unique(triangles[of_stroke & (sides * side > -1)])
         if not side or not len(sources):
-            return np.zeros(0, np.int64), np.zeros((0, 4))
+            return np.zeros(0, np.int64), np.zeros((0, 4)), np.zeros((0, 1))
         sources = self._around(sources)
         targets = self._followers(sources, side)
         around = self._touching(self._raster(targets)[0])  # a margin may lie in another triangle
@@ -165,9 +164,9 @@ class _Mirror:
         losing &= np.isin(triangles, targets) & ~np.isin(texels, changed)
         texels, triangles, weights = texels[losing], triangles[losing], weights[losing]
         places, found = self._image_places(sources, triangles, weights)
-        values = _sampled(changed, change, self._size, places)
-        found &= np.abs(values).max(axis=1, initial=0) > _STILL
-        return texels[found], values[found]
+        values = _sampled(changed, np.column_stack([after, np.ones(len(after))]), self._size, places)
+        found &= values[:, 4] > _STILL
+        return texels[found], values[found, :4], values[found, 4:]
 
     def _touching(self, changed):
         """Triangles whose box in the UV map, with its margin, holds changed texels."""
@@ -234,14 +233,6 @@ class _Mirror:
         return np.einsum("tc,tcu->tu", inside, self._uvs[nearest]), found
 
 
-def _paintable(mesh):
-    """(faces,) bool: those that are neither hidden nor outside a paint selection."""
-    hidden, selected = np.empty((2, len(mesh.polygons)), bool)
-    mesh.polygons.foreach_get("hide", hidden)
-    mesh.polygons.foreach_get("select", selected)
-    return ~hidden & (selected | (not mesh.use_paint_mask))
-
-
 def _flat_barycentric(points, corners, which):
     """(points, 3) place of each of (points, 2) in a triangle of (triangles, 3, 2), and (triangles, 3) heights."""
     sides = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)  # opposite to each corner
@@ -253,15 +244,15 @@ def _flat_barycentric(points, corners, which):
     return weights, np.abs(doubled)[:, None] / np.maximum(np.linalg.norm(sides, axis=2), 1e-12)
 
 
-def _sampled(changed, change, size, places):
-    """(places, 4) the change of flat texels, 0 elsewhere, between the four texels around each of (places, 2)."""
+def _sampled(changed, values, size, places):
+    """(places, components) the values of flat texels, 0 elsewhere, between the four texels around each of (places, 2)."""
     low = np.floor(places).astype(int)
-    share, total = places - low, np.zeros((len(places), change.shape[1]))
+    share, total = places - low, np.zeros((len(places), values.shape[1]))
     for x in (0, 1):
         for y in (0, 1):
             texel = low + (x, y)
             number = np.where(((texel >= 0) & (texel < size)).all(axis=1), texel[:, 1] * size[0] + texel[:, 0], -1)
             row = np.minimum(np.searchsorted(changed, number), len(changed) - 1)
             weight = np.abs(1 - x - share[:, 0]) * np.abs(1 - y - share[:, 1]) * (changed[row] == number)
-            total += weight[:, None] * change[row]
+            total += weight[:, None] * values[row]
     return total

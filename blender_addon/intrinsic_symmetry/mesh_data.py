@@ -24,24 +24,29 @@ class MeshProblem(Exception):
     """What the user has to know; the text is shown as it is."""
 
 
-def why_not(context):
-    """Why the active object cannot be worked on, or nothing."""
+def why_not(context, only_read=False):
+    """Why the active object cannot be worked on, or `only_read`; or nothing."""
     object = context.active_object
     if object is None or object.type != "MESH":
         return "Needs an active mesh object"
-    problem = why_fixed(object, is_left=object.mode == "EDIT")
+    problem = why_fixed(object, object.mode == "EDIT", only_read)
     return f"The mesh {problem}" if problem else None
 
 
-def why_fixed(object, is_left=False):
-    """Why an object's mesh cannot be written, to follow its name, or nothing. `is_left`: edit mode is left before."""
+def why_fixed(object, is_left=False, only_read=False):
+    """Why an object's mesh cannot be written, or `only_read`, to follow its name; or nothing. `is_left`: edit mode is left
+    before."""
     mesh = object.data
-    if mesh.library is not None or mesh.override_library is not None:
+    if is_linked(mesh) and not only_read:
         return "is linked from another file: make it local first"
     if mesh.is_editmode and not is_left:
         through = ": leave it first" if object.mode == "EDIT" else " through another object: leave that first"
         return f"is in edit mode{through}"
     return None
+
+
+def is_linked(mesh):
+    return mesh.library is not None or mesh.override_library is not None
 
 
 def refuse_fixed(objects):
@@ -297,10 +302,25 @@ def changeable(mesh, mode):
     if mode == "SCULPT":
         free *= 1 - _of_points(mesh, ".sculpt_mask")
     elif mode != "EDIT" and mesh.use_paint_mask:
-        free *= _of_selected_faces(mesh)
+        free *= of_selected_faces(mesh)
     elif mode != "EDIT" and mesh.use_paint_mask_vertex:
         free *= selected_vertices(mesh)
     return free
+
+
+def open_elements(mesh, mode, domain):
+    """(elements,) bool: edges, faces or face corners that Blender's own tools may change in a mode. Those of hidden faces
+    are not, whatever their vertices are, nor in the paint modes those outside the paint selection of faces."""
+    if domain == "CORNER":
+        return np.repeat(open_elements(mesh, mode, "FACE"), np.diff(polygons(mesh)[0]))
+    elements = {"POINT": mesh.vertices, "EDGE": mesh.edges, "FACE": mesh.polygons}[domain]
+    hidden, selected = np.zeros((2, len(elements)), bool)
+    if mode != "OBJECT":
+        elements.foreach_get("hide", hidden)
+    if domain != "FACE" or mode in ("OBJECT", "EDIT", "SCULPT") or not mesh.use_paint_mask:
+        return ~hidden
+    elements.foreach_get("select", selected)
+    return ~hidden & selected
 
 
 def _of_points(mesh, name):
@@ -309,7 +329,7 @@ def _of_points(mesh, name):
     return np.zeros(len(mesh.vertices)) if attribute is None else read_attribute(attribute).astype(float)
 
 
-def _of_selected_faces(mesh):
+def of_selected_faces(mesh):
     """(vertices,) bool: the corners of selected faces."""
     chosen = np.empty(len(mesh.polygons), bool)
     mesh.polygons.foreach_get("select", chosen)

@@ -26,10 +26,13 @@ class MeshOperator:
     each_alone = False
     #: Whether it works on the shape that is shown: that of the active shape key.
     on_shown_shape = False
+    #: Whether it leaves the mesh as it is.
+    only_reads = False
 
     @classmethod
     def poll(cls, context):
-        problem = mesh_data.why_not(context) or cls.lacks(context, context.active_object) or cls._all_empty(context)
+        problem = mesh_data.why_not(context, cls.only_reads)
+        problem = problem or cls.lacks(context, context.active_object) or cls._all_empty(context)
         if problem:
             cls.poll_message_set(problem)
         return problem is None

@@ -16,6 +16,8 @@ from .operator_base import MapOperator
 _NUMBERS = {"FLOAT", "FLOAT_VECTOR", "FLOAT2", "FLOAT_COLOR", "BYTE_COLOR"}
 #: Custom normals: Blender keeps them as angles from the automatic ones.
 _NORMALS = "custom_normal"
+#: Whole numbers that are names.
+_NAMES = {".sculpt_face_set", "material_index"}
 #: Attributes that other operators mirror, or that make no sense mirrored.
 _REFUSED = {"position": "Symmetrize Positions does that"}
 
@@ -43,17 +45,17 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
     def run_with(self, symmetry, _context, object, mode):
         mesh = object.data
         free = self.may_change(object, mode, symmetry)
-        how_far = _HowFar(shares(symmetry, self.merge), self.trust(symmetry) * free, self.merge in WINNER)
+        how_far = _HowFar(shares(symmetry, self.merge), self.trust(symmetry) * free, self.merge)
         if mesh.has_custom_normals and self._name(mesh) == _NORMALS:
-            return _mirror_normals(symmetry, mesh, how_far)
+            return _mirror_normals(symmetry, mesh, how_far, mesh_data.open_elements(mesh, mode, "CORNER"))
         attribute = self._attribute(mesh)
         values = mesh_data.read_attribute(attribute)
         if self.as_vector:
             new = self._vectors(symmetry, object, attribute, values, self.shares(symmetry) * free)
-        elif attribute.domain == "POINT":
-            new = _points(symmetry, attribute, values, self.shares(symmetry) * free)
         else:
             new = _MIRROR[attribute.domain](symmetry, mesh, attribute, values, how_far)
+        fixed = ~mesh_data.open_elements(mesh, mode, attribute.domain)
+        new[fixed] = values[fixed]
         mesh_data.update_attribute(mesh.attributes[attribute.name], new)
         mesh.update()
         changed = (new != values).reshape(len(values), -1).any(axis=1)
@@ -72,6 +74,9 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
         if not _can_be_mirrored(attribute):
             reason = _REFUSED.get(attribute.name, f"{attribute.data_type} on {attribute.domain} cannot be mirrored")
             raise mesh_data.MeshProblem(f'"{attribute.name}": {reason}')
+        if self.merge == Merge.AVERAGE and (attribute.data_type == "BOOLEAN" or attribute.name in _NAMES):
+            what = "on and off" if attribute.data_type == "BOOLEAN" else "face sets and materials"
+            raise mesh_data.MeshProblem(f'"{attribute.name}": {what} have no mean. Choose another direction')
         return attribute
 
     def _vectors(self, symmetry, object, attribute, values, share):
@@ -84,14 +89,17 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
 def of_elements(symmetry, mesh, attribute, merge):
     """Old and new values of an attribute of edges or faces, all of which the mirroring may change."""
     values, trust = mesh_data.read_attribute(attribute), shares(symmetry, Merge.SWAP)
-    how_far = _HowFar(shares(symmetry, merge), trust, merge in WINNER)
+    how_far = _HowFar(shares(symmetry, merge), trust, merge)
     return values, _MIRROR[attribute.domain](symmetry, mesh, attribute, values, how_far)
 
 
-def _blend(attribute, own, image, share):
-    """Numbers are blended; whole numbers, flags and names are taken from the side that weighs more."""
+def _blend(attribute, own, image, share, merge):
+    """Numbers are blended; whole numbers, flags and names are taken from the side that weighs more. The mean of whole
+    numbers is rounded."""
     if attribute.data_type in _NUMBERS:
         return blend(own, image, share)
+    if merge == Merge.AVERAGE:
+        return np.rint(blend(own, image, share)).astype(own.dtype)
     return blend(own, image, (share >= 0.5).astype(float))
 
 
@@ -100,48 +108,48 @@ class _HowFar(NamedTuple):
 
     taken: np.ndarray  # (vertices,) what the direction says
     trust: np.ndarray  # (vertices,) how far each may change
-    one_side_loses: bool
+    merge: Merge
 
     def takes(self, members, starts, partners):
         """(elements,) what the direction says: an element loses as soon as one of its vertices does. But one that lies
         across the line stays if its image does so, too: neither is of the side that wins."""
         most, least = (reduce.reduceat(self.taken[members], starts) for reduce in (np.maximum, np.minimum))
-        return np.where(self.one_side_loses & (least == 0) & (most[partners] > 0), 0, most)
+        return np.where((self.merge in WINNER) & (least == 0) & (most[partners] > 0), 0, most)
 
     def shares(self, members, starts, partners):
         """(elements,) of edges or faces, whose vertices are `members` from `starts` on."""
         return self.takes(members, starts, partners) * np.minimum.reduceat(self.trust[members], starts)
 
 
-def _points(symmetry, attribute, values, share):
+def _points(symmetry, _mesh, attribute, values, how_far):
     if attribute.data_type in _NUMBERS:
         image = symmetry.mirror_values(values, Merge.SWAP)
     else:
         image = values[np.where(symmetry.partner < 0, np.arange(len(values)), symmetry.partner)]
-    return _blend(attribute, values, image, share)
+    return _blend(attribute, values, image, how_far.taken * how_far.trust, how_far.merge)
 
 
-def _elements(attribute, values, partners, share):
+def _elements(attribute, values, partners, share, merge):
     """Edges or faces: those without a partner keep their value."""
     share = np.where(partners < 0, 0, share)
-    return _blend(attribute, values, values[np.where(partners < 0, 0, partners)], share)
+    return _blend(attribute, values, values[np.where(partners < 0, 0, partners)], share, merge)
 
 
 def _edges(symmetry, mesh, attribute, values, how_far):
     ends, partners = mesh_data.edges(mesh), edge_partners(mesh, symmetry.partner)
     share = how_far.shares(ends.ravel(), 2 * np.arange(len(ends)), partners)
-    return _elements(attribute, values, partners, share)
+    return _elements(attribute, values, partners, share, how_far.merge)
 
 
 def _faces(symmetry, mesh, attribute, values, how_far):
     offsets, corners = mesh_data.polygons(mesh)
     partners = face_partners(mesh, symmetry)
-    return _elements(attribute, values, partners, how_far.shares(corners, offsets[:-1], partners))
+    return _elements(attribute, values, partners, how_far.shares(corners, offsets[:-1], partners), how_far.merge)
 
 
 def _corners(symmetry, mesh, attribute, values, how_far):
     is_number = attribute.data_type in _NUMBERS
-    return _blend(attribute, values, *_corner_images(symmetry, mesh, values, how_far, is_number))
+    return _blend(attribute, values, *_corner_images(symmetry, mesh, values, how_far, is_number), how_far.merge)
 
 
 def normals(mesh):
@@ -151,12 +159,14 @@ def normals(mesh):
     return values
 
 
-def _mirror_normals(symmetry, mesh, how_far):
-    """Those of face corners, turned with the surface."""
-    own = normals(mesh)
+def _mirror_normals(symmetry, mesh, how_far, may_change):
+    """Those of face corners, turned with the surface. `may_change`: (corners,) bool; around a vertex Blender keeps one
+    normal for all corners of a smooth surface, so that one which may not change holds all."""
+    own, vertex = normals(mesh), mesh_data.polygons(mesh).corners
+    may_change = np.bincount(vertex, ~may_change)[vertex] == 0
     image, share = _corner_images(symmetry, mesh, own, how_far, True)
-    turn = local_frames.turns(symmetry, mesh_data.positions(mesh))[mesh_data.polygons(mesh).corners]
-    new = blend(own, np.einsum("nij,nj->ni", turn, image), share)
+    turn = local_frames.turns(symmetry, mesh_data.positions(mesh))[vertex]
+    new = blend(own, np.einsum("nij,nj->ni", turn, image), share * may_change)
     new /= np.maximum(np.linalg.norm(new, axis=1, keepdims=True), 1e-12)
     mesh.normals_split_custom_set(new.tolist())
     mesh.update()
@@ -189,6 +199,6 @@ def _vertex_means(values, corners, count):
     return sums / uses.reshape(-1, *[1] * (values.ndim - 1))
 
 
-_MIRROR = {"EDGE": _edges, "FACE": _faces, "CORNER": _corners}
+_MIRROR = {"POINT": _points, "EDGE": _edges, "FACE": _faces, "CORNER": _corners}
 
 register, unregister = bpy.utils.register_classes_factory((INTRINSIC_SYMMETRY_OT_mirror_attribute,))

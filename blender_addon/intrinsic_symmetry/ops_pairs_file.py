@@ -15,7 +15,7 @@ class INTRINSIC_SYMMETRY_OT_export_pairs(ExportHelper, MapOperator, bpy.types.Op
 
     bl_idname = "intrinsic_symmetry.export_pairs"
     bl_label = "Export Symmetry Pairs"
-    one_object = True
+    one_object = only_reads = True
 
     file_type: bpy.props.EnumProperty(
         name="Format",

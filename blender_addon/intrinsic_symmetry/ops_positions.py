@@ -11,6 +11,7 @@ from . import assembly, entered, mesh_data, stored_map
 from .asymmetry import reference, size
 from .mirroring import DIRECTIONS, MERGE, ConfidenceProperties, MirrorProperties, blend
 from .operator_base import MapOperator, MeshOperator
+from .places import kept_together
 
 #: An edit that counts, as a share of the largest one; how far edits of both sides may differ, as a share of their own.
 _STILL, _ALIKE = 1e-3, 0.1
@@ -64,18 +65,21 @@ class INTRINSIC_SYMMETRY_OT_symmetrize(MirrorProperties, MapOperator, bpy.types.
     def run_with(self, symmetry, _context, object, mode):
         positions, free = mesh_data.shown_positions(object), self.may_change(object, mode, symmetry)
         moved = blend(positions, self._symmetric(symmetry, object.data, positions, free), free)
+        moved = kept_together(positions, moved, self.with_line(symmetry, self.trust(symmetry) * free) > 0)
         mesh_data.set_shown_positions(object, moved)
         away = np.linalg.norm(moved - positions.astype(float), axis=1)[assembly.shown(object, self.members)]
         return f"Vertices moved by up to {away.max(initial=0) / size(positions):.2%} of the object's size"
 
     def _symmetric(self, symmetry, mesh, positions, free):
-        """An exchange at rest is that of mirrored places, so that another one gives them back."""
-        if self.merge == Merge.SWAP:
-            at = reference("AUTO", symmetry, mesh, positions)
-            if at.plane is not None:
-                return blend(positions.astype(float), at.images(symmetry, positions), self.shares(symmetry))
+        """An exchange at rest is that of mirrored places, so that another one gives them back; and so it is, whatever the
+        direction, where vertices are mirrored already."""
+        at = reference("AUTO", symmetry, mesh, positions)
+        exact = at.exact(symmetry, positions) | (self.merge == Merge.SWAP and at.plane is not None)
+        mirrored = blend(positions.astype(float), at.images(symmetry, positions), self.shares(symmetry)) if exact.any() else 0
+        if exact.all():
+            return mirrored
         symmetry, how = self.held(mesh, symmetry, free)
-        return symmetry.symmetrize_positions(positions, self.merge, **how)
+        return np.where(exact[:, None], mirrored, symmetry.symmetrize_positions(positions, self.merge, **how))
 
 
 class INTRINSIC_SYMMETRY_OT_remember(MeshOperator, bpy.types.Operator):

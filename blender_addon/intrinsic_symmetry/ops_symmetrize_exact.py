@@ -8,6 +8,7 @@ from intrinsym import Merge
 from . import asymmetry, left_side, mesh_data
 from .mirroring import MirrorProperties, blend, shares
 from .operator_base import MapOperator
+from .places import kept_together
 from .posed_shape import PosedShape
 
 
@@ -41,6 +42,7 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
         after = before
         for _ in range(self.repeat):
             after = blend(after, once(after), self.strength * inside)
+        after = kept_together(before, after, self.with_line(symmetry, self.trust(symmetry) * inside) > 0)
         mesh_data.set_shown_positions(object, after)
         if self.merge == Merge.SWAP:
             away = np.linalg.norm(after - before, axis=1).max(initial=0) / asymmetry.size(before)

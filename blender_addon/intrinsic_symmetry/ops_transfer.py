@@ -78,10 +78,13 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
     def _give_keys(self, joined, object, other, scale):
         """How many keys were given, and names of those that were there or locked."""
         keys, kept = _chosen_keys(object, self.what == "KEYS"), []
-        every = object.data.shape_keys.key_blocks.keys()
+        every, groups = object.data.shape_keys.key_blocks.keys(), object.vertex_groups.keys()
         side_names.refuse_too_long(self._name(key.name, every) for key in keys)
         if other.data.shape_keys is None:
             other.shape_key_add(name="Basis", from_mix=False)
+        made = [key for key in keys if self._name(key.name, every) not in other.data.shape_keys.key_blocks]
+        masks = [name for name in dict.fromkeys(key.vertex_group for key in made) if name in groups]
+        self._give_groups(joined, object, other, masks, False)
         there = mesh_data.key_positions(other.data.shape_keys.reference_key).astype(float)
         for key in keys:
             name = self._name(key.name, every)
@@ -92,22 +95,30 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
             base = mesh_data.key_positions(key.relative_key).astype(float)
             both = np.vstack([mesh_data.key_positions(key) - base, np.zeros_like(there)])
             carried = joined.carry_displacement(np.vstack([base, there / scale]), both, Merge.SWAP)[len(base) :]
-            target = target or _at_rest(other, name, key)
+            target = target or _at_rest(other, name, key, key.vertex_group and self._name(key.vertex_group, groups))
             mesh_data.set_key_positions(target, there + scale * carried)
         return len(keys) - len(kept), kept
 
     def _give_weights(self, joined, object, other):
         """How many groups were given, and names of those that were there or locked."""
-        own, groups = object.vertex_groups.keys(), other.vertex_groups
-        names = [self._name(name, own) for name in own]
-        if not names:
+        if not object.vertex_groups:
             raise mesh_data.MeshProblem(f'"{object.name}" has no vertex groups')
+        return self._give_groups(joined, object, other, object.vertex_groups.keys(), self.replace)
+
+    def _give_groups(self, joined, object, other, own, replace):
+        """The same for those with `own` names."""
+        groups, active = other.vertex_groups, other.vertex_groups.active_index
+        names = [self._name(name, object.vertex_groups.keys()) for name in own]
         side_names.refuse_too_long(names)
-        may_write = [name not in groups or self.replace and not groups[name].lock_weight for name in names]
+        may_write = [name not in groups or replace and not groups[name].lock_weight for name in names]
+        if not any(may_write):
+            return 0, names
         for name, free in zip(names, may_write):
             if free and name not in groups:
                 groups.new(name=name)
-        weights, before = read_weights(object), read_weights(other)
+        groups.active_index = max(active, 0)
+        weights = read_weights(object)[:, [object.vertex_groups[name].index for name in own]]
+        before = read_weights(other)
         both = np.vstack([weights, np.zeros_like(weights)])
         carried = joined.mirror_values(both, Merge.SWAP)[len(weights) :]
         after = before.copy()
@@ -137,10 +148,11 @@ def _chosen_keys(object, every):
     return found
 
 
-def _at_rest(object, name, like):
-    """A new key with the sliders of another object's."""
+def _at_rest(object, name, like, group):
+    """A new key with the sliders of another object's, and the vertex group with that name."""
     key = object.shape_key_add(name=name, from_mix=False)
     key.slider_min, key.slider_max = like.slider_min, like.slider_max
+    key.mute, key.vertex_group = like.mute, group
     return key
 
 

@@ -52,6 +52,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_uvs(MirrorProperties, MapOperator, bpy.types.
         layout = _Layout(mesh, symmetry, uvs)
         may_change, loser = self.may_change(object, mode, symmetry) > 0, -1 if self.merge == Merge.POSITIVE_WINS else 1
         corners, source = layout.sources((self.shares(symmetry) > 0) & may_change, may_change, loser)
+        free = mesh_data.open_elements(mesh, mode, "CORNER")[corners]
+        corners, source = corners[free], source[free]
         if not len(corners):
             raise mesh_data.MeshProblem("No UVs of the losing side have a mirror image")
         if self.placement == "BESIDE":

@@ -96,9 +96,20 @@ def _read_csv(path):
     given = [name for name in COLUMNS if rows and name in rows[0]]
     if rows and "vertex" in rows[0]:
         rows.sort(key=lambda row: _whole(row["vertex"]))
-        if [_whole(row["vertex"]) for row in rows] != list(range(len(rows))):
-            raise ValueError("the column vertex does not count from 0")
+        _check_numbers([_whole(row["vertex"]) for row in rows])
     return _arrays({name: [row[name] for row in rows] for name in given}), {}
+
+
+def _check_numbers(vertices):
+    """Raises ValueError unless the sorted numbers are those of all vertices."""
+    if vertices == list(range(1, len(vertices) + 1)):
+        raise ValueError("the column vertex does not count from 0")
+    twice = next((one for one, other in zip(vertices, vertices[1:]) if one == other), None)
+    if twice is not None:
+        raise ValueError(f"vertex {twice} has two rows")
+    missing = sorted(set(range(len(vertices))) - set(vertices))
+    if missing:
+        raise ValueError(f"vertex {missing[0]} has no row. Each vertex needs one: both of a pair, and those without a partner")
 
 
 def _whole(text):

@@ -11,6 +11,7 @@ its rotations). No bpy here.
 import numpy as np
 
 from .multilevel import Graph
+from .places import Places
 
 #: How strongly old positions hold, against an eigenvalue of the Laplacian at unit area, of which the halves of a body
 #: have 10: only so much that what nothing else holds stays where it is.
@@ -25,22 +26,21 @@ class PosedShape:
 
     def __init__(self, symmetry, triangles, positions, share):
         self._symmetry, self._share = symmetry, share
-        self._places, self._point = np.unique(positions, axis=0, return_inverse=True)  # one place stays one
-        self._point, self._count = self._point.ravel(), len(self._places)
+        self._places = Places(positions)
+        self._point, self._count = self._places.of, len(self._places.all)
         corners = self._point[triangles]
         distinct = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
         self._triangles = triangles[distinct]
         # One row for each side of each triangle: from a corner to the next one.
         self._start = self._triangles.T.ravel()
         self._end = np.roll(self._triangles, -1, axis=1).T.ravel()
-        self._free = np.ones(self._count, bool)
-        self._free[self._point[share <= 0]] = False
+        self._free = self._places.free(share > 0)
         self._moves = self._free[self._point[self._triangles]].any(axis=1)
 
     def with_lengths(self, positions, other=None):
         """(vertices, 3) positions whose edges come nearest to those with the lengths of the other side, as it is in
         `other`, (vertices, 3), or else in the positions."""
-        places = self._together(positions)
+        places = self._places.moved(positions, self._free)
         positions = places[self._point]
         edges, weights, areas = self._measured(positions)
         change = self._stretched(positions, edges, positions if other is None else other) - edges
@@ -49,12 +49,6 @@ class PosedShape:
         masses = np.bincount(self._point[self._triangles].ravel(), np.repeat(areas / 3, 3), self._count)
         graph = Graph(places, ends, weights, _HOLD * masses / max(areas.sum(), 1e-300), self._free)
         return (places + graph.moved(share[:, None] * change))[self._point]
-
-    def _together(self, positions):
-        """(points, 3) the mean of the vertices that were at one place; where one of them stays, that place."""
-        sums = [np.bincount(self._point, column, self._count) for column in positions.T]
-        means = np.stack(sums, axis=1) / np.bincount(self._point, minlength=self._count)[:, None]
-        return np.where(self._free[:, None], means, self._places)
 
     def _measured(self, positions):
         """The sides of all triangles, their cotangent weights, and the triangles' areas."""

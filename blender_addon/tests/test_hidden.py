@@ -82,3 +82,71 @@ def test_what_is_hidden_stays(human, tool):
     corners = np.array([loop.vertex_index for loop in human.data.loops])
     there = hidden if len(changed) == len(side) else hidden[corners]
     assert not changed[there].any() and changed[~there].sum() > 500
+
+
+def _with_creases(object):
+    ends = np.array([edge.vertices for edge in object.data.edges])
+    values = _one_sided(object.data)[ends].mean(axis=1)
+    module("mesh_data").write_attribute(object.data, "crease_edge", "FLOAT", values, "EDGE")
+
+
+def _with_face_values(object):
+    values = np.array([max(face.center.x, 0) for face in object.data.polygons])
+    module("mesh_data").write_attribute(object.data, "mine", "FLOAT", values, "FACE")
+
+
+def _with_normals(object):
+    normals = np.array([vertex.normal for vertex in object.data.vertices]) + 0.5 * _one_sided(object.data)
+    object.data.normals_split_custom_set_from_vertices((normals / np.linalg.norm(normals, axis=1)[:, None]).tolist())
+
+
+def _normals(object):
+    return module("ops_attributes").normals(object.data)
+
+
+#: The same for what faces and edges have.
+TOOLS_OF_FACES = {
+    **{tool: TOOLS[tool] for tool in ("corners", "overlapping uvs", "uvs in place")},
+    "creases": (_with_creases, lambda: ops.mirror_attribute(name="crease_edge"), _of("crease_edge")),
+    "faces": (_with_face_values, lambda: ops.mirror_attribute(name="mine"), _of("mine")),
+    "normals": (_with_normals, lambda: ops.mirror_attribute(name="custom_normal"), _normals),
+}
+
+
+@pytest.mark.parametrize("tool", TOOLS_OF_FACES)
+def test_what_hidden_faces_have_stays_though_their_vertices_are_seen(human, tool):
+    prepare, call, values = TOOLS_OF_FACES[tool]
+    prepare(human)
+    mesh, before = human.data, values(human)
+    enter("EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    enter("OBJECT")
+    right = np.array([face.center.x < 0 for face in mesh.polygons])
+    hidden = right & (np.arange(len(right)) % 3 == 0)
+    mesh.polygons.foreach_set("hide", hidden)
+    edges = np.arange(len(mesh.edges)) % 3 == 0
+    mesh.edges.foreach_set("hide", edges)
+    enter("EDIT")
+    assert call() == {"FINISHED"}
+    enter("OBJECT")
+    assert not any(vertex.hide for vertex in mesh.vertices) and np.count_nonzero(hidden) > 500
+    least = 0.01 if tool == "normals" else 1e-4  # Blender keeps them as angles, in few bits
+    changed = (np.abs(values(human) - before).reshape(len(before), -1) > least).any(axis=1)
+    there = {len(mesh.edges): edges, len(hidden): hidden}.get(len(changed))
+    there = np.repeat(hidden, [face.loop_total for face in mesh.polygons]) if there is None else there
+    assert not changed[there].any() and changed[~there].sum() > 500
+
+
+def test_faces_outside_the_paint_selection_stay(human):
+    """Corners of theirs at vertices of selected faces, too."""
+    _with_colors(human)
+    mesh, before = human.data, attribute(human.data, "corners")
+    mesh.use_paint_mask = True
+    chosen = np.arange(len(mesh.polygons)) % 3 == 0
+    mesh.polygons.foreach_set("select", chosen)
+    enter("VERTEX_PAINT")
+    assert ops.mirror_attribute(name="corners") == {"FINISHED"}
+    enter("OBJECT")
+    changed = (attribute(mesh, "corners") != before).any(axis=1)
+    inside = np.repeat(chosen, [face.loop_total for face in mesh.polygons])
+    assert not changed[~inside].any() and changed[inside].sum() > 500

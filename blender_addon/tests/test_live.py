@@ -407,6 +407,77 @@ def test_painted_colours_are_carried(human, truth, kind, domain):
     assert np.array_equal(found[rest], start[rest])
 
 
+@pytest.mark.parametrize("domain", ["POINT", "CORNER"])
+def test_what_is_painted_on_one_side_is_the_colour_on_the_other(human, truth, domain):
+    """Whatever that side had before."""
+    mesh, hand = human.data, a_hand(human, 1)
+    (_, corners), sides = module("mesh_data").polygons(mesh), side_of(mesh)
+    mesh.color_attributes.new("Paint", "FLOAT_COLOR", domain)
+    mesh.color_attributes.active_color = painted = mesh.color_attributes["Paint"]
+    rows, image = (each if domain == "POINT" else np.isin(corners, each) for each in (hand, truth[hand]))
+    values = np.zeros((len(painted.data), 4), np.float32)
+    values[(sides if domain == "POINT" else sides[corners]) == -1] = (1, 1, 1, 1)
+    module("mesh_data").update_attribute(painted, values)
+    paint(human, "VERTEX_PAINT")
+    values[rows] = (1, 0, 0, 1)
+    module("mesh_data").update_attribute(mesh.attributes["Paint"], values)
+    stroke()
+    values[image] = (1, 0, 0, 1)
+    assert np.array_equal(attribute(mesh, "Paint"), values)
+
+
+def test_of_face_corners_those_of_the_mirrored_face_alone_follow(human, truth):
+    mesh = human.data
+    mesh.color_attributes.new("Paint", "BYTE_COLOR", "CORNER")
+    mesh.color_attributes.active_color = mesh.color_attributes["Paint"]
+    face = max(mesh.polygons, key=lambda face: face.center.x)
+    numbers = {frozenset(other.vertices): other for other in mesh.polygons}
+    image = numbers[frozenset(truth[list(face.vertices)].tolist())]
+    own, there = list(face.loop_indices), list(image.loop_indices)
+    module("mesh_data").update_attribute(mesh.attributes["Paint"], np.tile((0.0, 0, 0, 1), (len(mesh.loops), 1)))
+    paint(human, "VERTEX_PAINT")
+    values = attribute(mesh, "Paint")
+    values[own] = (1, 0, 0, 1)
+    module("mesh_data").update_attribute(mesh.attributes["Paint"], values)
+    stroke()
+    values[there] = (1, 0, 0, 1)
+    assert np.array_equal(attribute(mesh, "Paint"), values)
+
+
+def test_corners_of_other_faces_follow_where_the_map_has_them(quadruped):
+    """Left and right share no faces: what is painted at the images of a face's corners is painted in it."""
+    mesh, sides = quadruped.data, side_of(quadruped.data)
+    mesh.color_attributes.new("Paint", "FLOAT_COLOR", "CORNER")
+    mesh.color_attributes.active_color = mesh.color_attributes["Paint"]
+    _, corners = module("mesh_data").polygons(mesh)
+    points, images = positions(mesh), module("stored_map").load(mesh).surface_points.positions(positions(mesh))
+    values = np.zeros((len(mesh.loops), 4), np.float32)
+    module("mesh_data").update_attribute(mesh.attributes["Paint"], values + np.float32(0.5))
+    paint(quadruped, "VERTEX_PAINT")
+    values[:, :3], values[:, 3] = points[corners], 1
+    values = np.where((sides == 1)[corners, None], values, np.float32(0.5))
+    module("mesh_data").update_attribute(mesh.attributes["Paint"], values)
+    stroke()
+    found, right = attribute(mesh, "Paint"), (sides == -1)[corners]
+    away = np.linalg.norm(found[right, :3] - images[corners[right]], axis=1)
+    assert np.median(away) < 1e-6 and np.quantile(away, 0.9) < 1e-5
+    assert np.array_equal(found[sides[corners] == 1], values[sides[corners] == 1])
+
+
+def test_a_painted_weight_is_that_of_the_other_group(human, truth):
+    hand, groups = a_hand(human, 1).tolist(), [human.vertex_groups.new(name=name) for name in ("Arm.L", "Arm.R")]
+    groups[0].add(hand, 0.125, "REPLACE")
+    groups[1].add(hand, 0.25, "REPLACE")
+    groups[1].add(truth[hand].tolist(), 0.5, "REPLACE")
+    groups[0].add(truth[hand].tolist(), 0.75, "REPLACE")
+    human.vertex_groups.active = human.vertex_groups["Arm.L"]
+    paint(human, "WEIGHT_PAINT")
+    human.vertex_groups["Arm.L"].add(hand, 0.375, "REPLACE")
+    stroke()
+    weights = module("weights").read_weights(human)
+    assert (weights[hand] == (0.375, 0.25)).all() and (weights[truth[hand]] == (0.75, 0.375)).all()
+
+
 @pytest.mark.parametrize("names", [("Arm.L", "Arm.R"), ("Spine", "Spine")])
 def test_painted_weights_go_to_the_other_group(human, truth, names):
     hand = a_hand(human, 1)

@@ -96,6 +96,25 @@ def test_a_stroke_arrives_on_the_other_side(painted):
     assert np.array_equal(pixels(image), after), "our own change is no stroke"
 
 
+def test_what_is_painted_is_the_colour_on_the_other_side(painted):
+    """Whatever was there before."""
+    object, image = painted
+    (places, alone), partner = uv_of_vertices(object.data), attribute(object.data, "sym_vertex")
+    sides = attribute(object.data, "sym_side")
+    object.intrinsic_symmetry_live = False
+    disc, grey = stroke(object, image, 1, (0, 0, 0, 1)), pixels(image)
+    grey[~disc] = (0.5, 0.5, 1, 1)
+    put(image, grey)
+    object.intrinsic_symmetry_live = True
+    values = grey.copy()
+    values[disc] = RED
+    put(image, values)
+    own = at(disc, places)
+    follows = alone & alone[partner] & (partner >= 0) & (sides == -1) & ~own & (sides[partner] == 1) & own[partner]
+    found = np.abs(at(pixels(image), places)[follows] - RED).max(axis=1)
+    assert follows.sum() > 5 and (found < 0.01).mean() > 0.8
+
+
 def test_undo_and_redo_take_both_sides(painted):
     """Blender brings back its own strokes alone."""
     object, image = painted

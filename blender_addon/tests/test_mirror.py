@@ -273,9 +273,43 @@ def test_elements_at_the_line_belong_to_their_side(human, truth, domain, kind):
 def test_elements_across_the_line_do_not_exchange(one_side_loses):
     """Two triangles of a square, each the other's image, with vertices on both sides."""
     taken, trust = np.array([0.0, 1, 1, 0]), np.full(4, 0.5)
-    how_far = module("ops_attributes")._HowFar(taken, trust, one_side_loses)
+    merge = Merge.POSITIVE_WINS if one_side_loses else Merge.SWAP
+    how_far = module("ops_attributes")._HowFar(taken, trust, merge)
     shares = how_far.shares(np.array([0, 1, 3, 1, 2, 3]), np.array([0, 3]), np.array([1, 0]))
     assert np.array_equal(shares, [0, 0] if one_side_loses else [0.5, 0.5])
+
+
+@pytest.mark.parametrize("domain", ["POINT", "EDGE", "FACE", "CORNER"])
+@pytest.mark.parametrize("kind", ["INT", "INT8"])
+def test_the_mean_of_whole_numbers_is_rounded(human, domain, kind):
+    """It is the same on both sides, and its own mean."""
+    mesh, side = human.data, attribute(human.data, "sym_side")
+    members = {
+        "POINT": [[vertex] for vertex in range(len(side))],
+        "EDGE": [edge.vertices[:] for edge in mesh.edges],
+        "FACE": [face.vertices[:] for face in mesh.polygons],
+        "CORNER": [[loop.vertex_index] for loop in mesh.loops],
+    }[domain]
+    sides = np.array([np.sign(side[list(each)].sum(dtype=int)) for each in members])
+    _new_attribute(mesh, kind, domain, np.where(sides > 0, 10, 3))
+    for _ in range(2):
+        assert ops.mirror_attribute(name="mine", direction="AVERAGE") == {"FINISHED"}
+        assert set(attribute(mesh, "mine")[sides != 0].tolist()) == {6}
+
+
+@pytest.mark.parametrize("name, kind, domain", [
+    (".sculpt_face_set", "INT", "FACE"), ("material_index", "INT", "FACE"), ("sharp_edge", "BOOLEAN", "EDGE"),
+    ("mine", "BOOLEAN", "POINT"),
+])
+def test_what_has_no_mean_is_refused(human, name, kind, domain):
+    mesh = human.data
+    mesh.attributes.new(name, kind, domain)
+    values = np.random.default_rng(0).integers(0, 2, len(mesh.attributes[name].data))
+    module("mesh_data").update_attribute(mesh.attributes[name], values)
+    with pytest.raises(RuntimeError, match="no mean"):
+        ops.mirror_attribute(name=name, direction="AVERAGE")
+    assert np.array_equal(attribute(mesh, name), values)
+    assert ops.mirror_attribute(name=name, direction="SWAP") == {"FINISHED"}
 
 
 def test_attributes_of_an_irregular_mesh(quadruped):

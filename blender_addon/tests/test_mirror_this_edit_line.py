@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from conftest import attribute, enter, module, positions
 from mathutils import Vector
-from test_mirror_this_edit import MIRROR, _away, _edit, _fatten, _nearest_faces, monkey  # noqa: F401
+from test_mirror_this_edit import MIRROR, _assert_mirrored, _away, _edit, _fatten, _middles, _nearest_faces, monkey  # noqa: F401
 from test_mirror_this_edit_before import EAR, extrude_fin
 
 ops = bpy.ops.intrinsic_symmetry
@@ -97,3 +97,51 @@ def test_issue_38_a_face_that_would_be_gone_is_refused(monkey, monkeypatch):  # 
     with pytest.raises(RuntimeError, match="1 faces would be deleted on both sides. Nothing is changed"):
         ops.symmetrize_topology()
     assert len(monkey.data.polygons) == faces
+
+
+def _smooth_monkey(levels):
+    bpy.ops.mesh.primitive_monkey_add()
+    object = bpy.context.object
+    object.modifiers.new("Subdivision", "SUBSURF").levels = levels
+    bpy.ops.object.modifier_apply(modifier="Subdivision")
+    assert ops.detect() == {"FINISHED"}
+    return object
+
+
+def _at_chin(object, reach, step):
+    """An edit of the faces around the foremost vertex of the line: in the hollows there, what is moved along the normals
+    crosses the line."""
+    places, middles = positions(object.data), _middles(object.data)
+    chin = places[np.argmin(np.where(np.abs(places[:, 0]) < 1e-4, places[:, 1], np.inf))]
+    return _edit(object, np.flatnonzero(np.linalg.norm(middles - chin, axis=1) < reach), step)
+
+
+@pytest.mark.parametrize("levels, reach, step", [
+    (1, 0.27, lambda: bpy.ops.mesh.inset(thickness=0.02, depth=0.05)),
+    (1, 0.4, lambda: bpy.ops.mesh.inset(thickness=0.02, depth=0.05)),
+    (1, 0.15, _fatten(0.1)),
+    (1, 0.6, _fatten(0.1)),
+    (2, 0.27, _fatten(0.01)),
+    (2, 0.27, _fatten(0.1)),
+], ids=["inset", "wide inset", "extrusion", "wide extrusion", "of small faces", "deep, of small faces"])
+def test_an_edit_across_the_line_that_is_mirrored_stays(levels, reach, step):
+    object = _smooth_monkey(levels)
+    edited = _at_chin(object, reach, step)
+    _assert_mirrored(object.data)
+    count = len(object.data.polygons)
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    assert len(object.data.polygons) == count
+    assert np.abs(positions(object.data) - edited).max() < 1e-6
+
+
+@pytest.mark.parametrize("levels, width", [(1, 0.01), (1, 0.02), (2, 0.005)])
+def test_faces_that_are_folded_over_the_line_are_cut(levels, width):
+    """A bevel leaves some there, and no two of them are each other's mirror images."""
+    object = _smooth_monkey(levels)
+    _at_chin(object, 0.27, lambda: bpy.ops.mesh.bevel(offset=width, segments=2))
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    mesh = object.data
+    partner, places = attribute(mesh, "sym_vertex"), positions(mesh)
+    faces = {frozenset(face.vertices) for face in mesh.polygons}
+    assert partner.min() >= 0 and {frozenset(partner[list(face)].tolist()) for face in faces} == faces
+    assert np.abs(places[partner] - places * MIRROR).max() < 1e-5

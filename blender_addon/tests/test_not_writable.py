@@ -71,6 +71,25 @@ def test_a_linked_mesh_and_its_override_are_refused(body, linked):
                 tool()
 
 
+def test_pairs_of_a_linked_mesh_are_exported(body, linked, tmp_path):
+    """That only reads."""
+    body.select_set(False)
+    _activate(linked)
+    path = tmp_path / "pairs.csv"
+    assert ops.export_pairs(filepath=str(path)) == {"FINISHED"}
+    assert len(path.read_text().splitlines()) == 1 + len(linked.data.vertices)
+
+
+@pytest.mark.parametrize("name", ["intrinsic_symmetry_live", "intrinsic_symmetry_live_select"])
+def test_live_does_not_go_on_for_a_linked_mesh_and_says_why(body, linked, name):
+    local = bpy.data.objects.new("local", linked.data)
+    bpy.context.scene.collection.objects.link(local)
+    bpy.context.view_layer.update()
+    setattr(local, name, True)
+    assert not getattr(local, name)
+    assert "linked from another file: make it local first" in module("live").problem_of(local)
+
+
 @pytest.fixture
 def free_modes():
     """Blender's Lock Object Modes is off: another object than the active one may be in edit mode."""

@@ -77,6 +77,8 @@ def test_partners_alone_are_enough(human, truth, tmp_path, text, kind):
     ("pairs.csv", "vertex,partner\n0,0\n", "speaks of 1 vertices"),
     ("pairs.csv", "vertex,other\n0,0\n", "no column partner"),
     ("pairs.csv", "vertex,partner\n1,0\n", "does not count from 0"),
+    ("pairs.csv", "vertex,partner\n0,1\n1,0\n1,0\n", "vertex 1 has two rows"),
+    ("pairs.csv", "vertex,partner\n0,1\n2,3\n4,5\n", "vertex 1 has no row. Each vertex needs one: both of a pair"),
     ("pairs.csv", "vertex,partner\n0,x\n", "The file pairs.csv holds no pairs"),
     ("pairs.csv", "vertex,partner\n0,0.5\n", "0.5 is no whole number"),
     ("pairs.csv", "vertex,partner\n0\n", "unlike numbers of cells"),

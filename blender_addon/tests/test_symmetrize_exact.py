@@ -201,3 +201,59 @@ def test_a_tiny_mesh(size, capfd):
     object.data.vertices.foreach_set("co", (size * places).astype(np.float32).ravel())
     assert "nan" not in said(capfd, ops.symmetrize)
     assert "now 0.000%" in said(capfd, ops.symmetrize_exactly, about="PLANE")
+
+
+@pytest.fixture
+def split_head():
+    """A monkey's head whose sharp edges are split, as files for games have it. In its map some images are a little beside
+    the vertices, and those of the copies at one place not alike, as they may be where left and right share no faces."""
+    import intrinsym
+
+    bpy.ops.mesh.primitive_monkey_add()
+    object = bpy.context.object
+    modifier = object.modifiers.new("Split", "EDGE_SPLIT")
+    modifier.split_angle = 0.4
+    bpy.ops.object.modifier_apply(modifier=modifier.name)
+    assert ops.detect() == {"FINISHED"}
+    mesh, stored = object.data, module("stored_map")
+    found, core_mesh = stored.load(mesh), intrinsym.Mesh(positions(mesh).astype(np.float32), module("mesh_data").polygons(mesh))
+    beside = np.random.default_rng(0).uniform(-0.1, 0.05, len(mesh.vertices))
+    beside = np.where(found.side == 0, 0, np.maximum(beside, 0))[:, None]
+    weights = (1 - beside) * found.surface_points.barycentrics + beside / 3
+    points = intrinsym.SurfacePoints(found.surface_points.faces, found.surface_points.corners, weights)
+    near = core_mesh.restore(found.kind, found.partner, found.confidence, found.side, points)
+    stored.store(mesh, core_mesh, near, left=(1, mesh[stored.RECORD]["left_from"]), exact_share=0.0)
+    return object
+
+
+def _copies(points):
+    """(vertices,) number of the place, and how many places have copies."""
+    place = np.unique(points, axis=0, return_inverse=True)[1].ravel()
+    return place, np.count_nonzero(np.bincount(place) > 1)
+
+
+@pytest.mark.parametrize("tool", ["symmetrize", "symmetrize_exactly"])
+@pytest.mark.parametrize("direction", ["LEFT_TO_RIGHT", "AVERAGE", "SWAP"])
+def test_what_is_mirrored_already_stays_though_the_map_is_beside_it(split_head, tool, direction):
+    before = positions(split_head.data)
+    assert getattr(ops, tool)(direction=direction) == {"FINISHED"}
+    assert np.abs(positions(split_head.data) - before).max() < 1e-6
+
+
+@pytest.mark.parametrize("about", [None, "PLANE", "POSE"])
+@pytest.mark.parametrize("direction", ["LEFT_TO_RIGHT", "AVERAGE"])
+def test_copies_at_one_place_move_together(split_head, about, direction):
+    """Also those on the line, off the plane."""
+    before = positions(split_head.data)
+    dent = np.exp(-(((before - (-0.3, -0.6, 0.3)) / 0.4) ** 2).sum(axis=1))
+    dented = before + 0.1 * dent[:, None] * (1, 0.5, 0)
+    _set(split_head, dented)
+    place, count = _copies(positions(split_head.data))
+    tool = ops.symmetrize if about is None else ops.symmetrize_exactly
+    assert tool(direction=direction, **({"about": about} if about else {})) == {"FINISHED"}
+    after = positions(split_head.data)
+    assert count > 100 and all(len(np.unique(after[place == one], axis=0)) == 1 for one in np.unique(place))
+    assert np.abs(after - dented).max() > 0.01
+    if about == "PLANE":
+        line = after[attribute(split_head.data, "sym_side") == 0]
+        assert np.linalg.svd(line - line.mean(axis=0))[1][-1] < 1e-3, "the line goes onto the plane"

@@ -43,6 +43,23 @@ def test_a_key_turns_and_grows_with_the_surface(pair, mode):
     assert other.data.shape_keys.key_blocks["Puff.L"].slider_max == 3
 
 
+@pytest.mark.parametrize("across, there", [(False, False), (False, True), (True, False)])
+def test_a_key_that_is_made_keeps_its_vertex_group_and_mute(pair, across, there):
+    """A group that the other object lacks is given, too; one that is there stays."""
+    human, other, _ = pair
+    key, side = human.data.shape_keys.key_blocks["Puff.L"], attribute(human.data, "sym_side")
+    key.vertex_group, key.mute = "Arm.L", True
+    if there:
+        other.vertex_groups.new(name="Arm.L").add(range(9), 0.5, "ADD")
+    assert ops.transfer(what="KEY", across=across) == {"FINISHED"}
+    end = "R" if across else "L"
+    made = other.data.shape_keys.key_blocks[f"Puff.{end}"]
+    assert made.vertex_group == f"Arm.{end}" and made.mute
+    assert other.vertex_groups.keys() == [f"Arm.{end}"]
+    wanted = 0.5 * (np.arange(len(side)) < 9) if there else np.where(side == (-1 if across else 1), 0.75, 0)
+    assert np.allclose(module("weights").read_weights(other)[:, 0], wanted)
+
+
 def test_a_key_across_the_symmetry(pair, truth):
     human, other, moved = pair
     ops.mirror_shape_keys()
