@@ -56,8 +56,8 @@ fn evidence(path: &Path) -> intrinsym::Result<String> {
     let Some(candidate) = found.first() else { return Ok(String::new()) };
     let target = MatchTarget::new(&shell.surface, &shell.basis, 1);
     let map = finish(&shell, &target, candidate, &plan, 0, &progress)?;
-    let (kind, token) = (SymmetryKind::Reflection, progress.token());
-    let fitted = rigid_parts::fit(solved, &shell.surface, &map.images, kind, &plan.parts, 1, token)?;
+    let kind = SymmetryKind::Reflection;
+    let fitted = rigid_parts::fit(solved, &shell.surface, &map.images, kind, &plan.parts, 1, &progress)?;
     let evidence = Evidence::new(&target, &Hypothesis { images: fitted.images.clone(), ..map });
     let vertex = |local: u32| mesh.vertex_of_point[solved.points[local as usize] as usize];
     let mut text = String::new();

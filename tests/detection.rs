@@ -5,8 +5,8 @@ mod support;
 use intrinsym::internals::base::effort::Plan;
 use intrinsym::internals::base::limits::estimated_memory;
 use intrinsym::{
-    CancelToken, Detection, Error, Mesh, NONE, OPTIONS, Options, Outcome, PolygonMesh, Progress, Reason,
-    SymmetryKind, detect, detect_again,
+    CancelToken, Detection, Effort, Error, Mesh, NONE, OPTIONS, Options, Outcome, PolygonMesh, Progress,
+    Reason, SymmetryKind, detect, detect_again,
 };
 use std::cell::{Cell, RefCell};
 use std::collections::BTreeSet;
@@ -487,6 +487,21 @@ fn long_walks_over_the_connectivity_report_on_the_way() {
     // It has 60 reflections: each of two searches walks all over it for many of them.
     detect(&validated(&icosphere(3)), &Options::default(), &progress).unwrap();
     assert!(walks.get() > 2, "{}", walks.get());
+}
+
+#[test]
+fn refinement_and_rigid_parts_report_on_the_way() {
+    let (refining, parts) = (Cell::new(0), Cell::new(0));
+    let callback = |stage: &str, _: f64| match stage {
+        "refining" => refining.set(refining.get() + 1),
+        "rigid parts" => parts.set(parts.get() + 1),
+        _ => (),
+    };
+    let progress = Progress::new(Some(&callback), CancelToken::default());
+    let options = Options { effort: Effort::Fast, ..Options::default() };
+    detect(&validated(&creature(3, 0.4)), &options, &progress).unwrap();
+    // Each size of the schedule, and each 32 discs.
+    assert!(refining.get() >= 8 && parts.get() >= 16, "{} {}", refining.get(), parts.get());
 }
 
 #[test]

@@ -308,9 +308,9 @@ fn refinement_leaves_the_true_map_in_place() {
         assert!(error < 0.035, "{error} sqrt(area) on samples");
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let seeds = shape.seeds(&samples.vertices);
-        let (guide, token) = (Guide::Eigenfunctions, CancelToken::default());
-        let images = target.images(&refined, Seeds::Vertices(&seeds), guide, &token).unwrap();
-        let (_, images) = full_refinement::refine(&target, images, &[50, 60], guide, &token).unwrap();
+        let (guide, progress) = (Guide::Eigenfunctions, Progress::default());
+        let images = target.images(&refined, Seeds::Vertices(&seeds), guide, progress.token()).unwrap();
+        let (_, images) = full_refinement::refine(&target, images, &[50, 60], guide, &progress).unwrap();
         let error = shape.mean_error(&shape.all(), &images.partners);
         println!("vertices: {error}");
         assert!(error < largest, "{error} sqrt(area) on vertices");
@@ -332,9 +332,9 @@ fn a_map_grows_by_the_schedule_with_curvature_and_without() {
     let grown = |shape: &Shape| {
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let truth = VertexMap::at_vertices(&shape.surface.triangles, shape.truth.clone());
-        let token = CancelToken::default();
+        let progress = Progress::default();
         let (map, grown) =
-            full_refinement::refine(&target, truth, &schedule, Guide::MeanCurvature, &token).unwrap();
+            full_refinement::refine(&target, truth, &schedule, Guide::MeanCurvature, &progress).unwrap();
         let last = schedule[schedule.len() - 1].min(shape.basis.count());
         assert_eq!((map.nrows(), map.ncols()), (last, last));
         // From the truth on there is nothing to be set right: either way has to stay near it.
@@ -506,9 +506,10 @@ fn the_fixed_curve_is_one_closed_loop_in_the_mirror_plane_and_sides_exchange() {
         let shape = Shape::creature(4, turn);
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let seeds = shape.seeds(&shape.all());
-        let (guide, token) = (Guide::Eigenfunctions, CancelToken::default());
-        let images = target.images(&shape.true_map(50), Seeds::Vertices(&seeds), guide, &token).unwrap();
-        let (_, images) = full_refinement::refine(&target, images, &[50, 60], guide, &token).unwrap();
+        let (guide, progress) = (Guide::Eigenfunctions, Progress::default());
+        let images =
+            target.images(&shape.true_map(50), Seeds::Vertices(&seeds), guide, progress.token()).unwrap();
+        let (_, images) = full_refinement::refine(&target, images, &[50, 60], guide, &progress).unwrap();
         let odd = odd_function(&shape.surface, &shape.basis, &images);
         let edge = mean_edge_length(&shape.surface);
         let x = |vertex: u32| shape.shell.positions[vertex as usize][0];

@@ -9,7 +9,7 @@ use intrinsym::internals::geometry::vertex_map::VertexMap;
 use intrinsym::internals::mesh::Shell;
 use intrinsym::internals::refine::rigid_parts::{Fitted, fit};
 use intrinsym::internals::spectral::laplacian::IntrinsicSurface;
-use intrinsym::{CancelToken, Error, PolygonMesh, SymmetryKind};
+use intrinsym::{CancelToken, Error, PolygonMesh, Progress, SymmetryKind};
 use support::*;
 
 /// The largest shell of a mesh whose points are its vertices.
@@ -61,7 +61,7 @@ fn off(shell: &Shell, images: &VertexMap, truth: &[u32]) -> f64 {
 
 fn fitted_on(threads: usize, shell: &Shell, images: &VertexMap, kind: SymmetryKind) -> Fitted {
     let (surface, effort) = (IntrinsicSurface::new(shell), PartsEffort::default());
-    fit(shell, &surface, images, kind, &effort, threads, &CancelToken::default()).unwrap()
+    fit(shell, &surface, images, kind, &effort, threads, &Progress::default()).unwrap()
 }
 
 fn fitted(shell: &Shell, images: &VertexMap, kind: SymmetryKind) -> VertexMap {
@@ -209,7 +209,7 @@ fn turned_heads_are_left_alone_where_nobody_asks_for_them() {
     let off_if = |turned: bool| {
         let effort = PartsEffort::default();
         let effort = if turned { effort } else { effort.without_turned() };
-        let found = fit(&shell, &surface, &images, Reflection, &effort, 2, &CancelToken::default()).unwrap();
+        let found = fit(&shell, &surface, &images, Reflection, &effort, 2, &Progress::default()).unwrap();
         off(&shell, &found.images, &truth)
     };
     assert!(off_if(false) > 5.0 * off_if(true), "{} {}", off_if(false), off_if(true));
@@ -292,6 +292,7 @@ fn it_can_be_cancelled() {
     let token = CancelToken::default();
     token.cancel();
     let (surface, images) = (IntrinsicSurface::new(&shell), moved(&shell, &truth, |_| [0.0; 3]));
-    let found = fit(&shell, &surface, &images, Reflection, &PartsEffort::default(), 2, &token);
+    let found =
+        fit(&shell, &surface, &images, Reflection, &PartsEffort::default(), 2, &Progress::new(None, token));
     assert!(matches!(found, Err(Error::Cancelled)));
 }

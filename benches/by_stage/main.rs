@@ -100,9 +100,7 @@ fn measure(criterion: &mut Criterion, frequency: u32) {
     let target = MatchTarget::new(&shell.surface, &shell.basis, options.threads);
     let found = time_search(&mut timer, &shell, &target, &plan, &options);
     let (surface, kind) = (&shell.surface, SymmetryKind::Reflection);
-    let fit = || {
-        rigid_parts::fit(solved, surface, &found.images, kind, &plan.parts, options.threads, quiet.token())
-    };
+    let fit = || rigid_parts::fit(solved, surface, &found.images, kind, &plan.parts, options.threads, &quiet);
     timer.time("rigid parts", fit);
     let found = Hypothesis { images: fit().expect("images").images, ..found.clone() };
     timer.time("confidence", || Evidence::new(&target, &found).confidence());

@@ -4,7 +4,7 @@
 use crate::base::effort::Plan;
 use crate::base::error::Result;
 use crate::base::options::Options;
-use crate::base::progress::{CancelToken, Progress};
+use crate::base::progress::Progress;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::connectivity::automorphism::{Automorphism, Connectivity};
 use crate::connectivity::mirrored_vertices;
@@ -333,7 +333,7 @@ impl<'a> Assembler<'a> {
         found: Hypothesis,
         kind: SymmetryKind,
         threads: usize,
-        token: &CancelToken,
+        progress: &Progress,
     ) -> Result<Hypothesis> {
         let parts = &self.plan.parts;
         let effort = match found.judged.is_hopeless(self.least) {
@@ -347,7 +347,7 @@ impl<'a> Assembler<'a> {
             kind,
             effort,
             threads,
-            token,
+            progress,
         )?;
         let judged = match kind {
             SymmetryKind::Reflection => found.judged.with_parts(rigidity),

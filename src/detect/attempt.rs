@@ -95,7 +95,7 @@ impl Attempt<'_> {
 
     fn with_parts(&self, reflection: Hypothesis) -> Result<Hypothesis> {
         let Question { options, progress, .. } = *self.domain.question;
-        self.assembler.with_parts(reflection, SymmetryKind::Reflection, options.threads, progress.token())
+        self.assembler.with_parts(reflection, SymmetryKind::Reflection, options.threads, progress)
     }
 
     /// The choice on the caller's mesh, and what the next call on the same connectivity needs.

@@ -113,7 +113,7 @@ fn finish_new(
         return Ok(None);
     }
     progress.report("rigid parts", 0.88)?;
-    let map = assembler.with_parts(map, kind, threads, progress.token())?;
+    let map = assembler.with_parts(map, kind, threads, progress)?;
     Ok(Some(Finished { candidate: candidate.partners.clone(), map, partners, kind }))
 }
 

@@ -163,18 +163,17 @@ pub fn finish(
     let samples = shell.sampled();
     let images = shell.refiner.partners(&map).into_iter().map(|sample| samples[sample as usize]);
     let seeds: Vec<(u32, u32)> = samples.iter().copied().zip(images).collect();
-    let token = progress.token();
     progress.report("refining", 0.75)?;
-    let spread = target.images(&map, Seeds::Vertices(&seeds), Guide::Eigenfunctions, token)?;
+    let spread = target.images(&map, Seeds::Vertices(&seeds), Guide::Eigenfunctions, progress.token())?;
     let (map, images) =
-        full_refinement::refine(target, spread, &[COARSE_SIZE], Guide::Eigenfunctions, token)?;
+        full_refinement::refine(target, spread, &[COARSE_SIZE], Guide::Eigenfunctions, progress)?;
     let mismatch = signature_mismatch(shell, &images);
     let judged = judge(shell, &candidate.score, mismatch, &images);
     let (map, images) = if judged.is_hopeless(least) {
         (map, images)
     } else {
         progress.report("refining", 0.8)?;
-        full_refinement::refine(target, images, &plan.schedule, Guide::MeanCurvature, token)?
+        full_refinement::refine(target, images, &plan.schedule, Guide::MeanCurvature, progress)?
     };
     let judged = judge(shell, &candidate.score, mismatch, &images);
     let doubts = samples.iter().copied().zip(candidate.doubts.iter().copied()).collect();

@@ -5,7 +5,7 @@
 //! Shapes", 2017, section 4.2).
 
 use crate::base::error::Result;
-use crate::base::progress::CancelToken;
+use crate::base::progress::{CancelToken, Progress};
 use crate::base::threads;
 use crate::geometry::adjacency::Adjacency;
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
@@ -126,13 +126,13 @@ pub fn refine(
     mut images: VertexMap,
     sizes: &[usize],
     guide: Guide,
-    token: &CancelToken,
+    progress: &Progress,
 ) -> Result<(Mat<f64>, VertexMap)> {
     let mut map = Mat::zeros(0, 0);
     for &size in sizes {
-        token.check()?;
+        progress.goes_on()?;
         map = shell.map_of(&images.points, size.min(shell.basis.count()))?;
-        images = shell.images(&map, Seeds::Points(&images.points), guide, token)?;
+        images = shell.images(&map, Seeds::Points(&images.points), guide, progress.token())?;
     }
     Ok((map, images))
 }

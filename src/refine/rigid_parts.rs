@@ -24,7 +24,7 @@ pub use whole_shells::{Hint, WholeShell, carried};
 
 use crate::base::effort::PartsEffort;
 use crate::base::error::Result;
-use crate::base::progress::CancelToken;
+use crate::base::progress::Progress;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::base::threads;
 use crate::geometry::vertex_map::VertexMap;
@@ -97,7 +97,7 @@ pub fn fit(
     kind: SymmetryKind,
     effort: &PartsEffort,
     threads: usize,
-    token: &CancelToken,
+    progress: &Progress,
 ) -> Result<Fitted> {
     if !shell.orientable || shell.scale == 0.0 {
         return Ok(Fitted { images: images.clone(), rigidity: None });
@@ -109,17 +109,18 @@ pub fn fit(
     let most = counts.into_iter().chain(effort.passes).max();
     let middles = mapped.spread(most.unwrap_or(0));
     if let Some(turned) = turned {
-        turned_parts::map_turned(&mut mapped, &middles, turned, mirrored, threads, token)?;
+        turned_parts::map_turned(&mut mapped, &middles, turned, mirrored, threads, progress)?;
     }
     let mut disagreement = None;
     for (radius, count) in RADII.into_iter().zip(effort.passes) {
         let discs =
-            mapped.discs_along_edges(&middles[..count.min(middles.len())], &[radius], threads, token)?;
-        let parts = parts(&mapped, &discs, effort, mirrored, threads, token)?;
+            mapped.discs_along_edges(&middles[..count.min(middles.len())], &[radius], threads, progress)?;
+        let parts = parts(&mapped, &discs, effort, mirrored, threads, progress)?;
         let agreed = agreed(&mapped, &parts);
         disagreement = disagreement.or_else(|| Some(disagreement_on_most(&mapped, &parts, &agreed)));
         let goals = blending::goals(&mapped, surface, &parts, &agreed)?;
         mapped.move_to(goals, threads);
+        progress.goes_on()?;
     }
     let rigidity =
         disagreement.map(|disagreement| Rigidity { disagreement, scatter: scatter::scatter(&mapped) });
@@ -133,9 +134,10 @@ fn parts<'a>(
     effort: &PartsEffort,
     mirrored: bool,
     threads: usize,
-    token: &CancelToken,
+    progress: &Progress,
 ) -> Result<Vec<Part<'a>>> {
     let approach = Approach { rounds: effort.rounds, noise: NOISE, held: MAP_ERROR, free: false };
+    let token = progress.token();
     let part = |disc: &'a Disc| {
         token.check()?;
         let places = match disc.members.len() > MOST_PLACES {

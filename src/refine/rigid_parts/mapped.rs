@@ -2,7 +2,7 @@
 
 use super::motion::{Oriented, Place};
 use crate::base::error::Result;
-use crate::base::progress::CancelToken;
+use crate::base::progress::Progress;
 use crate::base::threads;
 use crate::geometry::shortest_paths::{EdgeLengths, PathSearch};
 use crate::geometry::surface_walk::SurfaceWalk;
@@ -110,19 +110,19 @@ impl<'a> Mapped<'a> {
     }
 
     /// Discs around vertices along edges, of each radius in turn: where limbs bend sharply, smaller than those in space. Those of the
-    /// last vertices are left out where the others lie [`MOST_DISCS`] deep.
+    /// last vertices are left out where the others lie [`MOST_DISCS`] deep. Progress is told after so many.
     ///
     /// # Errors
-    /// Those of [`CancelToken::check`].
+    /// Those of [`Progress::check`].
     pub fn discs_along_edges(
         &self,
         middles: &[u32],
         radii: &[f64],
         threads: usize,
-        token: &CancelToken,
+        progress: &Progress,
     ) -> Result<Vec<Disc>> {
         let largest = radii.iter().fold(0.0f64, |largest, &radius| largest.max(radius));
-        let (mut discs, mut members) = (Vec::new(), 0);
+        let (mut discs, mut members, token) = (Vec::new(), 0, progress.token());
         for middles in middles.chunks(MOST_DISCS) {
             let some = |range: Range<usize>| -> Result<Vec<Vec<(u32, f64)>>> {
                 let mut search = PathSearch::new(self.areas.len());
@@ -138,6 +138,7 @@ impl<'a> Mapped<'a> {
                 members += within.len();
                 discs.extend(radii.iter().map(|&radius| Disc::of(middle, &within, radius)));
             }
+            progress.goes_on()?;
             if members >= MOST_DISCS * self.areas.len() {
                 break;
             }
@@ -335,9 +336,11 @@ fn feature(Oriented { position: [x, y, z], normal }: Oriented) -> Feature {
 mod tests {
     use super::*;
     use crate::base::error::Error;
+    use crate::base::progress::CancelToken;
     use crate::geometry::vertex_map::VertexMap;
     use crate::mesh::Shell;
     use crate::refine::rigid_parts::strip;
+    use std::cell::Cell;
 
     /// Strain of all of a flat strip of 41 x 5 vertices whose columns go where `to` says.
     fn distortion_of(to: impl Fn(u32) -> u32, mirrored: bool) -> f64 {
@@ -358,12 +361,15 @@ mod tests {
         let shell = strip(|column, row| [f64::from(column) / 40.0, f64::from(row) / 20.0, 0.0]);
         let own: Vec<u32> = (0..5 * 41).collect();
         let mapped = Mapped::new(&shell, &VertexMap::at_vertices(&shell.triangles, own.clone()));
-        let token = CancelToken::default();
-        let found = |radii: &[f64]| mapped.discs_along_edges(&own, radii, 2, &token);
+        let (token, reports) = (CancelToken::default(), Cell::new(0));
+        let callback = |_: &str, _: f64| reports.set(reports.get() + 1);
+        let progress = Progress::new(Some(&callback), token.clone());
+        let found = |radii: &[f64]| mapped.discs_along_edges(&own, radii, 2, &progress);
         assert_eq!(found(&[0.05, 0.02]).expect("discs").len(), 2 * own.len());
+        assert_eq!(reports.replace(0), own.len().div_ceil(MOST_DISCS));
         let all = found(&[9.0]).expect("discs");
         assert!(all.iter().all(|disc| disc.members.len() == own.len()));
-        assert_eq!(all.len(), MOST_DISCS);
+        assert_eq!((all.len(), reports.get()), (MOST_DISCS, 1));
         token.cancel();
         assert!(matches!(found(&[9.0]), Err(Error::Cancelled)));
     }

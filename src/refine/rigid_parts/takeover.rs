@@ -9,7 +9,7 @@ use super::mapped::{Disc, Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, mean};
 use super::turned_parts::{seeds, settle};
 use crate::base::error::Result;
-use crate::base::progress::CancelToken;
+use crate::base::progress::Progress;
 use crate::base::threads;
 use crate::mesh::vector::Vector;
 
@@ -78,11 +78,11 @@ impl SmallParts<'_> {
         sought: &Sought,
         found: &Motion,
         threads: usize,
-        token: &CancelToken,
+        progress: &Progress,
     ) -> Result<Vec<MovingPart>> {
         let middles = self.middles.iter().copied().filter(|&middle| near[middle as usize]);
         let middles: Vec<u32> = middles.collect();
-        let discs = mapped.discs_along_edges(&middles, &[SMALL_RADIUS], threads, token)?;
+        let discs = mapped.discs_along_edges(&middles, &[SMALL_RADIUS], threads, progress)?;
         let judged = |disc: Disc| {
             let places = mapped.places(&mapped.picked(&disc.members, self.points));
             let own = Motion::between(&places, self.mirrored);
@@ -104,21 +104,21 @@ impl SmallParts<'_> {
 /// Maps what a part's new motion fits by it, if that makes a better map of the surroundings of its `middle`.
 ///
 /// # Errors
-/// Those of [`CancelToken::check`].
+/// Those of [`Progress::check`].
 pub(super) fn take_over(
     mapped: &mut Mapped,
     small: &SmallParts,
     middle: u32,
     found: &Motion,
     threads: usize,
-    token: &CancelToken,
+    progress: &Progress,
 ) -> Result<()> {
     let around = mapped.within(&[middle], REACH);
     let evenly: Vec<(u32, f64)> = around.iter().map(|&(vertex, _)| (vertex, 1.0)).collect();
     let sought = mapped.sought(&mapped.places(&mapped.picked(&evenly, SOUGHT_POINTS)));
     let mut near = vec![false; mapped.areas.len()];
     around.iter().for_each(|&(vertex, _)| near[vertex as usize] = true);
-    let parts = small.around(mapped, &near, &sought, found, threads, token)?;
+    let parts = small.around(mapped, &near, &sought, found, threads, progress)?;
     let goals = goals(mapped, &parts, &around);
     let region =
         mapped.joined(middle, &mut vec![false; goals.len()], |vertex| goals[vertex as usize].follows());

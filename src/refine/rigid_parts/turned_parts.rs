@@ -9,7 +9,7 @@ use super::motion::{Approach, Motion, Oriented, Place, mean};
 use super::takeover::{SmallParts, take_over};
 use crate::base::effort::TurnedEffort;
 use crate::base::error::Result;
-use crate::base::progress::CancelToken;
+use crate::base::progress::Progress;
 use crate::base::threads;
 use crate::mesh::rotation::{Matrix, principal_axes, rotation};
 use crate::mesh::vector::{Vector, squared_norm, subtract};
@@ -60,10 +60,11 @@ pub(super) fn map_turned(
     effort: &TurnedEffort,
     mirrored: bool,
     threads: usize,
-    token: &CancelToken,
+    progress: &Progress,
 ) -> Result<()> {
     let some = |count: usize| &middles[..count.min(middles.len())];
-    let discs = mapped.discs_along_edges(some(effort.parts), &RADII, threads, token)?;
+    let discs = mapped.discs_along_edges(some(effort.parts), &RADII, threads, progress)?;
+    let token = progress.token();
     let screen = |disc: Disc| {
         token.check()?;
         let picked = mapped.picked(&disc.members, effort.points);
@@ -93,7 +94,7 @@ pub(super) fn map_turned(
             continue;
         }
         tried.push(middle);
-        take_over(mapped, &small, part.middle, &found.motion, threads, token)?;
+        take_over(mapped, &small, part.middle, &found.motion, threads, progress)?;
     }
     Ok(())
 }
