@@ -3,7 +3,19 @@
 
 import numpy as np
 
-from . import mesh_data
+from . import mesh_data, seams
+
+
+def _by_vertices(mesh, partner, find):
+    """What `find` answers for the numbers of the vertices and of their partners; where that is -1, for those of their points:
+    what is split on one side alone is one point on both."""
+    found = find(np.arange(len(partner)), partner)
+    if (found >= 0).all():
+        return found
+    point = seams.welded(mesh)
+    if (point == np.arange(len(point))).all():
+        return found
+    return np.where(found < 0, find(point, np.where(partner < 0, -1, point[partner])), found)
 
 
 def edge_partners(mesh, partner):
@@ -11,20 +23,28 @@ def edge_partners(mesh, partner):
     ends = mesh_data.edges(mesh).astype(np.int64)
     if not len(ends):
         return np.zeros(0, np.int64)
-    keys = np.sort(ends, axis=1) @ (len(partner), 1)
-    wanted = np.sort(partner[ends], axis=1).astype(np.int64) @ (len(partner), 1)
-    order = np.argsort(keys)
-    place = order[np.clip(np.searchsorted(keys, wanted, sorter=order), 0, len(keys) - 1)]
-    return np.where(keys[place] == wanted, place, -1)
+
+    def find(number, images):
+        keys, wanted = (np.sort(each[ends], axis=1).astype(np.int64) @ (len(partner), 1) for each in (number, images))
+        order = np.argsort(keys, kind="stable")
+        place = order[np.clip(np.searchsorted(keys, wanted, sorter=order), 0, len(keys) - 1)]
+        return np.where(keys[place] == wanted, place, -1)
+
+    return _by_vertices(mesh, partner, find)
 
 
 def exact_face_partners(mesh, partner):
     """(faces,) the face of the partners of each face's vertices; -1 where that is no face of the mesh."""
     offsets, corners = mesh_data.polygons(mesh)
-    pieces = [piece.tolist() for piece in np.split(corners, offsets[1:-1])] if len(corners) else []
-    number = {frozenset(piece): face for face, piece in enumerate(pieces)}
-    images = (number.get(frozenset(partner[piece].tolist()), -1) for piece in pieces)
-    return np.fromiter(images, np.int64, len(pieces))
+    if not len(corners):
+        return np.zeros(0, np.int64)
+
+    def find(number, images):
+        own, wanted = (map(frozenset, map(np.ndarray.tolist, np.split(each[corners], offsets[1:-1]))) for each in (number, images))
+        at = {key: face for face, key in enumerate(own)}
+        return np.fromiter((at.get(key, -1) for key in wanted), np.int64, len(offsets) - 1)
+
+    return _by_vertices(mesh, partner, find)
 
 
 def face_partners(mesh, symmetry):
@@ -44,9 +64,13 @@ def corner_partners(mesh, partner, faces):
     -1 where that face has no such corner."""
     offsets, corners = mesh_data.polygons(mesh)
     face_of = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
-    place = {pair: corner for corner, pair in enumerate(zip(face_of.tolist(), corners.tolist()))}
-    wanted = zip(faces[face_of].tolist(), partner[corners].tolist())
-    return np.fromiter((place.get(pair, -1) for pair in wanted), np.int64, len(corners))
+
+    def find(number, images):
+        place = {pair: corner for corner, pair in enumerate(zip(face_of.tolist(), number[corners].tolist()))}
+        wanted = zip(faces[face_of].tolist(), images[corners].tolist())
+        return np.fromiter((place.get(pair, -1) for pair in wanted), np.int64, len(corners))
+
+    return _by_vertices(mesh, partner, find)
 
 
 def barycentric(points, triangles):
