@@ -598,6 +598,9 @@ isym_status isym_result_summary(const isym_result *result,
 
 /// Copies the partner vertex of each vertex out.
 ///
+/// Of several vertices in one place, as at seams, the partner is the one at the mirrored corner of the mirrored face. Where left
+/// and right are not split alike, several vertices have one partner.
+///
 /// @param result The result.
 /// @param symmetry From 0, the best first.
 /// @param[out] partners `ISYM_NONE` for a vertex without partner, such as one that no face uses.

@@ -28,3 +28,4 @@ pub mod shell_symmetry;
 pub mod spectrum;
 pub mod stated_signs;
 pub mod twins;
+pub mod welded_vertices;

@@ -23,6 +23,7 @@ use crate::base::limits::Limits;
 use edges::EdgeTable;
 use frame::Frame;
 use polygons::Polygons;
+use std::sync::Arc;
 use vector::Vector;
 
 pub use attachment::anchors;
@@ -107,6 +108,8 @@ pub struct Mesh {
     pub shell_orientable: Vec<bool>,
     /// Number of faces the caller gave.
     pub face_count: usize,
+    /// These faces over the caller's vertices, where some of these were welded.
+    pub(crate) given_faces: Option<Arc<Polygons>>,
     /// Length in the caller's unit of one unit of `positions` (the square root of the total area).
     pub unit_length: f64,
     /// The caller's position of the origin of `positions`.
@@ -325,6 +328,7 @@ fn assemble(
         shell_count: partition.count,
         shell_orientable,
         face_count: mesh.face_offsets.len() - 1,
+        given_faces: (repairs.welded_vertices > 0).then(|| Arc::new(Polygons::given(mesh))),
         unit_length: normalised.unit_length,
         centre: normalised.centre,
         repairs,

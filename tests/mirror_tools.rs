@@ -99,7 +99,7 @@ fn a_selection_is_mirrored_and_back() {
 
 #[test]
 fn faces_go_to_their_mirrored_faces_and_leave_holes_open() {
-    let Lump { rest, symmetry, partners, .. } = lump();
+    let Lump { rest, mesh, symmetry, partners } = lump();
     let faces: Vec<Vec<u32>> = rest.face_vertices.chunks_exact(3).map(<[u32]>::to_vec).collect();
     let near = |face: &Vec<u32>| {
         face.iter().any(|&vertex| distance(rest.positions[vertex as usize], LIMB.map(|x| 2.2 * x)) < 0.7)
@@ -108,7 +108,7 @@ fn faces_go_to_their_mirrored_faces_and_leave_holes_open() {
     // A hole of one face: all its corners are corners of selected faces.
     let hole = selected.iter().position(|&inside| inside).unwrap();
     selected[hole] = false;
-    let found = mirror_face_selection(&rest, &symmetry, &selected, 0.5).unwrap();
+    let found = mirror_face_selection(&mesh, &rest, &symmetry, &selected, 0.5).unwrap();
     let corners = |vertices: Vec<u32>| vertices.into_iter().collect::<std::collections::BTreeSet<u32>>();
     let chosen: std::collections::BTreeSet<_> =
         (0..faces.len()).filter(|&face| found[face]).map(|face| corners(faces[face].clone())).collect();
@@ -118,22 +118,26 @@ fn faces_go_to_their_mirrored_faces_and_leave_holes_open() {
         .collect();
     assert!(expected.len() > 10, "only {} faces selected", expected.len());
     assert_eq!(chosen, expected);
-    assert_eq!(mirror_face_selection(&rest, &symmetry, &found, 0.5).unwrap(), selected);
+    assert_eq!(mirror_face_selection(&mesh, &rest, &symmetry, &found, 0.5).unwrap(), selected);
 }
 
 #[test]
 fn faces_without_mirrored_faces_follow_their_vertices() {
     // Two triangles in a square, cut along the diagonal that the mirror image does not have.
     let polygons = support::rectangle(1, 1, [1.0, 1.0]);
+    let mesh = validated(&polygons);
     let mut symmetry = exact_symmetry(&polygons, &[1, 0, 3, 2]);
     let all = vec![true; polygons.face_offsets.len() - 1];
-    assert_eq!(mirror_face_selection(&polygons, &symmetry, &all, 0.0).unwrap(), all);
+    assert_eq!(mirror_face_selection(&mesh, &polygons, &symmetry, &all, 0.0).unwrap(), all);
     let mut one = vec![false; all.len()];
     one[0] = true;
-    assert_eq!(mirror_face_selection(&polygons, &symmetry, &one, 0.0).unwrap(), vec![false; all.len()]);
+    assert_eq!(
+        mirror_face_selection(&mesh, &polygons, &symmetry, &one, 0.0).unwrap(),
+        vec![false; all.len()]
+    );
     symmetry.confidence[0] = 0.2;
-    assert!(!mirror_face_selection(&polygons, &symmetry, &all, 0.5).unwrap()[0]);
-    assert!(mirror_face_selection(&polygons, &symmetry, &all, 1.5).is_err());
+    assert!(!mirror_face_selection(&mesh, &polygons, &symmetry, &all, 0.5).unwrap()[0]);
+    assert!(mirror_face_selection(&mesh, &polygons, &symmetry, &all, 1.5).is_err());
 }
 
 #[test]

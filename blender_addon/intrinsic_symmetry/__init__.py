@@ -21,7 +21,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     weights         vertex weights as an array
     made_key        settings of a shape key that is made
     assembly        several objects with one map
-    seams           where such objects touch
+    seams           where such objects touch, and where vertices are split
     mirroring       which way values go, and how far
     carry           the map of an edited mesh, by carried_map, carried_walk and image_surface
     half_*          one half of a mesh rebuilt: half_line says where it ends, half_copy copies faces, half_map pairs

@@ -22,15 +22,16 @@ def rebuild(bm, halves):
     vertices that have twins, and what else hangs on them. How many other faces than the losing ones are gone: none may be."""
     label = _written(bm, halves)
     source = bm.verts.layers.int[SOURCE]
-    twin = halves.twin.tolist() + list(range(len(halves.twin), len(halves.twin) + len(halves.shares)))
+    cuts = list(range(len(halves.twin), len(halves.twin) + len(halves.shares)))
+    twin, point = halves.twin.tolist() + cuts, halves.point.tolist() + cuts
     for number in np.flatnonzero(halves.labels == LINE).tolist():
         twin[number] = number
     apart = [vertex for vertex, is_so in zip(bm.verts, halves.apart.tolist()) if is_so]
     apart += _cut(bm, halves, label)
-    for face in _alone(apart, source, label, twin):
+    for face in _alone(apart, source, label, twin, point):
         apart += face.verts
         _split(face, label)
-    alone = _flip(_alone(apart, source, label, twin), source, label, twin)
+    alone = _flip(_alone(apart, source, label, twin, point), source, label, twin)
     around = _around(apart, label)
     walls = _walls(around, label)
     lost = walls + [face for face in alone if any(vertex[label] == LOSES for vertex in face.verts)]
@@ -71,10 +72,11 @@ def _walls(faces, label):
     return list(found)
 
 
-def _alone(apart, source, label, twin):
+def _alone(apart, source, label, twin, point):
     """The faces of both halves without mirror images, each of which has a vertex of `apart`."""
     faces = _around(apart, label)
-    return [faces[number] for number in without_images([[vertex[source] for vertex in face.verts] for face in faces], twin)]
+    corners = [[vertex[source] for vertex in face.verts] for face in faces]
+    return [faces[number] for number in without_images(corners, twin, point)]
 
 
 def _flip(faces, source, label, twin):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import mesh_data, stored_map
+from . import mesh_data, seams, stored_map
 from .regions import components
 
 #: Labels of vertices: of the half that stays, of the half that is replaced, on the line between them, and of shells
@@ -33,6 +33,7 @@ class Halves:
     reflection: np.ndarray  # (3, 3) about that plane
     partner: np.ndarray  # (vertices,) int, also of duplicates; -1 where the copies of faces keep nothing of what was there
     edited: np.ndarray  # (vertices,) bool: edges without faces at these are copied, too
+    point: np.ndarray  # (vertices,) the least vertex with which each is one point
 
     def models(self, source):
         """Numbers of the old vertices, or of the cuts, that those with the sources that `half_copy` writes are the mirror
@@ -61,7 +62,8 @@ class Halves:
 def of_shells(mesh, symmetry, winner, edges):
     """(vertices,) what the map says, shell by shell."""
     partner, side = symmetry.partner.astype(np.int64), symmetry.side.astype(int) * winner
-    shell = components(len(partner), edges)
+    point = seams.welded(mesh)
+    shell = components(len(partner), np.vstack([edges, np.stack([np.arange(len(point)), point], axis=1)]))
     number, shell = np.unique(shell, return_inverse=True)
     found, count = partner >= 0, len(number)
     others = found & (partner != np.arange(len(partner)))  # on the line what was split off is its own image
@@ -80,7 +82,22 @@ def of_shells(mesh, symmetry, winner, edges):
     split = (image >= 0) & ~whole & ~paired  # off a shell that has a mirror image, or is its own
     of_shell[split & crossed[image]] = np.where(balance > 0, WINS, LOSES)[split & crossed[image]]
     of_shell[split & paired[image]] = -of_shell[image[split & paired[image]]]
-    return np.where(crossed[shell], np.where(side < 0, LOSES, WINS), of_shell[shell])
+    beside = np.where(split_on_line(symmetry, point), _beside(mesh, side), side)
+    return np.where(crossed[shell], np.where(beside < 0, LOSES, WINS), of_shell[shell])
+
+
+def split_on_line(symmetry, point):
+    """(vertices,) bool: those on the line whose partner is another one of the same point, (vertices,): left and right are apart
+    there."""
+    partner, at_line = symmetry.partner.astype(np.int64), symmetry.side == 0
+    return at_line & at_line[partner] & (partner >= 0) & (partner != np.arange(len(partner))) & (point[partner] == point)
+
+
+def _beside(mesh, side):
+    """(vertices,) on which side the most vertices of the faces of each are."""
+    offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
+    of_faces = np.repeat(np.add.reduceat(side[corners], offsets[:-1]), np.diff(offsets))
+    return np.sign(np.bincount(corners, of_faces, len(side))).astype(int)
 
 
 def not_through(mesh):

@@ -48,7 +48,7 @@ def halves(bm, mesh, symmetry, labels):
     least = np.where(known[winning] & known[losing], *_LEAST)
     none, some, images = np.full(len(labels), -1), np.ones(len(labels), bool), np.full(positions.shape, np.nan)
     shares = np.clip(shares, least, 1 - least)
-    return Halves(labels, crossed, winning, losing, shares, none, some, images, images, ~some, np.eye(3), none, ~some)
+    return Halves(labels, crossed, winning, losing, shares, none, some, images, images, ~some, np.eye(3), none, ~some, np.arange(len(labels)))
 
 
 def _refuse_moved(mesh, partner, labels):

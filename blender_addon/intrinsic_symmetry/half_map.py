@@ -4,7 +4,7 @@
 import intrinsym
 import numpy as np
 
-from . import mesh_data, stored_map, vertex_map
+from . import mesh_data, seams, stored_map, vertex_map
 from .half_labels import LINE, LOSES, STAYS
 from .regions import components, holding, mirrored
 
@@ -21,12 +21,24 @@ def is_mirrored(mesh, symmetry, winner):
     offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
     partner = symmetry.partner.astype(np.int64)
     alike = mirrored(offsets, corners, partner) & (partner[partner] == np.arange(len(partner)))
+    alike |= mirrored_points(offsets, corners, partner, seams.welded(mesh))
     alike &= symmetry.side[partner] == -symmetry.side
     shell = components(len(partner), mesh_data.edges(mesh).astype(np.int64))
     stays = np.isin(shell, shell[symmetry.side != winner])
     stays &= (stored_map.read_edit(mesh) != stored_map.LOST) | (symmetry.side != -winner)
     has_faces = np.bincount(corners, minlength=len(partner)) > 0
     return np.where(alone(mesh, symmetry), stays | ~has_faces, alike).all()
+
+
+def mirrored_points(offsets, corners, partner, point):
+    """(vertices,) bool: those whose points, (vertices,) the least vertex of each, have the mirror images of their partners'
+    faces, and the other way round, though left and right may not be split alike. None without such points."""
+    own = np.arange(len(partner))
+    if (point == own).all():
+        return point != own
+    image = np.where(partner < 0, -1, point[partner])
+    is_one = (image == image[point]) & (image[image] == point)
+    return (mirrored(offsets, point[corners], np.where(point == own, image, -1)) & is_one)[point] & is_one
 
 
 def known(mesh, core_mesh, halves, source, winner, symmetry):
@@ -41,9 +53,11 @@ def known(mesh, core_mesh, halves, source, winner, symmetry):
     other = at[model + count * ~copied]
     partner = np.where(labels == LINE, own, np.where((other < 0) & (twin >= 0), at[twin], other))
     partner = np.where(labels == STAYS, -1, partner)
-    side = np.where(copied | (labels == LOSES), -winner, winner) * (labels != LINE)
+    before = np.append(symmetry.side, np.zeros(len(halves.shares), int))[model]
+    split = (before == 0) & (twin >= 0)  # on the line, or apart there
+    side = np.where(copied | (labels == LOSES), -winner, winner) * ((labels != LINE) & ~split)
     stays = (labels == STAYS) | (partner < 0)
-    side = np.where(stays, np.append(symmetry.side, np.zeros(len(halves.shares), int))[model], side)
+    side = np.where(stays, before, side)
     exact = vertex_map.at_vertices(core_mesh, partner)
     partner = np.where(exact.faces == vertex_map.NONE, -1, partner)
     lines = _lines(mesh_data.edges(mesh), partner)

@@ -13,9 +13,10 @@ import numpy as np
 from intrinsym import Merge
 from mathutils.kdtree import KDTree
 
-from . import edit_moves, half_faces, local_frames, mesh_data, rigid_pieces, stored_map, vertex_map
+from . import edit_moves, half_faces, local_frames, mesh_data, rigid_pieces, seams, stored_map, vertex_map
 from .asymmetry import fitted_plane
-from .half_labels import LINE, LOSES, STAYS, WINS, Halves, not_through
+from .half_labels import LINE, LOSES, STAYS, WINS, Halves, not_through, split_on_line
+from .half_map import mirrored_points
 from .neighbour_means import longest_edges
 from .regions import components, mirrored, parts
 
@@ -42,15 +43,18 @@ def twins(mesh, symmetry, labels, edited_only):
     partner = symmetry.partner.astype(np.int64)
     itself = partner == np.arange(len(partner))
     old, on_line = stored_map.read_edit(mesh) != stored_map.MADE, symmetry.side == 0
-    across = (labels * labels[partner] == WINS * LOSES) & ~(on_line | on_line[partner])
+    point = seams.welded(mesh)
+    across = ~(on_line | on_line[partner]) | split_on_line(symmetry, point)
+    across &= labels * labels[partner] == WINS * LOSES
     fits = np.where(itself, on_line & old, across)
-    exact = vertex_map.pairs(symmetry)
+    exact = vertex_map.pairs(symmetry, point)
     exact &= ~_chance(mesh, exact, partner)
     twin = np.where(exact & exact[partner] & (labels != STAYS) & fits, partner, -1)
     offsets, corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
     touched = stored_map.is_touched(mesh, partner)
     alike, used = mirrored(offsets, corners, twin), np.bincount(corners, minlength=len(partner)) > 0
     counted = ~touched & (partner >= 0) & used & (labels != STAYS)
+    alike |= mirrored_points(offsets, corners, twin, point)
     if not counted.any() or alike[counted].mean() < _SHARED[edited_only]:
         return None
     return np.where(alike | touched | itself | edited_only, twin, -1)
@@ -137,14 +141,15 @@ class _Pairs:
         self._label()
         bm.verts.ensure_lookup_table()
         twin = np.where(self._labels == LINE, np.arange(len(self._twin)), self._twin)
-        lone, apart = half_faces.lone(self._offsets, self._corners, twin, touched)
+        point = seams.welded(self._mesh)
+        lone, apart = half_faces.lone(self._offsets, self._corners, twin, point, touched)
         winning, losing, shares, edges = self._crossed(bm, lone)
         wins = np.isin(self._labels, (WINS, LINE))[:, None]
         images, below = (np.where(wins, each, np.nan) for each in self._images_of_changed())
         edited = stored_map.read_edit(self._mesh) > 0
         return Halves(
             self._labels, edges, winning, losing, shares, twin, apart, images, below, self._at_rest, self._reflection,
-            self._partners(), edited,
+            self._partners(), edited, point,
         )
 
     def _refuse_off_line(self):

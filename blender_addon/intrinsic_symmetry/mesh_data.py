@@ -111,6 +111,13 @@ def edges(mesh):
     return _stored(mesh, (".edge_verts", "value"), (mesh.edges, "vertices"), ends)
 
 
+def edges_of_corners(mesh):
+    """(corners,) the edge that begins at each face corner."""
+    numbers = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("edge_index", numbers)
+    return numbers
+
+
 def positions(mesh):
     """(vertices, 3) float32 of the base shape."""
     places = np.empty((len(mesh.vertices), 3), np.float32)

@@ -18,14 +18,14 @@ def write_selection(context, mesh, vertices, edges=None, faces=None):
     vertex_mode, edge_mode, _ = context.tool_settings.mesh_select_mode
     ends, (offsets, corners) = mesh_data.edges(mesh), mesh_data.polygons(mesh)
     chosen_edges = vertices[ends].all(axis=1) & (True if edges is None else edges)
-    whole = vertices[corners] if vertex_mode or not edge_mode else chosen_edges[_edges_of_corners(mesh)]
+    whole = vertices[corners] if vertex_mode or not edge_mode else chosen_edges[mesh_data.edges_of_corners(mesh)]
     chosen_faces = np.logical_and.reduceat(whole, offsets[:-1]) if len(corners) else np.zeros(0, bool)
     chosen_faces &= True if faces is None else faces
     if not vertex_mode:
         of_faces = np.repeat(chosen_faces, np.diff(offsets))
         if not edge_mode:
             chosen_edges = np.zeros_like(chosen_edges)
-            chosen_edges[_edges_of_corners(mesh)[of_faces]] = True
+            chosen_edges[mesh_data.edges_of_corners(mesh)[of_faces]] = True
         vertices = np.zeros_like(vertices)
         vertices[ends[chosen_edges]] = True
     for name, domain, flags in (
@@ -36,13 +36,6 @@ def write_selection(context, mesh, vertices, edges=None, faces=None):
         mesh_data.write_attribute(mesh, name, "BOOLEAN", flags, domain)
     mesh.update()
     return int(vertices.sum())
-
-
-def _edges_of_corners(mesh):
-    """(corners,) the edge that begins at each face corner."""
-    numbers = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("edge_index", numbers)
-    return numbers
 
 
 def _flags(elements):

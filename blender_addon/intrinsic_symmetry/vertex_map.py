@@ -34,10 +34,12 @@ def whole(symmetry):
     return (symmetry.surface_points.barycentrics.max(axis=1) > WHOLE) & (symmetry.partner >= 0)
 
 
-def pairs(symmetry):
-    """(vertices,) bool: those that are the exact images of their images."""
+def pairs(symmetry, point=None):
+    """(vertices,) bool: those that are the exact images of their images; or are in the same place, by the (vertices,) `point`
+    that each is."""
     partner = symmetry.partner.astype(np.int64)
-    return whole(symmetry) & (partner[partner] == np.arange(len(partner)))
+    point = np.arange(len(partner)) if point is None else point
+    return whole(symmetry) & (point[partner[partner]] == point)
 
 
 def between(source, target, points, kind):

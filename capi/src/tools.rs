@@ -154,14 +154,14 @@ pub unsafe extern "C" fn isym_result_mirror_face_selection(
 ) -> isym_status {
     boundary(|| {
         let result = RESULTS.get(result)?;
-        let polygons = &result.mesh.polygons;
+        let (mesh, polygons) = (&result.mesh.mesh, &result.mesh.polygons);
         expect(face_count, polygons.face_offsets.len() - 1, "selected")?;
         // SAFETY: the caller's one promise, for both.
         let selected = unsafe { array(selected, face_count, "selected") }?;
         let output = unsafe { Output::new(mirrored, face_count, "mirrored") }?;
         let selected: Vec<bool> = selected.into_iter().map(|byte| byte != 0).collect();
         let symmetry = result.symmetry(symmetry)?;
-        let found = mirror_face_selection(polygons, symmetry, &selected, minimum_confidence)?;
+        let found = mirror_face_selection(mesh, polygons, symmetry, &selected, minimum_confidence)?;
         output.write(&found.into_iter().map(u8::from).collect::<Vec<_>>());
         Ok(())
     })

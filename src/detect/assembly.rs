@@ -4,9 +4,10 @@ use crate::base::symmetry_kind::SymmetryKind;
 use crate::connectivity::automorphism::Automorphism;
 use crate::connectivity::mirrored_vertices::MirroredVertices;
 use crate::detect::companions::Companion;
-use crate::detect::correspondence::{EdgePoint, Polyline, SurfacePoint, Symmetry};
+use crate::detect::correspondence::{EdgePoint, Polyline, Symmetry};
 use crate::detect::coverage::Coverage;
 use crate::detect::fixed_curve::{EdgeCrossing, dissolve_specks};
+use crate::detect::welded_vertices::{OwnCorners, choose_by_faces};
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{Vector, dot, point_areas, squared_norm, subtract, unit};
@@ -307,7 +308,7 @@ pub fn symmetry(
             return -1;
         }
         let partner = map.partner[point_of(vertex)] as usize;
-        // A welded vertex that is its own mirror image stays itself, not its twin.
+        // A welded vertex that is its own mirror image stays itself, not another one there, unless faces say so.
         if partner == point_of(vertex) { vertex as i32 } else { mesh.vertex_of_point[partner] as i32 }
     };
     let side = |vertex: usize| -> i8 {
@@ -317,15 +318,19 @@ pub fn symmetry(
         let (point, odd) = (point_of(vertex), map.odd[point_of(vertex)]);
         if map.partner[point] as usize == point || odd == 0.0 { 0 } else { odd.signum() as i8 }
     };
-    let surface_point =
-        |vertex: usize| answered(vertex).then(|| surface_point(mesh, &map.image[point_of(vertex)]));
     let exact = (0..vertices).filter(|&vertex| answered(vertex) && map.exact[point_of(vertex)]).count();
-    let partner: Vec<i32> = (0..vertices).map(pick).collect();
+    let mut partner: Vec<i32> = (0..vertices).map(pick).collect();
+    choose_by_faces(mesh, &map.partner, summary.kind, &mut partner);
+    let own = OwnCorners::new(mesh);
+    let surface_point = |vertex: usize| {
+        let image = || &map.image[point_of(vertex)];
+        answered(vertex).then(|| own.surface_point(mesh, image(), partner[vertex] as u32))
+    };
     Symmetry {
         kind: summary.kind,
         coverage: Coverage::of(mesh, &partner),
-        partner,
         surface_point: (0..vertices).map(surface_point).collect(),
+        partner,
         confidence: (0..vertices)
             .map(|v| if answered(v) { map.confidence[point_of(v)] } else { 0.0 })
             .collect(),
@@ -335,14 +340,6 @@ pub fn symmetry(
         plausibility: summary.plausibility,
         mean_confidence: mean_over_surface(mesh, &map.confidence),
         exact_share: exact as f64 / vertices.max(1) as f64,
-    }
-}
-
-fn surface_point(mesh: &Mesh, image: &TrianglePoint) -> SurfacePoint {
-    SurfacePoint {
-        face: mesh.face_of_triangle[image.triangle as usize],
-        vertices: mesh.triangles[image.triangle as usize].map(|point| mesh.vertex_of_point[point as usize]),
-        barycentric: image.barycentric,
     }
 }
 

@@ -39,7 +39,8 @@ pub struct Polyline {
 pub struct Symmetry {
     /// Reflection or half turn.
     pub kind: SymmetryKind,
-    /// The partner vertex of each vertex, its image under the symmetry, or -1.
+    /// The partner vertex of each vertex, its image under the symmetry, or -1. Of several vertices in one place it is the one at the
+    /// mirrored corner of the mirrored face; where left and right are not split alike, several vertices have one partner.
     #[serde(skip)]
     pub partner: Vec<i32>,
     /// The exact image of each vertex on the surface; `None` where `partner` is -1.

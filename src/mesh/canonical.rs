@@ -60,6 +60,7 @@ impl Mesh {
             vertex_of_point: picked(&self.vertex_of_point, &given_points),
             shell_of_point: Vec::new(),
             shell_orientable: self.shell_orientable.clone(),
+            given_faces: self.given_faces.clone(),
             repairs: self.repairs.clone(),
             ..*self
         };

@@ -16,9 +16,13 @@ pub struct Polygons {
 impl Polygons {
     /// The caller's faces without repeated corners; degenerate ones are dropped and counted.
     pub fn clean(mesh: &PolygonMesh, repairs: &mut RepairReport) -> Polygons {
+        Polygons::given(mesh).without_degenerate(repairs)
+    }
+
+    /// The caller's faces as they are.
+    pub fn given(mesh: &PolygonMesh) -> Polygons {
         let faces = (0..mesh.face_offsets.len() as u32 - 1).collect();
-        let all = Polygons { offsets: mesh.face_offsets.clone(), corners: mesh.face_vertices.clone(), faces };
-        all.without_degenerate(repairs)
+        Polygons { offsets: mesh.face_offsets.clone(), corners: mesh.face_vertices.clone(), faces }
     }
 
     /// Number of polygons.

@@ -131,7 +131,10 @@ class Symmetry:
 
     @cached_property
     def partner(self) -> NDArray[np.int32]:
-        """(vertices,) int32: the vertex that is the mirror image; -1 for a vertex that no face uses."""
+        """(vertices,) int32: the vertex that is the mirror image; -1 for a vertex that no face uses.
+
+        Of several vertices in one place, as at seams, it is the one at the mirrored corner of the mirrored face. Where left and
+        right are not split alike, several vertices have one partner."""
         # NONE is -1 in a signed number.
         return self._read("partners", np.uint32).view(np.int32)
 
