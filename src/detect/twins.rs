@@ -1,6 +1,6 @@
 //! Which shells may be mirror images of which, before anything is solved: by their connectivity, their size and how far they are from each other.
 //!
-//! Two shells of one connectivity and one size are twins, hardly by chance. Others may be if they are similar in size. Twins are as far from the twins of others as
+//! Two shells whose points see each other's mirror image around them, of one size or the only two such, are twins, hardly by chance. Others may be if they are similar in size. Twins are as far from the twins of others as
 //! these are from each other, along the surface: so a sword in one hand, which would be its own mirror image by itself, has none. The involution of the
 //! shells that is worth most is sought by single changes, from each of the pairs of a shell that may have several twins.
 
@@ -8,10 +8,10 @@ use crate::connectivity::automorphism::{Surroundings, surroundings};
 use crate::mesh::vector::{Vector, dot};
 use crate::mesh::{Mesh, NONE, Shell};
 
-/// What speaks for two shells of one size, where 1 speaks for a shell that is its own image, and by which part more if one connectivity tells the points of both apart.
+/// What speaks for two shells of one size, where 1 speaks for a shell that is its own image, and by which part more if all their points see each other's mirror image.
 const SAME_SIZE: f64 = 2.0;
 const DISTINCT: f64 = 0.75;
-/// How much less speaks for a shell that is its own image if another is of its size, and of its connectivity, which tells its points apart.
+/// How much less speaks for a shell that is its own image if another is of its size, and if its points see each other's mirror image.
 const LESS_BESIDE_SIZE: f64 = 0.4;
 const LESS_BESIDE_TWIN: f64 = 2.5;
 /// Natural logarithms of ratios of two shells' lengths by area and by extent at which these count as one size by 1 / e. A limb that is bent in one
@@ -19,7 +19,7 @@ const LESS_BESIDE_TWIN: f64 = 2.5;
 const TOLERANCES: [f64; 2] = [0.045, 0.1];
 /// The same by area of shells that are alike to the last, as twins are that were mirrored, and feathers of one wing are not: others are half as similar.
 const CLOSE: f64 = 0.016;
-/// The same of the only two shells of a connectivity.
+/// The same by area of the only two shells of a connectivity: so many times as like each other as another is to one of them, and half as sure if so many points say it.
 const ONLY: f64 = 0.25;
 const RIVALS: f64 = 1.5;
 const MANY: f64 = 30.0;
