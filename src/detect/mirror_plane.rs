@@ -173,8 +173,9 @@ impl MirrorPlane {
     /// The plane nearby whose images lie best on the tangent planes of the surface (Y. Chen, G. Medioni, "Object modelling by registration of multiple range
     /// images", 1992), but for points that have no image near where it should be.
     fn through(&self, pairs: &[Pair]) -> MirrorPlane {
-        let aside = principal_axes(std::array::from_fn(|i| self.normal.map(|x| x * self.normal[i])));
-        let [u, v] = [aside[0], aside[1]];
+        let mut aside = principal_axes(std::array::from_fn(|i| self.normal.map(|x| x * self.normal[i])));
+        aside.sort_by(|a, b| dot(*a, self.normal).abs().total_cmp(&dot(*b, self.normal).abs()));
+        let [u, v, _] = aside;
         // What turns the plane about two axes, and what shifts it, do to how far an image is off.
         let (mut matrix, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
         for pair in pairs {
@@ -239,4 +240,32 @@ fn solved(matrix: &[[f64; 3]; 3], right: Vector) -> Option<Vector> {
         determinant(rows) / whole
     };
     (whole.abs() > 1e-9 * size.powi(3)).then(|| [with(0), with(1), with(2)])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_plane_is_turned_about_both_axes_and_shifted_whichever_way_it_lies() {
+        for axis in 0..3 {
+            let normal: Vector = std::array::from_fn(|k| if k == axis { 1.0 } else { 0.0 });
+            let mirror = MirrorPlane { normal, offset: 0.1 };
+            let pair = |k: i32| {
+                let at = |step: f64| (step * f64::from(k)).sin();
+                let from = [at(1.0), at(1.7), at(2.3)];
+                let looks = [at(3.1), at(4.3), at(5.9)];
+                let length = squared_norm(looks).sqrt();
+                Pair { from, to: mirror.image(from), normal: looks.map(|x| x / length) }
+            };
+            let pairs: Vec<Pair> = (1..60).map(pair).collect();
+            let tilted: Vector = std::array::from_fn(|k| if k == axis { 1.0 } else { 0.003 });
+            let length = squared_norm(tilted).sqrt();
+            let mut plane = MirrorPlane { normal: tilted.map(|x| x / length), offset: 0.102 };
+            for _ in 0..3 {
+                plane = plane.through(&pairs);
+            }
+            assert!(plane.distance(&mirror) < 1e-9, "{plane:?}");
+        }
+    }
 }

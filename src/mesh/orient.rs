@@ -61,7 +61,7 @@ fn lowest_that_agree(polygons: &Polygons, edges: &EdgeTable) -> Vec<[u32; 2]> {
 
 impl Mesh {
     /// Whether the faces of each shell look inwards: by its volume about the mean of its points, so that open ones say it, too.
-    pub fn inside_out(&self) -> Vec<bool> {
+    pub(crate) fn inside_out(&self) -> Vec<bool> {
         let (mut middles, mut counts) = (vec![[0.0; 3]; self.shell_count], vec![0.0; self.shell_count]);
         for (at, &shell) in self.positions.iter().zip(&self.shell_of_point) {
             (0..3).for_each(|axis| middles[shell as usize][axis] += at[axis]);
