@@ -5,7 +5,7 @@
 //! plane of pairs: the eigenvector of least eigenvalue of the symmetrised moments between them).
 
 use crate::geometry::surface_grid::{Place, places};
-use crate::geometry::surface_walk::SurfaceWalk;
+use crate::geometry::surface_walk::{SurfaceWalk, nearest_of};
 use crate::mesh::Mesh;
 use crate::mesh::rotation::principal_axes;
 use crate::mesh::vector::{Vector, cross, dot, mean, squared_norm, subtract};
@@ -27,6 +27,8 @@ pub const MOSTLY: f64 = 0.75;
 /// Rounds of the fit; the share of the places that is fitted, the nearest to the surface.
 const ROUNDS: usize = 8;
 const KEPT: f64 = 0.8;
+/// Places near an image whose triangles may hold the nearest point.
+const AROUND: usize = 4;
 /// Images of a plane worth looking at are this near to the surface, in sqrt(area), in the median.
 const NEAR: f64 = 0.015;
 /// From this median on a plane is not fitted any more, and no place counts as farther from its image.
@@ -88,13 +90,16 @@ impl MirrorPlane {
         let (_, near) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let surface = SurfaceWalk::new(&mesh.positions, &mesh.triangles);
         let nearest = |goal: Vector| {
-            let place = tree.nearest_neighbor(goal).expect("a place").data;
-            let (_, point) = surface.nearest(goal, places[place].corners[0]);
-            let corners =
-                mesh.triangles[point.triangle as usize].map(|corner| mesh.positions[corner as usize]);
+            // Of large triangles no corner may be near: those of the places nearby are looked at, too.
+            let around = tree.nearest_neighbor_iter(goal).take(AROUND);
+            let mut triangles: Vec<[u32; 3]> = around.map(|leaf| places[leaf.data].corners).collect();
+            let (_, walked) = surface.nearest(goal, triangles[0][0]);
+            triangles.push(mesh.triangles[walked.triangle as usize]);
+            let (point, _) = nearest_of(goal, &mesh.positions, &triangles, 0..triangles.len() as u32);
+            let corners = triangles[point.triangle as usize].map(|corner| mesh.positions[corner as usize]);
+            let to = point.interpolate_vectors(&triangles, &mesh.positions);
             let normal = cross(subtract(corners[1], corners[0]), subtract(corners[2], corners[0]));
             let length = squared_norm(normal).sqrt().max(f64::MIN_POSITIVE);
-            let to = point.interpolate_vectors(&mesh.triangles, &mesh.positions);
             (to, normal.map(|x| x / length))
         };
         // Places depend on how the mesh lies; points of it do not.
@@ -245,6 +250,50 @@ fn solved(matrix: &[[f64; 3]; 3], right: Vector) -> Option<Vector> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::limits::Limits;
+    use crate::mesh::PolygonMesh;
+
+    /// Two wheels on an axle, and a box on it, a little tilted. The sides of a wheel are single faces, cut into a fan from another corner on the left than on the right.
+    fn wheels() -> Mesh {
+        const CORNERS: u32 = 24;
+        let mut polygons = PolygonMesh { face_offsets: vec![0], ..PolygonMesh::default() };
+        let mut add = |round: u32, radii: [f64; 2], ends: [f64; 2], middle: [f64; 2], start: u32| {
+            let first = polygons.positions.len() as u32;
+            for x in ends {
+                for corner in 0..round {
+                    let angle = (f64::from(corner) + 0.5) * std::f64::consts::TAU / f64::from(round);
+                    let [y, z] = [middle[0] + radii[0] * angle.sin(), middle[1] + radii[1] * angle.cos()];
+                    polygons.positions.push([x + 0.02 * z + 0.01 * y, y - 0.01 * x, z - 0.02 * x]);
+                }
+            }
+            let at = |end: u32, corner: u32| first + round * end + (corner + start) % round;
+            let mut faces: Vec<Vec<u32>> = vec![
+                (0..round).rev().map(|corner| at(0, corner)).collect(),
+                (0..round).map(|corner| at(1, corner)).collect(),
+            ];
+            faces.extend((0..round).map(|k| vec![at(0, k), at(0, k + 1), at(1, k + 1), at(1, k)]));
+            for face in faces {
+                polygons.face_vertices.extend(face);
+                polygons.face_offsets.push(polygons.face_vertices.len() as u32);
+            }
+        };
+        add(CORNERS, [1.0, 1.0], [-1.0, -0.9], [0.0, 0.0], 0);
+        add(CORNERS, [1.0, 1.0], [0.9, 1.0], [0.0, 0.0], 7);
+        add(4, [0.2, 0.2], [-0.9, 0.9], [0.0, 0.0], 0);
+        add(4, [0.5, 1.4], [-0.5, 0.5], [0.5, 1.3], 0);
+        Mesh::new(&polygons, &Limits::default()).expect("a usable mesh")
+    }
+
+    #[test]
+    fn large_faces_have_images_far_from_all_corners() {
+        let mesh = wheels();
+        let plane = MirrorPlane::of(&mesh).expect("a plane");
+        let nearest = |image: Vector| {
+            mesh.positions.iter().map(|&at| squared_norm(subtract(at, image))).fold(f64::MAX, f64::min)
+        };
+        let farthest = mesh.positions.iter().map(|&at| nearest(plane.image(at)).sqrt()).fold(0.0, f64::max);
+        assert!(farthest < 2e-3, "{farthest} {plane:?}");
+    }
 
     #[test]
     fn a_plane_is_turned_about_both_axes_and_shifted_whichever_way_it_lies() {
