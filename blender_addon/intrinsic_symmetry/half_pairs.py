@@ -83,7 +83,7 @@ class _Pairs:
     """Arrays have one row a vertex."""
 
     def __init__(self, mesh, symmetry, labels, twin, winner):
-        self._mesh, self._symmetry, self._twin = mesh, symmetry, twin
+        self._mesh, self._symmetry, self._twin, self._point = mesh, symmetry, twin, seams.welded(mesh)
         self._ends, self._places = mesh_data.edges(mesh).astype(np.int64), mesh_data.positions(mesh).astype(float)
         self._offsets, self._corners = (np.asarray(part).astype(np.int64) for part in mesh_data.polygons(mesh))
         self._labels = np.where(twin == np.arange(len(twin)), LINE, labels)
@@ -141,15 +141,14 @@ class _Pairs:
         self._label()
         bm.verts.ensure_lookup_table()
         twin = np.where(self._labels == LINE, np.arange(len(self._twin)), self._twin)
-        point = seams.welded(self._mesh)
-        lone, apart = half_faces.lone(self._offsets, self._corners, twin, point, touched)
+        lone, apart = half_faces.lone(self._offsets, self._corners, twin, self._point, touched)
         winning, losing, shares, edges = self._crossed(bm, lone)
         wins = np.isin(self._labels, (WINS, LINE))[:, None]
         images, below = (np.where(wins, each, np.nan) for each in self._images_of_changed())
         edited = stored_map.read_edit(self._mesh) > 0
         return Halves(
             self._labels, edges, winning, losing, shares, twin, apart, images, below, self._at_rest, self._reflection,
-            self._partners(), edited, point,
+            self._partners(), edited, self._point,
         )
 
     def _refuse_off_line(self):
@@ -186,7 +185,7 @@ class _Pairs:
         twin = np.where(labels == LINE, np.arange(len(labels)), self._twin)
         rows = np.flatnonzero(np.add.reduceat(labels[self._corners] == LINE, self._offsets[:-1], dtype=int) > 1)
         faces = [self._corners[self._offsets[row] : self._offsets[row + 1]].tolist() for row in rows]
-        lone = [faces[number] for number in half_faces.without_images(faces, twin.tolist())]
+        lone = [faces[number] for number in half_faces.without_images(faces, twin.tolist(), self._point.tolist())]
         copied = [face for face in lone if (labels[face] == WINS).any()]
         count = Counter(frozenset(ends) for face in copied for ends in zip(face, face[1:] + face[:1]))
         doubled = [list(ends) for ends, faces in count.items() if faces > 1 and (labels[list(ends)] == LINE).all()]
