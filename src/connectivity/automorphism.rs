@@ -37,7 +37,7 @@ pub(crate) use colours::hash;
 use colours::{Classes, Colours};
 use estimate::{Distances, Estimate};
 pub use length_change::LengthChange;
-pub use lookalikes::{Surroundings, surroundings};
+pub use lookalikes::{ShellColours, shell_colours};
 use matching::{Mark, Matching};
 use shells::Shells;
 

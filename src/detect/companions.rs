@@ -5,7 +5,7 @@
 
 use crate::base::error::Result;
 use crate::base::progress::Progress;
-use crate::connectivity::automorphism::surroundings;
+use crate::connectivity::automorphism::shell_colours;
 use crate::detect::cluster_motion;
 use crate::detect::mirror_plane::MirrorPlane;
 use crate::geometry::surface_walk::SurfaceWalk;
@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 
 /// Points of a shell that are compared when shells are paired.
 const PAIRING_POINTS: usize = 64;
-/// Mismatch above which two shells are not taken for partners: the mean distance, in sqrt(area) of the primary shell, and how much their sizes differ.
+/// Mean distance, in sqrt(area) of the primary shell, from which on two shells are no partners, and mismatch from which on they are only if both are left alone.
 const FARTHEST: f32 = 0.06;
 /// Share of the confidence in what they sit on that is left to partners so far apart.
 const LEAST_TRUST: f32 = 0.65;
@@ -41,7 +41,7 @@ pub struct Companion {
     pub target: usize,
     /// Images of its points, in the target's local numbering.
     pub images: VertexMap,
-    /// Mean distance of the pairing, in sqrt(area) of the primary shell, and difference in size: 0 perfect, 0.06 the worst accepted.
+    /// Mean distance of the pairing, in sqrt(area) of the primary shell, and difference in size: 0 perfect, 0.16 the worst accepted.
     pub mismatch: f32,
 }
 
@@ -215,8 +215,8 @@ fn pair_shells(
     let (mirrored, own) = (middles(&places.mirrored), middles(&places.own));
     let others = (0..shells.len()).filter(|&shell| shell != primary);
     let similar = SimilarShells::new(shells, &own, others.clone());
-    let surroundings = surroundings(mesh);
-    let around = |shell: usize| &surroundings[mesh.shell_of_point[shells[shell].points[0] as usize] as usize];
+    let colours = shell_colours(mesh);
+    let of_shell = |shell: usize| &colours[mesh.shell_of_point[shells[shell].points[0] as usize] as usize];
     let mut options: BTreeMap<(usize, usize), f32> = BTreeMap::new();
     for source in others {
         progress.report("other shells", 0.95)?;
@@ -229,7 +229,7 @@ fn pair_shells(
         };
         let near: Vec<(usize, f32)> = similar.nearest(source, mirrored[source]).filter_map(of).collect();
         // One that is its own image has no other of its connectivity nearby.
-        let same = |&&(target, _): &&(usize, f32)| around(target).are_like(around(source));
+        let same = |&&(target, _): &&(usize, f32)| of_shell(target).are_like(of_shell(source));
         let any_other =
             near.iter().filter(same).any(|&(target, mismatch)| target != source && mismatch < FARTHEST);
         for &(target, mismatch) in near.iter().filter(|target| !any_other || same(target)) {

@@ -4,7 +4,7 @@
 //! these are from each other, along the surface: so a sword in one hand, which would be its own mirror image by itself, has none. The involution of the
 //! shells that is worth most is sought by single changes, from each of the pairs of a shell that may have several twins.
 
-use crate::connectivity::automorphism::{Surroundings, surroundings};
+use crate::connectivity::automorphism::{ShellColours, shell_colours};
 use crate::mesh::vector::{Vector, dot};
 use crate::mesh::{Mesh, NONE, Shell};
 
@@ -19,9 +19,8 @@ const LESS_BESIDE_TWIN: f64 = 2.5;
 const TOLERANCES: [f64; 2] = [0.045, 0.1];
 /// The same by area of shells that are alike to the last, as twins are that were mirrored, and feathers of one wing are not: others are half as similar.
 const CLOSE: f64 = 0.016;
-/// The same by area of the only two shells of a connectivity: so many times as like each other as another is to one of them, and half as sure if so many points say it.
+/// The same by area of the only two shells of a connectivity, which are more like each other than any other is to one of them, and how many points make that half as sure.
 const ONLY: f64 = 0.25;
-const RIVALS: f64 = 1.5;
 const MANY: f64 = 30.0;
 /// A change of a distance, in sqrt(area), from which on two pairs exclude each other, and what speaks against a pair that excludes all others.
 const APART: f64 = 0.22;
@@ -33,13 +32,13 @@ const MOST_STARTS: usize = 12;
 
 /// The likely twin of each shell, itself, or [`NONE`]. `distances` are those of shells, row by row. O(shells^3) a change, as many as shells, from each start.
 pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64]) -> Vec<u32> {
-    let surroundings = surroundings(mesh);
-    let around = |shell: &Shell| &surroundings[mesh.shell_of_point[shell.points[0] as usize] as usize];
-    let surroundings: Vec<&Surroundings> = shells.iter().map(around).collect();
+    let colours = shell_colours(mesh);
+    let of_shell = |shell: &Shell| &colours[mesh.shell_of_point[shell.points[0] as usize] as usize];
+    let colours: Vec<&ShellColours> = shells.iter().map(of_shell).collect();
     let sizes: Vec<[f64; 2]> = shells.iter().map(sizes).collect();
     let weights: Vec<f64> = sizes.iter().map(|size| size[0]).collect();
     let count = shells.len();
-    let evidence = evidence(&surroundings, &sizes);
+    let evidence = evidence(&colours, &sizes);
     let nearness: Vec<f64> = distances.iter().map(|distance| (-distance / NEARBY).exp()).collect();
     let around = |a: usize| (0..count).map(|b| nearness[a * count + b] * weights[b]).sum::<f64>();
     let around = (0..count).map(around).collect();
@@ -47,18 +46,18 @@ pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64]) -> Vec<u32> {
 }
 
 /// What speaks for each pair of shells, row by row.
-fn evidence(surroundings: &[&Surroundings], sizes: &[[f64; 2]]) -> Vec<f64> {
+fn evidence(colours: &[&ShellColours], sizes: &[[f64; 2]]) -> Vec<f64> {
     let count = sizes.len();
     let mirrored = |pair: usize| match (pair / count, pair % count) {
         (a, b) if a == b => (0, 0.0),
-        (a, b) => surroundings[a].mirrored_in(surroundings[b]),
+        (a, b) => colours[a].mirrored_in(colours[b]),
     };
     let mirrored: Vec<(usize, f64)> = (0..count * count).map(mirrored).collect();
     let distinct = |a: usize, b: usize| mirrored[a * count + b].1;
     // Only the two are like each other.
     let is_only = |a: usize, b: usize| {
         let rivals = (0..count).filter(|&c| c != a && c != b);
-        distinct(a, b) > RIVALS * rivals.map(|c| distinct(a, c).max(distinct(b, c))).fold(0.0, f64::max)
+        distinct(a, b) > rivals.map(|c| distinct(a, c).max(distinct(b, c))).fold(0.0, f64::max)
     };
     let similarity = |a: usize, b: usize| {
         let [area, extent] = [0, 1].map(|k| (sizes[a][k] / sizes[b][k]).ln());
@@ -66,14 +65,12 @@ fn evidence(surroundings: &[&Surroundings], sizes: &[[f64; 2]]) -> Vec<f64> {
         let apart = by_area + (1.0 - distinct(a, b)) * by_extent;
         let close = (-(area / CLOSE).powi(2)).exp();
         let similar = (-apart / (1.0 + distinct(a, b)).powi(2)).exp() * 0.5 * (1.0 + close);
-        match is_only(a, b) {
-            true => {
-                let points = mirrored[a * count + b].0 as f64;
-                let certain = (2.0 * distinct(a, b)).min(1.0) * points / (points + MANY);
-                similar.max(certain * (-(area / ONLY).powi(2)).exp())
-            }
-            false => similar,
+        if !is_only(a, b) {
+            return similar;
         }
+        let points = mirrored[a * count + b].0 as f64;
+        let certain = (2.0 * distinct(a, b)).min(1.0) * points / (points + MANY);
+        similar.max(certain * (-(area / ONLY).powi(2)).exp())
     };
     let twin = |a: usize, b: usize| similarity(a, b) * distinct(a, b);
     let most = |a: usize, of: &dyn Fn(usize, usize) -> f64| {

@@ -51,43 +51,42 @@ fn refined(mesh: &Mesh, colours: &[u64]) -> Vec<u64> {
     rings
 }
 
-/// What the connectivity of a shell looks like around each of its points.
-#[derive(Debug)]
-pub struct Surroundings {
-    /// A hash of each point's as seen from outside, sorted.
+/// The colours of a shell's points by what is around them, with the order of corners around faces.
+#[derive(Debug, Clone, Default)]
+pub struct ShellColours {
+    /// As seen from outside, sorted.
     seen: Vec<u64>,
-    /// The same as in a mirror.
+    /// As seen in a mirror, sorted.
     mirrored: Vec<u64>,
 }
 
-impl Surroundings {
-    /// Whether another shell's are the same, but for the order of corners around faces.
-    pub fn are_like(&self, other: &Surroundings) -> bool {
+impl ShellColours {
+    /// Whether another shell has the same connectivity, mirrored or not.
+    pub fn are_like(&self, other: &ShellColours) -> bool {
         self.seen == other.mirrored || self.seen == other.seen
     }
 
-    /// How many points tell themselves from most others by their surroundings and have the mirror image of these in another shell, and their share, 0..=1: nearly
+    /// How many points tell themselves from all others by their surroundings and have the mirror image of these in another shell, and their share, 0..=1: nearly
     /// all of a mirrored copy, or of one with something else on it, next to nothing of a regular tube; none of a copy that was but turned. O(points).
-    pub fn mirrored_in(&self, other: &Surroundings) -> (usize, f64) {
+    pub fn mirrored_in(&self, other: &ShellColours) -> (usize, f64) {
         let points = self.seen.len().max(other.seen.len()).max(1) as f64;
         let [mirrored, turned] = [&other.mirrored, &other.seen].map(|there| shared(&self.seen, there));
         if mirrored < turned { (0, 0.0) } else { (mirrored, mirrored as f64 / points) }
     }
 }
 
-/// How many of some sorted values, each of which few have, are among others.
+/// How many of some sorted values that are there once are among others.
 fn shared(own: &[u64], there: &[u64]) -> usize {
     let mut there = there.iter().peekable();
-    let few = own.chunk_by(|a, b| a == b).filter(|class| class.len() <= 2);
-    let found = |class: &[u64]| {
+    let found = |class: &&[u64]| {
         while there.next_if(|&&other| other < class[0]).is_some() {}
-        class.iter().filter(|&&value| there.next_if(|&&other| other == value).is_some()).count()
+        class.len() == 1 && there.peek() == Some(&&class[0])
     };
-    few.map(found).sum()
+    own.chunk_by(|a, b| a == b).filter(found).count()
 }
 
-/// The surroundings of each shell. O(corners + points log points).
-pub fn surroundings(mesh: &Mesh) -> Vec<Surroundings> {
+/// The colours of each shell. O(corners + points log points).
+pub fn shell_colours(mesh: &Mesh) -> Vec<ShellColours> {
     let colours = coloured(mesh, NEAR);
     // The order of colours around a face, from either side.
     let (mut seen, mut mirrored) = (colours.clone(), colours.clone());
@@ -104,8 +103,7 @@ pub fn surroundings(mesh: &Mesh) -> Vec<Surroundings> {
             (*seen, *mirrored) = (seen.wrapping_add(forth), mirrored.wrapping_add(back));
         }
     }
-    let empty = || Surroundings { seen: Vec::new(), mirrored: Vec::new() };
-    let mut shells: Vec<Surroundings> = (0..mesh.shell_count).map(|_| empty()).collect();
+    let mut shells = vec![ShellColours::default(); mesh.shell_count];
     for (point, &shell) in mesh.shell_of_point.iter().enumerate() {
         shells[shell as usize].seen.push(seen[point]);
         shells[shell as usize].mirrored.push(mirrored[point]);
@@ -125,11 +123,10 @@ mod tests {
 
     /// A closed shell of 20 corners that is like its mirror image nowhere, a copy beside it, its mirror image, and that given inside out.
     fn copies() -> Mesh {
-        let turn = |k: u32, at: [f64; 3]| {
-            let angle = f64::from(k) * std::f64::consts::TAU / 6.0;
-            [at[0] * angle.cos(), at[0] * angle.sin(), at[1] + at[2]]
+        let ring = |level: u32| {
+            let angles = (0..6).map(|k| f64::from(k) * std::f64::consts::TAU / 6.0);
+            angles.map(move |angle| [angle.cos(), angle.sin(), f64::from(level)])
         };
-        let ring = |level: u32| (0..6).map(move |k| turn(k, [1.0, f64::from(level), 0.0]));
         let mut positions: Vec<[f64; 3]> = (0..3).flat_map(ring).collect();
         positions.extend([[0.0, 0.0, -0.5], [0.0, 0.0, 2.5]]);
         let mut faces: Vec<Vec<u32>> = Vec::new();
@@ -168,10 +165,10 @@ mod tests {
     #[test]
     fn a_mirrored_copy_is_told_from_one_that_was_moved() {
         let mesh = copies();
-        let surroundings = surroundings(&mesh);
+        let colours = shell_colours(&mesh);
         let of = |copy: usize| {
             let point = mesh.point_of_vertex[20 * copy];
-            &surroundings[mesh.shell_of_point[point as usize] as usize]
+            &colours[mesh.shell_of_point[point as usize] as usize]
         };
         assert_eq!(of(0).mirrored_in(of(1)), (0, 0.0));
         for copy in [2, 3] {
