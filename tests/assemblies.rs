@@ -25,6 +25,11 @@ struct Figure {
 
 /// A figure of a trunk, a head, two arms and two legs of two parts each, and a rod in one hand; posed by `pose` radians.
 fn figure(pose: f64, with_rod: bool) -> Figure {
+    figure_of(&icosphere(3), 0.25, pose, with_rod)
+}
+
+/// The same, each part of a form that reaches from -1 to 1 and has a bump of that height.
+fn figure_of(form: &PolygonMesh, bump: f64, pose: f64, with_rod: bool) -> Figure {
     let part = |middle, axes, joint, turn| Part { middle, axes, joint, turn };
     let still = [0.0; 3];
     let mut parts = vec![
@@ -48,11 +53,10 @@ fn figure(pose: f64, with_rod: bool) -> Figure {
         twins.push(None);
     }
     let (mut positions, mut faces, mut of_part) = (Vec::new(), Vec::<Vec<u32>>::new(), Vec::new());
-    let sphere = icosphere(3);
     for Part { middle, axes, joint, turn } in parts {
         let first = positions.len();
-        for &[x, y, z] in &sphere.positions {
-            let bump = if z > 0.0 { 1.0 + 0.25 * z * z * z * (1.0 - 0.5 * y) } else { 1.0 };
+        for &[x, y, z] in &form.positions {
+            let bump = if z > 0.0 { 1.0 + bump * z * z * z * (1.0 - 0.5 * y) } else { 1.0 };
             let mut at = [axes[0] * x + middle[0], axes[1] * y + middle[1], axes[2] * z * bump + middle[2]];
             for axis in 0..3 {
                 let unit = std::array::from_fn(|k| f64::from(u8::from(k == axis)));
@@ -63,7 +67,9 @@ fn figure(pose: f64, with_rod: bool) -> Figure {
             positions.push(at);
         }
         faces.extend(
-            sphere.face_vertices.chunks(3).map(|corners| corners.iter().map(|c| c + first as u32).collect()),
+            form.face_vertices
+                .chunks(form.face_vertices.len() / (form.face_offsets.len() - 1))
+                .map(|corners| corners.iter().map(|c| c + first as u32).collect()),
         );
         of_part.push(first..positions.len());
     }
@@ -103,6 +109,13 @@ fn each_part_of_a_posed_figure_goes_to_its_twin() {
     assert!(found.report.evidence().contains("plausibility"), "it was searched");
 }
 
+/// Blocks say nothing of whether a map reflects: their twins do.
+#[test]
+fn each_block_of_a_posed_figure_goes_to_its_twin() {
+    let figure = figure_of(&cube_of_squares(1), 0.0, 0.8, false);
+    assert_eq!(images(&figure, &found(&figure.polygons)), figure.twins);
+}
+
 #[test]
 fn what_a_figure_holds_in_one_hand_has_no_partner() {
     let figure = figure(1.0, true);
@@ -129,6 +142,30 @@ fn the_plane_of_a_turned_creature_is_its_own() {
     let normal = turned([1.0, 0.0, 0.0]);
     let along: f64 = (0..3).map(|axis| normal[axis] * plane.normal[axis]).sum();
     assert!(along.abs() > 0.9999, "{plane:?}");
+}
+
+/// Two ears, and a hat as large as both, so far away that no direction in the plane of the three has larger moments than another.
+#[test]
+fn what_a_round_body_wears_tells_its_plane() {
+    let balls = [([0.0, 0.0, 0.0], 1.0), ([1.2, 0.0, 0.0], 0.3), ([-1.2, 0.0, 0.0], 0.3)];
+    let hat = ([0.0, 1.288, 0.0], 0.3 * 2f64.sqrt());
+    let form = icosphere(3);
+    let (mut positions, mut faces) = (Vec::new(), Vec::new());
+    for (middle, radius) in balls.into_iter().chain([hat]) {
+        let first = positions.len() as u32;
+        let place = |at: &Vector| [0, 1, 2].map(|axis| middle[axis] + radius * at[axis]);
+        positions.extend(form.positions.iter().map(|at| rotated(place(at), [1.0, 2.0, 3.0], 0.7)));
+        faces.extend(
+            form.face_vertices
+                .chunks(3)
+                .map(|corners| corners.iter().map(|c| c + first).collect::<Vec<u32>>()),
+        );
+    }
+    let faces: Vec<&[u32]> = faces.iter().map(Vec::as_slice).collect();
+    let plane = MirrorPlane::of(&validated(&polygon_mesh(&positions, &faces))).expect("a plane");
+    let normals = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(|normal| rotated(normal, [1.0, 2.0, 3.0], 0.7));
+    let along = |normal: Vector| (0..3).map(|axis| normal[axis] * plane.normal[axis]).sum::<f64>().abs();
+    assert!(normals.into_iter().any(|normal| along(normal) > 0.999), "{plane:?}");
 }
 
 #[test]

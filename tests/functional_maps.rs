@@ -456,6 +456,21 @@ fn signatures_of_true_partners_agree_and_those_of_others_do_not() {
 }
 
 #[test]
+fn parts_that_go_to_their_twins_make_a_map_a_reflection() {
+    let map = Score {
+        commutator: 0.01,
+        orientation: 0.7,
+        fixed: 0.05,
+        disagreement: 0.0,
+        trace: 0.9,
+        by_twins: false,
+    };
+    assert!(map.is_identity() && map.kind() == Some(SymmetryKind::HalfTurn));
+    let map = Score { by_twins: true, ..map };
+    assert!(!map.is_identity() && map.kind() == Some(SymmetryKind::Reflection));
+}
+
+#[test]
 fn a_map_is_the_less_plausible_the_worse_any_measure_is() {
     let score = |commutator: f64| Score {
         commutator,
@@ -463,7 +478,7 @@ fn a_map_is_the_less_plausible_the_worse_any_measure_is() {
         fixed: 0.05,
         disagreement: 0.0,
         trace: 0.0,
-        unsided: 0.3,
+        by_twins: false,
     };
     let judge = |score: &Score, mismatch| Judgement::new(score, mismatch, 1.0);
     let plausibility = |commutator, mismatch| judge(&score(commutator), mismatch).plausibility;

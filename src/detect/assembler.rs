@@ -350,7 +350,10 @@ impl<'a> Assembler<'a> {
             progress,
         )?;
         let judged = match kind {
-            SymmetryKind::Reflection => found.judged.with_parts(rigidity),
+            SymmetryKind::Reflection => {
+                let judged = found.judged.with_parts(rigidity);
+                if found.score.by_twins { judged.by_twins() } else { judged }
+            }
             SymmetryKind::HalfTurn => {
                 let (basis, areas) = (&self.shell.basis, &self.shell.surface.lumped_mass);
                 found.judged.with_displacement(mean_displacement(basis, areas, &images.partners))

@@ -29,6 +29,8 @@ const FARTHEST: f32 = 0.06;
 const LEAST_TRUST: f32 = 0.65;
 /// A shell that lies farther from its mirrored place than this part of its own sqrt(area) is not its own image: its twin may be missing.
 const BESIDE: f32 = 0.5;
+/// The same of two partners of a mismatch from which on they must be left alone: the grip of a sword is not that of a shield.
+const LARGER: f32 = 0.22;
 /// Natural logarithm of the largest ratio of two partners' areas.
 pub const AREA_TOLERANCE: f64 = 0.3;
 /// Most shells that are assigned together.
@@ -223,9 +225,12 @@ fn pair_shells(
         let of = |target: usize| {
             let gap = 0.5 * (places.mismatch(source, target) + places.mismatch(target, source));
             let differ = similar.differ(source, target) as f32;
-            let is_beside = target == source && gap > BESIDE * shells[source].area().sqrt() as f32;
-            let may_be = gap.hypot(FARTHEST * differ / AREA_TOLERANCE as f32) < FARTHEST && !is_beside;
-            may_be.then_some((target, gap.hypot(0.5 * differ)))
+            let mismatch = gap.hypot(0.5 * differ);
+            let away = gap / shells[source].area().min(shells[target].area()).sqrt() as f32;
+            let is_beside = target == source && away > BESIDE;
+            let is_other = mismatch >= FARTHEST && away > LARGER;
+            let is_near = gap.hypot(FARTHEST * differ / AREA_TOLERANCE as f32) < FARTHEST;
+            (is_near && !is_beside && !is_other).then_some((target, mismatch))
         };
         let near: Vec<(usize, f32)> = similar.nearest(source, mirrored[source]).filter_map(of).collect();
         // One that is its own image has no other of its connectivity nearby.

@@ -11,6 +11,7 @@ use crate::mesh::rotation::principal_axes;
 use crate::mesh::vector::{Vector, cross, dot, mean, squared_norm, subtract};
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
+use std::f64::consts::PI;
 
 /// Distance of the places that are compared, in sqrt(area), and how many are fitted.
 const SPACING: f64 = 0.02;
@@ -35,8 +36,12 @@ const NEAR: f64 = 0.015;
 const HOPELESS: f64 = 0.04;
 /// A point whose image is farther than this, in sqrt(area), from where it should be does not count.
 const FAR: f64 = 0.03;
-/// Second moments as near to each other as this, in parts of the largest, leave the plane's normal open.
+/// Second moments as near to each other as this, in parts of the largest, leave the plane's normal open: so many are tried in half a turn.
 const DISTINCT: f64 = 0.02;
+const TURNS: u32 = 12;
+/// Planes that put images so far apart are others, and as good if they mirror this part of what the best one mirrors.
+const OTHER: f64 = 0.1;
+const ALIKE: f64 = 0.97;
 
 /// A place, and its number.
 type Leaf = GeomWithData<Vector, usize>;
@@ -59,7 +64,7 @@ pub struct MirrorPlane {
 }
 
 impl MirrorPlane {
-    /// The plane whose images are nearest to the surface; `None` if they are not near it, or if the moments of the shape single no plane out.
+    /// The plane whose images are nearest to the surface; `None` if they are not near it, or if many planes are as near.
     ///
     /// O(triangles + area / spacing^2), and if images are near, some thousand walks on the surface.
     pub fn of(mesh: &Mesh) -> Option<MirrorPlane> {
@@ -69,25 +74,32 @@ impl MirrorPlane {
         let axes = principal_axes(moments);
         let sizes = [0, 1, 2].map(|k| along(&moments, axes[k]));
         let largest = sizes.iter().copied().fold(0.0, f64::max);
-        // A shape of revolution has a family of planes.
-        if [(0, 1), (1, 2), (2, 0)].iter().any(|&(k, l)| (sizes[k] - sizes[l]).abs() < DISTINCT * largest) {
-            return None;
-        }
+        // Of a lathe-turned body only what it wears tells the plane.
+        let is_open = |[k, l]: [usize; 2]| (sizes[k] - sizes[l]).abs() < DISTINCT * largest;
+        let open = [[0, 1], [1, 2], [2, 0]].into_iter().filter(|&pair| is_open(pair));
+        let turned = open.flat_map(|[k, l]| {
+            let turn = move |turn: u32| (PI * f64::from(turn) / f64::from(TURNS)).sin_cos();
+            (1..TURNS).map(turn).map(move |(sin, cos)| [0, 1, 2].map(|i| cos * axes[k][i] + sin * axes[l][i]))
+        });
+        let turned: Vec<Vector> = turned.collect();
         let leaf = |(place, index): (&Place, usize)| GeomWithData::new(place.at, index);
         let tree = RTree::bulk_load(places.iter().zip(0..).map(leaf).collect());
         let some = |count: usize| {
             places.iter().step_by(places.len().div_ceil(count).max(1)).map(|place| place.at).collect()
         };
         let fitted: Vec<Vector> = some(FITTED);
-        let planes = (0..3)
-            .map(|k| MirrorPlane { normal: axes[k], offset: dot(axes[k], middle) }.fitted(&fitted, &tree));
+        let planes = axes
+            .iter()
+            .chain(&turned)
+            .map(|&normal| MirrorPlane { normal, offset: dot(normal, middle) }.fitted(&fitted, &tree));
         // A front may be like its back but for a face: what is far from its image counts, too.
         let compared: Vec<Vector> = some(SETTLED);
         let left = |plane: &MirrorPlane| -> f64 {
             compared.iter().map(|&from| plane.nearest(from, &tree).0.sqrt().min(HOPELESS)).sum()
         };
         let near = planes.filter(|(_, median)| *median < NEAR).map(|(plane, _)| (left(&plane), plane));
-        let (_, near) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let mut near: Vec<(f64, MirrorPlane)> = near.collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
         let surface = SurfaceWalk::new(&mesh.positions, &mesh.triangles);
         let nearest = |goal: Vector| {
             // Of large triangles no corner may be near: those of the places nearby are looked at, too.
@@ -102,17 +114,33 @@ impl MirrorPlane {
             let length = squared_norm(normal).sqrt().max(f64::MIN_POSITIVE);
             (to, normal.map(|x| x / length))
         };
+        let tried = near.into_iter().take(if turned.is_empty() { 1 } else { usize::MAX });
+        let settled = tried.filter_map(|(_, plane)| plane.settled(&compared, nearest));
+        let share = |plane: MirrorPlane| (plane.mirrored(&compared, nearest), plane);
+        let mut settled: Vec<(f64, MirrorPlane)> = settled.map(share).collect();
+        settled.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let &(most, best) = settled.first()?;
+        // A shape of revolution has a family of planes.
+        let mut family = vec![best];
+        for &(_, plane) in settled.iter().filter(|(share, _)| *share >= ALIKE * most) {
+            if family.iter().all(|other| other.distance(&plane) > OTHER) {
+                family.push(plane);
+            }
+        }
+        if family.len() > TURNS as usize / 2 {
+            return None;
+        }
         // Places depend on how the mesh lies; points of it do not.
         let step = mesh.point_count().div_ceil(POINTS).max(1);
         let points: Vec<Vector> = mesh.positions.iter().step_by(step).copied().collect();
-        near.settled(&compared, nearest)?.settled(&points, nearest)
+        best.settled(&points, nearest)
     }
 
     /// The plane nearby whose images lie best on the surface, of which `nearest` gives the nearest point and the normal there; `None` if it does not mirror most of the places.
     fn settled(
         mut self,
         places: &[Vector],
-        nearest: impl Fn(Vector) -> (Vector, Vector),
+        nearest: impl Fn(Vector) -> (Vector, Vector) + Copy,
     ) -> Option<MirrorPlane> {
         let pair = |plane: &MirrorPlane, &from: &Vector| {
             let (to, normal) = nearest(plane.image(from));
@@ -127,12 +155,16 @@ impl MirrorPlane {
                 break;
             }
         }
+        (self.mirrored(places, nearest) >= MOSTLY).then_some(self)
+    }
+
+    /// The share of places whose images lie on the surface, of which `nearest` gives the nearest point.
+    fn mirrored(&self, places: &[Vector], nearest: impl Fn(Vector) -> (Vector, Vector)) -> f64 {
         let is_mirrored = |place: &&Vector| {
-            let Pair { from, to, .. } = pair(&self, place);
-            squared_norm(subtract(self.image(from), to)) < MIRRORED * MIRRORED
+            let image = self.image(**place);
+            squared_norm(subtract(image, nearest(image).0)) < MIRRORED * MIRRORED
         };
-        let mirrored = places.iter().filter(is_mirrored).count();
-        (mirrored as f64 >= MOSTLY * places.len() as f64).then_some(self)
+        places.iter().filter(is_mirrored).count() as f64 / places.len() as f64
     }
 
     /// The mirror image of a place.

@@ -124,7 +124,12 @@ pub fn candidates(
 ) -> Result<Vec<Candidate>> {
     let PreparedShell { surface, basis, refiner, .. } = shell;
     let scorer = shell.scorer(parities(hints.signs));
-    let found = candidates::find(surface, &scorer, hints, search, options, tried, progress)?;
+    let mut found = candidates::find(surface, &scorer, hints, search, options, tried, progress)?;
+    // Where likely twins exchange, any map reflects, but rather one that says so.
+    let reflects = |candidate: &Candidate| candidate.score.orientation <= 0.0;
+    if hints.twins.is_some() && found.iter().any(reflects) {
+        found.retain(reflects);
+    }
     let most = options.symmetries;
     let of_kind = |kind| {
         let found: Vec<Candidate> =
@@ -201,7 +206,8 @@ fn judge(shell: &PreparedShell, score: &Score, signature_mismatch: f64, images: 
         Some(_) => EXCHANGED,
         None => mean_displacement(&shell.basis, &shell.surface.lumped_mass, &images.partners),
     };
-    Judgement::new(score, signature_mismatch, displacement)
+    let judged = Judgement::new(score, signature_mismatch, displacement);
+    if score.by_twins { judged.by_twins() } else { judged }
 }
 
 /// Mean over the surface.

@@ -24,7 +24,7 @@ const ORIENTATION_FUNCTIONS_OF_PARTS: usize = 24;
 const LEAST_VARIANCE: f64 = 1e-4;
 /// Samples that move less than this share of the embedding's radius count as fixed.
 const FIXED_RADIUS: f64 = 0.15;
-/// Orientation correlations from minus this to this say neither reflection nor half turn; where parts keep to their twins, any does.
+/// Orientation correlations from minus this to this say neither reflection nor half turn.
 const UNSIDED: f64 = 0.3;
 /// Weight of the parities that a map contradicts.
 const DISAGREEMENT_WEIGHT: f64 = 4.0;
@@ -46,8 +46,8 @@ pub struct Score {
     pub disagreement: f64,
     /// Mean trace of the map: 1 for the identity.
     pub trace: f64,
-    /// Orientations from minus this to this say nothing.
-    pub unsided: f64,
+    /// Whether the map takes parts to their likely twins: it is a reflection then, and no identity, whatever the orientation and the trace say.
+    pub by_twins: bool,
 }
 
 impl Score {
@@ -64,8 +64,8 @@ impl Score {
     /// A shell that cannot be oriented gives no evidence (exactly 0) and passes as a reflection.
     pub fn kind(&self) -> Option<SymmetryKind> {
         match self.orientation {
-            o if o < -self.unsided || o == 0.0 => Some(SymmetryKind::Reflection),
-            o if o > self.unsided => Some(SymmetryKind::HalfTurn),
+            o if self.by_twins || o < -UNSIDED || o == 0.0 => Some(SymmetryKind::Reflection),
+            o if o > UNSIDED => Some(SymmetryKind::HalfTurn),
             _ => None,
         }
     }
@@ -82,7 +82,7 @@ impl Score {
 
     /// Whether the map is too near to the identity to be a symmetry.
     pub fn is_identity(&self) -> bool {
-        self.trace >= IDENTITY_TRACE
+        self.trace >= IDENTITY_TRACE && !self.by_twins
     }
 }
 
@@ -139,7 +139,7 @@ impl<'a> Scorer<'a> {
             fixed: self.fixed_share(partners),
             disagreement: self.disagreement(&free),
             trace: mean_trace(map),
-            unsided: if self.refiner.samples.parts.is_some() { 0.0 } else { UNSIDED },
+            by_twins: self.refiner.samples.parts.is_some(),
         })
     }
 

@@ -144,7 +144,7 @@ fn of_twins(
         let Some(candidate) = try_start(refiner, scorer, &start, seen)? else {
             continue;
         };
-        if candidate.score.kind() != Some(SymmetryKind::Reflection)
+        if candidate.score.orientation > 0.0
             && let Some((map, partners)) = scorer.turned_over(&candidate.map)?
         {
             let score = scorer.score_of(&map, &partners)?;
@@ -323,8 +323,14 @@ mod tests {
     use super::*;
 
     fn candidate(partners: Vec<u32>, commutator: f64) -> Candidate {
-        let score =
-            Score { commutator, orientation: -1.0, fixed: 0.0, disagreement: 0.0, trace: 0.0, unsided: 0.3 };
+        let score = Score {
+            commutator,
+            orientation: -1.0,
+            fixed: 0.0,
+            disagreement: 0.0,
+            trace: 0.0,
+            by_twins: false,
+        };
         Candidate { map: Mat::zeros(1, 1), partners, score, doubts: Vec::new() }
     }
 

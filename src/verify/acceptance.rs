@@ -16,6 +16,8 @@ const SURE: f64 = 0.8;
 
 /// No map comes to count whose plausibility, by the three measures, is less than this share of what is asked (`docs/notebook/2026-11-25-method.md`).
 const HOPELESS: f64 = 0.04;
+/// Least plausibility of a map that takes likely twins to each other: these speak for it, so that it is doubtful at worst.
+const TWINS: f64 = 0.1;
 
 /// What a finished map was judged by, and the verdict.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
@@ -73,6 +75,11 @@ impl Judgement {
         }
     }
 
+    /// The same of a map that takes likely twins to each other.
+    pub(crate) fn by_twins(self) -> Judgement {
+        Judgement { plausibility: self.plausibility.max(TWINS), ..self }
+    }
+
     /// The columns of the model without rigid parts.
     fn features(&self) -> [f64; WEIGHTS.len() - 1] {
         let (mismatch, displacement) = (self.signature_mismatch + 0.002, self.displacement + 0.05);
@@ -113,7 +120,7 @@ mod tests {
         fixed: 0.1,
         disagreement: 0.0,
         trace: 0.0,
-        unsided: 0.3,
+        by_twins: false,
     };
 
     #[test]
@@ -131,6 +138,14 @@ mod tests {
         let poor = Judgement::new(&SCORE, 1.5, 0.2);
         assert!(poor.is_hopeless(50) && !poor.is_hopeless(0), "{poor:?}");
         assert!(!Judgement::new(&SCORE, 0.3, 0.7).is_hopeless(50));
+    }
+
+    #[test]
+    fn a_map_by_likely_twins_is_doubtful_at_worst() {
+        let poor = Judgement::new(&SCORE, 1.5, 0.2).by_twins();
+        assert!(poor.accepted(10) && !poor.accepted(11) && !poor.is_hopeless(50), "{poor:?}");
+        let good = Judgement::new(&SCORE, 0.3, 0.7);
+        assert_eq!(good.by_twins(), good);
     }
 
     #[test]

@@ -134,7 +134,7 @@ mod tests {
             fixed: 0.0,
             disagreement: 0.0,
             trace: 0.0,
-            unsided: 0.3,
+            by_twins: false,
         };
         let judged = Judgement { plausibility, ..Judgement::new(&score, 0.3, 0.7) };
         let images = VertexMap { partners: Vec::new(), points: Vec::new() };
