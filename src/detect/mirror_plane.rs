@@ -114,20 +114,19 @@ impl MirrorPlane {
             let length = squared_norm(normal).sqrt().max(f64::MIN_POSITIVE);
             (to, normal.map(|x| x / length))
         };
-        let tried = near.into_iter().take(if turned.is_empty() { 1 } else { usize::MAX });
-        let settled = tried.filter_map(|(_, plane)| plane.settled(&compared, nearest));
-        let share = |plane: MirrorPlane| (plane.mirrored(&compared, nearest), plane);
-        let mut settled: Vec<(f64, MirrorPlane)> = settled.map(share).collect();
+        let mut settled: Vec<(f64, MirrorPlane)> = Vec::new();
+        for (_, start) in near {
+            let is_new = |plane: &MirrorPlane| settled.iter().all(|other| other.1.distance(plane) > OTHER);
+            if is_new(&start)
+                && let Some(plane) = start.settled(&compared, nearest).filter(is_new)
+            {
+                settled.push((plane.mirrored(&compared, nearest), plane));
+            }
+        }
         settled.sort_by(|a, b| b.0.total_cmp(&a.0));
         let &(most, best) = settled.first()?;
         // A shape of revolution has a family of planes.
-        let mut family = vec![best];
-        for &(_, plane) in settled.iter().filter(|(share, _)| *share >= ALIKE * most) {
-            if family.iter().all(|other| other.distance(&plane) > OTHER) {
-                family.push(plane);
-            }
-        }
-        if family.len() > TURNS as usize / 2 {
+        if settled.iter().filter(|(share, _)| *share >= ALIKE * most).count() > TURNS as usize / 2 {
             return None;
         }
         // Places depend on how the mesh lies; points of it do not.
