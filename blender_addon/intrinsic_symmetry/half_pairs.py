@@ -98,6 +98,8 @@ class _Pairs:
         still = (twin >= 0) & ~stored_map.is_changed(mesh, symmetry.partner) & ~self._was_moved
         self._still = still & ~self._was_moved[np.maximum(twin, 0)]
         self._images, self._at_rest, self._height, self._sideways = self._mirror()
+        astray = (twin < 0) & ~self._made & self._at_rest & (self._labels * self._height < -self._least())
+        self._labels = np.where(astray & (labels != STAYS), -self._labels, self._labels)
 
     def _mirror(self):
         """Images of vertices; whether they are those about the plane; and how far vertices are from the middle, on the

@@ -33,12 +33,11 @@ def parts(chosen, ends):
 def around(offsets, corners, numbers):
     """(vertices,) a number that says which vertices, by their (vertices,) numbers, come before and after each vertex in
     its faces. Another face, or one that is turned over, makes it another number."""
-    face = np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
-    step, size = np.arange(len(corners)) - offsets[face], np.diff(offsets)[face]
+    after, before = np.arange(1, len(corners) + 1), np.arange(-1, len(corners) - 1)
+    after[offsets[1:] - 1], before[offsets[:-1]] = offsets[:-1], offsets[1:] - 1
     sums = np.zeros(len(numbers))
-    for way, salt in ((1, 1), (-1, 2)):
-        other = numbers[corners[offsets[face] + (step + way) % size]]
-        sums += np.bincount(corners, _mixed(2 * other.astype(np.int64) + salt), len(numbers))
+    for other, salt in ((after, 1), (before, 2)):
+        sums += np.bincount(corners, _mixed(2 * numbers[corners[other]].astype(np.int64) + salt), len(numbers))
     return sums.astype(np.int64) & _EXACT
 
 

@@ -184,6 +184,30 @@ def test_blenders_monkey_stays_as_it_is(levels):
     assert _nearest(before, positions(object.data))[:, 1].max() < 1e-6
 
 
+def test_at_rest_a_vertex_without_a_twin_is_on_the_side_where_it_lies():
+    """The map may have it elsewhere: left and right differ there."""
+    bpy.ops.mesh.primitive_monkey_add()
+    object = bpy.context.object
+    object.modifiers.new("subdivide", "SUBSURF").levels = 2
+    bpy.ops.object.modifier_apply(modifier="subdivide")
+    mesh, places = object.data, positions(object.data)
+    at_line = [face.index for face in mesh.polygons if (np.abs(places[list(face.vertices), 0]) < 1e-6).sum() == 2]
+    face = next(number for number in at_line if mesh.polygons[number].center.x < 0)
+    edit_faces(object, [face])
+    bpy.ops.mesh.poke()
+    enter("OBJECT")
+    assert ops.detect() == {"FINISHED"}
+    found, core_mesh = module("stored_map").load(mesh), module("detection").core_mesh_of(object, "BASE", None)
+    side = np.where(np.arange(len(mesh.vertices)) == len(places), 1, found.side)
+    assert found.side[-1] == -1
+    wrong = core_mesh.restore(found.kind, found.partner, found.confidence, side, found.surface_points)
+    wrong.fixed_curve = found.fixed_curve
+    module("stored_map").store(mesh, core_mesh, wrong)
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    assert len(mesh.vertices) == len(places)
+    _assert_mirrored(mesh)
+
+
 def test_shells_and_open_borders():
     object = new_object(read_example("human_shells"))
     assert ops.detect() == {"FINISHED"}
