@@ -50,7 +50,18 @@ pub(super) struct Approach {
     pub free: bool,
 }
 
+impl Place {
+    /// A place that has no normal, and where it goes.
+    pub fn unoriented(position: Vector, image: Vector, weight: f64) -> Place {
+        Place { own: Oriented { position, normal: [0.0; 3] }, image, partner: 0, weight }
+    }
+}
+
 impl Motion {
+    /// None.
+    pub const STILL: Motion =
+        Motion { turn: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], shift: [0.0; 3] };
+
     /// The motion nearest to what the map does; images far from it count little.
     pub fn between(places: &[Place], mirrored: bool) -> Motion {
         let mut motion = Motion::nearest(places, mirrored, |place| place.weight);

@@ -7,7 +7,7 @@
 
 use super::mapped::{Disc, Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, mean};
-use super::turned_parts::{seeds, settle};
+use super::turned_parts::{BETTER, seeds, settle};
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::base::threads;
@@ -24,8 +24,6 @@ const OWN: Approach = Approach { rounds: 4, noise: 0.003, held: 0.02, free: true
 const NEW: Approach = Approach { rounds: 2, noise: 0.003, held: 0.01, free: true };
 /// A small part follows the motion that leaves this share of what the other one does.
 const FOLLOWS: f64 = 0.7;
-/// Share of the distortion of its surroundings that the new map may leave.
-const DISTORTION_LEFT: f64 = 0.85;
 /// Share of the surface that may be cut off from the rest.
 const CUT_OFF: f64 = 0.03;
 
@@ -130,7 +128,7 @@ pub(super) fn take_over(
     let images = images(mapped, &changed, &goals, &sought, threads);
     let before = mapped.distortion(&near, small.mirrored);
     let former = mapped.replaced(&changed, images);
-    if mapped.distortion(&near, small.mirrored) > DISTORTION_LEFT * before {
+    if mapped.distortion(&near, small.mirrored) > BETTER * before {
         mapped.replaced(&changed, former);
     }
     Ok(())
