@@ -51,8 +51,6 @@ struct MovingPart {
     centre: Vector,
     own: Motion,
     new: Motion,
-    /// What the new motion leaves as a share of what the own one does.
-    left: f64,
     verdict: Verdict,
 }
 
@@ -93,7 +91,7 @@ impl SmallParts<'_> {
                 _ => Verdict::Either,
             };
             let centre = mean(places.iter().map(|place| (place.own.position, place.weight)));
-            MovingPart { disc, centre, own, new: new.motion, left, verdict }
+            MovingPart { disc, centre, own, new: new.motion, verdict }
         };
         Ok(threads::map(threads, discs, judged))
     }
@@ -155,17 +153,18 @@ fn images(
 /// Where the parts' motions, each as far as it takes over, put each vertex.
 fn goals(mapped: &Mapped, parts: &[MovingPart], around: &[(u32, f64)]) -> Vec<Goal> {
     let mut goals = vec![Goal::default(); mapped.areas.len()];
-    let following = parts.iter().filter(|part| part.verdict == Verdict::Follows);
-    // All turn the same way around.
-    let Some(surest) = following.clone().min_by(|a, b| a.left.total_cmp(&b.left)) else { return goals };
-    let (axis, _) = surest.own.turn_to(&surest.new);
-    let to_new = distances(mapped, following.map(|part| part.disc.middle));
-    let keeping = parts.iter().filter(|part| part.verdict == Verdict::Keeps).map(|part| part.disc.middle);
+    let middles = |verdict: Verdict| {
+        parts.iter().filter(move |part| part.verdict == verdict).map(|part| part.disc.middle)
+    };
+    if middles(Verdict::Follows).next().is_none() {
+        return goals;
+    }
+    let to_new = distances(mapped, middles(Verdict::Follows));
     let rim = around
         .iter()
         .filter(|(_, distance)| *distance > REACH - SMALL_RADIUS / 4.0)
         .map(|&(vertex, _)| vertex);
-    let to_old = distances(mapped, keeping.chain(rim));
+    let to_old = distances(mapped, middles(Verdict::Keeps).chain(rim));
     for part in parts {
         let [from_old, from_new] = [&to_old, &to_new].map(|way| way[part.disc.middle as usize]);
         let share = match part.verdict {
@@ -173,7 +172,7 @@ fn goals(mapped: &Mapped, parts: &[MovingPart], around: &[(u32, f64)]) -> Vec<Go
             Verdict::Keeps => 0.0,
             Verdict::Either => from_old / (from_old + from_new),
         };
-        let motion = part.own.part_way(&part.new, share, part.centre, axis);
+        let motion = part.own.part_way(&part.new, share, part.centre);
         for &(vertex, weight) in &part.disc.members {
             goals[vertex as usize].add(
                 motion,
