@@ -4,7 +4,6 @@ pub mod assembler;
 pub mod assembly;
 pub mod attempt;
 pub mod clock;
-pub mod cluster_motion;
 pub mod companions;
 pub mod contact_graph;
 pub mod correspondence;
@@ -29,3 +28,5 @@ pub mod spectrum;
 pub mod stated_signs;
 pub mod twins;
 pub mod welded_vertices;
+
+use crate::refine::rigid_parts::cluster_motion;

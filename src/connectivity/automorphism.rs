@@ -38,7 +38,7 @@ use colours::{Classes, Colours};
 use estimate::{Distances, Estimate};
 pub use length_change::LengthChange;
 pub use lookalikes::{ShellColours, shell_colours};
-use matching::{Mark, Matching};
+use matching::Matching;
 use shells::Shells;
 
 /// Most vertices tried as the image of one pivot.
@@ -47,10 +47,6 @@ const PIVOT_IMAGES: usize = 64;
 const WALKS: u64 = 24;
 /// A bijection this close to the estimate (mean distance in edges) ends the search for a closer one.
 const CLOSE: f64 = 0.25;
-/// A walk that can only lead to a bijection near the estimate is looked at when it has paired one in so many of the mesh's half-edges, and
-/// ends there if it is farther from the estimate than so many times what a bijection may be.
-const LOOKED_AT: u64 = 8;
-const FAR: f64 = 2.0;
 /// The only bijection of the main shell is accepted against the estimate if this share of it agrees: an
 /// estimate that swaps the legs is overruled, one of another symmetry is not.
 const NOT_REFUTED: f64 = 0.3;
@@ -246,10 +242,10 @@ impl Connectivity {
         agrees: impl Fn(&Matching, &[u32]) -> bool,
         progress: &Progress,
     ) -> Result<bool> {
-        let shells = &self.shells;
-        let context = Context { shells, estimate, valences: &self.colours.valences, classes: &self.classes };
-        let (mark, vertices) = (matching.mark(), shells.vertices(shell));
-        let is_only = almost::match_shell(matching, &context, shell, agrees, progress)?
+        let (mark, vertices) = (matching.mark(), self.shells.vertices(shell));
+        let valences = &self.colours.valences;
+        let context = Context { vertices, estimate, valences, classes: &self.classes };
+        let is_only = almost::match_shell(matching, &context, agrees, progress)?
             && is_not_refuted(&estimate.distances(matching, vertices, vertices.len()));
         if !is_only {
             matching.rollback(mark);
@@ -354,7 +350,7 @@ impl WholeShellSearch<'_> {
             if rivalled && close || main && rivalled && tried >= near.len() {
                 break;
             }
-            if self.walk(matching, start, target, vertices.len(), rivalled) {
+            if matching.walk(start, target, self.classes, &mut self.budget) {
                 found += 1;
                 let distances = self.estimate.distances(matching, vertices, vertices.len());
                 if best.as_ref().is_none_or(|(least, ..)| distances.mean < least.mean) {
@@ -383,26 +379,6 @@ impl WholeShellSearch<'_> {
             true if unrivalled => Whole::OnlyBijection,
             true => Whole::Bijection,
         })
-    }
-
-    /// Walks from one pair of half-edges; one that is of no use unless it stays near the estimate ends where it does not.
-    fn walk(
-        &mut self,
-        matching: &mut Matching,
-        start: u32,
-        target: u32,
-        size: usize,
-        only_near: bool,
-    ) -> bool {
-        if !only_near || !self.estimate.is_any() {
-            return matching.walk(start, target, self.classes, &mut self.budget);
-        }
-        let near = |matching: &Matching, mark: Mark| {
-            let paired = matching.paired_since(mark);
-            self.estimate.distances(matching, &paired, size).mean <= FAR * estimate::tolerance(size)
-        };
-        let steps = matching.half_edges.count() as u64 / LOOKED_AT;
-        matching.walk_while(start, target, self.classes, &mut self.budget, steps, near)
     }
 }
 

@@ -30,13 +30,12 @@ use crate::connectivity::automorphism::Automorphism;
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
 use crate::mesh::{Mesh, NONE};
 use agreement::{GOOD, agrees_in_turn, count_good, has_enough};
-use percolation::{MISFITS, Pairing};
+use percolation::{MISFITS, Pairing, SMALLEST_TRIAL};
 use places::Places;
 use starts::{Regions, Start, starts};
 use surroundings::Surroundings;
 
-/// Shells with fewer vertices have too little to tell a pairing from chance; those with more are not made of quads by hand.
-const SMALLEST_SHELL: usize = 24;
+/// Shells with more vertices are not made of quads by hand.
 const LARGEST_SHELL: usize = 250_000;
 /// Largest share of good trials that fit at another place nearly as well: up to 0.38 on bodies, 0.49
 /// and more on grids of voxels and cubes of squares.
@@ -49,8 +48,6 @@ const WELL: f64 = 0.55;
 /// that has to give.
 const APART: f64 = 0.6;
 const BETTER: f64 = 1.3;
-/// A shell of which connectivity pairs such a share is left to it.
-const MOSTLY_PAIRED: f64 = 0.98;
 /// Shells with at least this part of a mesh's points are tried on several threads: each takes a copy of the pairing, so that there must
 /// not be many such shells.
 const PART_FOR_THREADS: usize = 8;
@@ -77,7 +74,7 @@ pub struct MirroredVertices {
 
 /// Pairs mirrored vertices.
 ///
-/// Shells are left out that cannot be oriented, have fewer than 24 or more than 250,000 vertices, or of which `connectivity` pairs
+/// Shells are left out that cannot be oriented, have fewer than 50 or more than 250,000 vertices, or of which `connectivity` pairs
 /// as many vertices, and those of which fewer than three of ten vertices fit, or whose grid fits itself at other places as well.
 /// `None` if no shell is left. On at most `threads` threads. O(points log points).
 ///
@@ -101,8 +98,8 @@ pub fn find(
     let open = |(shell, points): (usize, Vec<u32>)| {
         let known = count_paired(&points);
         let wanted = mesh.shell_orientable[shell]
-            && (SMALLEST_SHELL..=LARGEST_SHELL).contains(&points.len())
-            && (known as f64) < MOSTLY_PAIRED * points.len() as f64;
+            && (SMALLEST_TRIAL..=LARGEST_SHELL).contains(&points.len())
+            && known < points.len();
         wanted.then_some((points, known))
     };
     let shells: Vec<_> = shells.into_iter().enumerate().filter_map(open).collect();

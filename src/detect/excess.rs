@@ -8,19 +8,17 @@ use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::detect::correspondence::Symmetry;
 use crate::detect::coverage::partner_point;
-use crate::detect::proxy::Proxy;
+use crate::detect::proxy::{Proxy, TOO_FINE};
 use crate::geometry::adjacency::nearest_seeds;
 use crate::geometry::shortest_paths::EdgeLengths;
 use crate::geometry::surface_walk::SurfaceWalk;
-use crate::mesh::vector::{point_areas, triangle_area};
+use crate::mesh::vector::{point_areas, quantile, triangle_area};
 use crate::mesh::{Mesh, NONE, Shell, partition};
 use crate::search::extrema_starts::extrema;
 use crate::spectral::sampling::area_weighted_vertices;
 
 /// Vertices of the surface along which distances are measured.
 const COARSE: usize = 2000;
-/// A shell that cannot be simplified to this many times as many is left whole.
-const TOO_FINE: usize = 4;
 /// Places that are looked at, and those from which their distances are measured.
 const PLACES: usize = 400;
 const ANCHORS: usize = 24;
@@ -81,6 +79,7 @@ impl<'a> Excess<'a> {
     ) -> Result<Vec<Shell>> {
         progress.report("parts without a counterpart", 0.985)?;
         let coarse = self.coarse.as_ref().map_or(self.solved, |coarse| &coarse.shell);
+        // What cannot be simplified is left whole.
         if coarse.points.len() > TOO_FINE * COARSE {
             return Ok(Vec::new());
         }
@@ -263,12 +262,7 @@ impl Distances {
         let mut lengths: Vec<(f64, f64)> =
             self.pairs(place, image).map(|(own, other, weight)| (own - other, weight)).collect();
         lengths.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut weight = 0.0;
-        let is_middle = |(_, own): &&(f64, f64)| {
-            weight += own;
-            weight >= 0.5
-        };
-        lengths.iter().find(is_middle).map_or(0.0, |(length, _)| length.max(0.0))
+        quantile(&lengths, 0.5).map_or(0.0, |length| length.max(0.0))
     }
 
     /// Whether the place beside each vertex sticks out.

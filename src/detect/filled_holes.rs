@@ -8,15 +8,13 @@ use crate::connectivity::automorphism::hash;
 use crate::geometry::embedded_triangles::TrianglePoint;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
-use crate::mesh::{NONE, Shell};
+use crate::mesh::{MOST_AROUND, NONE, Shell};
 use std::collections::{HashMap, HashSet};
 
 /// Longest boundary that is filled, in sqrt(area).
 const LONGEST: f64 = 1.0;
 /// An image this far inside a filling, in sqrt(area), says nothing of where on the surface it might be.
 const LOST: f64 = 0.05;
-/// Most triangles around a vertex of a boundary.
-const MOST_AROUND: usize = 1000;
 
 /// A shell whose first vertices and triangles are those of another, and whose last fill that one's holes.
 pub struct FilledShell {

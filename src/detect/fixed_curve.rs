@@ -38,11 +38,8 @@ pub fn odd_function(surface: &IntrinsicSurface, basis: &Eigenbasis, images: &Ver
     let sides = sides(neighbours, &images.partners, &moved);
     let signed: Vec<f64> = moved.iter().zip(&sides).map(|(moved, side)| moved * f64::from(*side)).collect();
     let image_value = |vertex: usize| images.points[vertex].interpolate(&surface.triangles, &signed);
-    let mut odd: Vec<f64> =
-        (0..signed.len()).map(|vertex| 0.5 * (signed[vertex] - image_value(vertex))).collect();
-    for _ in 0..SMOOTHING_ROUNDS {
-        odd = (0..odd.len()).map(|vertex| mean_with(neighbours(vertex), &odd, vertex)).collect();
-    }
+    let odd = (0..signed.len()).map(|vertex| 0.5 * (signed[vertex] - image_value(vertex))).collect();
+    let mut odd = surface.stiffness.averaged(odd, SMOOTHING_ROUNDS);
     dissolve_specks(around, &surface.lumped_mass, &mut odd);
     odd
 }
@@ -101,11 +98,6 @@ fn movements(surface: &IntrinsicSurface, basis: &Eigenbasis, images: &VertexMap)
         }
     }
     squared.into_iter().map(f64::sqrt).collect()
-}
-
-fn mean_with(neighbours: &[u32], values: &[f64], vertex: usize) -> f64 {
-    let sum: f64 = neighbours.iter().map(|&next| values[next as usize]).sum();
-    if neighbours.is_empty() { values[vertex] } else { sum / neighbours.len() as f64 }
 }
 
 /// Two vertices on one side, or on different ones.

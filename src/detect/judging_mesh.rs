@@ -4,11 +4,12 @@
 //! vertices and triangles, the analysis of its connectivity, eigenfunctions to start from and samples are those of the
 //! shape that it was made of. Some 1 MB, at most 4, and 4 bytes for each vertex of the mesh.
 
+use crate::base::effort::Plan;
 use crate::base::error::Result;
 use crate::base::options::Options;
 use crate::base::progress::Progress;
-use crate::detect::proxy::Proxy;
-use crate::detect::shell_symmetry::PreparedShell;
+use crate::detect::proxy::{Proxy, TOO_FINE};
+use crate::detect::shell_symmetry::{COARSE_SIZE, PreparedShell};
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::Vector;
@@ -18,16 +19,8 @@ use crate::spectral::laplacian::IntrinsicSurface;
 use crate::spectral::sampling::Samples;
 use std::sync::OnceLock;
 
-/// Vertices of the simplified mesh: as many as the small plan's proxy has, which then need not be simplified again.
-const VERTICES: usize = 4000;
-/// A shell that cannot be simplified to this many times as many keeps nothing to start from.
-const TOO_FINE: usize = 4;
-/// Eigenfunctions by which maps are judged: as many as a search's maps have when their signatures are compared.
-const EIGENFUNCTIONS: usize = 50;
-/// Samples on which they are scored: as many as candidates are.
-const SAMPLES: usize = 500;
-
-/// The size that the options leave of it.
+/// The size that the options leave of it: as many vertices as the small plan's proxy has, which then need not be simplified again, as many eigenfunctions as a
+/// search's maps have when their signatures are compared, and as many samples as candidates are scored on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Size {
     vertices: usize,
@@ -37,11 +30,11 @@ struct Size {
 
 impl Size {
     fn of(options: &Options) -> Size {
-        let stated = |count: usize| if count == 0 { usize::MAX } else { count };
+        let (small, stated) = (Plan::small(), |count: usize| if count == 0 { usize::MAX } else { count });
         Size {
-            vertices: stated(options.proxy_vertices).min(VERTICES),
-            eigenfunctions: stated(options.eigenfunctions).min(EIGENFUNCTIONS),
-            samples: stated(options.samples).min(SAMPLES),
+            vertices: stated(options.proxy_vertices).min(small.proxy_vertices),
+            eigenfunctions: stated(options.eigenfunctions).min(COARSE_SIZE),
+            samples: stated(options.samples).min(small.samples),
         }
     }
 }
@@ -125,7 +118,10 @@ impl JudgingMesh {
         let (own, vertices) = JudgingMesh::simplified(given, number, shell, proxy, options);
         match vertices {
             Some(vertices) => drop(own.keep(&solved.basis.at(&vertices, Start::functions(eigenfunctions)))),
-            None => own.keep_from(&solved.basis, solved.refiner.samples.prefix(own.size.samples).vertices),
+            None => {
+                let sampled = solved.sampled();
+                own.keep_from(&solved.basis, sampled[..own.size.samples.min(sampled.len())].to_vec());
+            }
         }
         Some(own)
     }
@@ -177,7 +173,8 @@ impl JudgingMesh {
 
     /// The same with samples that are chosen already.
     fn keep_from(&self, basis: &Eigenbasis, samples: Vec<u32>) {
-        let small = self.points.len() <= TOO_FINE * VERTICES;
+        // A shell that cannot be simplified keeps nothing to start from.
+        let small = self.points.len() <= TOO_FINE * Plan::small().proxy_vertices;
         if let Some(start) = Start::new(basis, self.size.eigenfunctions).filter(|_| small) {
             self.kept.get_or_init(|| Kept { start, samples });
         }

@@ -22,7 +22,7 @@ use std::sync::OnceLock;
 const DISCONTINUOUS: f64 = 4.0;
 
 /// A proxy that has more than this many times the vertices asked for is not worth having.
-const TOO_FINE: usize = 4;
+pub(super) const TOO_FINE: usize = 4;
 
 /// Vertices that one thread takes at a time.
 const CHUNK: usize = 4096;

@@ -27,7 +27,7 @@ use crate::verify::hypothesis::Hypothesis;
 const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
 /// Size of the map whose signatures are compared, made without curvature: finer and guided ones fit shapes without
 /// a symmetry, too.
-const COARSE_SIZE: usize = 50;
+pub(super) const COARSE_SIZE: usize = 50;
 
 /// Displacement of a map of joined shells, in radii of the embedding: that twins go to each other tells it from the identity, however near to the middle the others lie.
 const EXCHANGED: f64 = 1.0;

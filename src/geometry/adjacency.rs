@@ -63,6 +63,27 @@ pub fn some(all: &[u32]) -> impl Iterator<Item = u32> + '_ {
     all.iter().copied().step_by(all.len().div_ceil(LOOKS).max(1))
 }
 
+/// From a point to whichever of those `around` is nearest, as long as these get nearer: where that ends, and its distance.
+pub fn downhill<N: IntoIterator<Item = u32>, D: PartialOrd>(
+    start: u32,
+    around: impl Fn(u32) -> N,
+    distance: impl Fn(u32) -> D,
+) -> (u32, D) {
+    let (mut best, mut least) = (start, distance(start));
+    loop {
+        let from = best;
+        for near in around(from) {
+            let there = distance(near);
+            if there < least {
+                (best, least) = (near, there);
+            }
+        }
+        if best == from {
+            return (best, least);
+        }
+    }
+}
+
 /// For each of `count` points the index of the seed that is the fewest steps away; [`NONE`] where none can be reached.
 ///
 /// `neighbours` may name a point more than once. O(points + steps).

@@ -3,7 +3,7 @@
 //! Where a tree would find the nearest point of the whole surface, a walk stays on the sheet it starts on: a
 //! hand that touches a hip is not taken for it.
 
-use crate::geometry::adjacency::{Adjacency, LOOKS, some};
+use crate::geometry::adjacency::{Adjacency, LOOKS, downhill, some};
 use crate::geometry::embedded_triangles::{TrianglePoint, TriangleProducts, nearest_in_triangle};
 use crate::mesh::NONE;
 use crate::mesh::vector::{Vector, dot, squared_norm, subtract};
@@ -53,20 +53,8 @@ impl<'a> SurfaceWalk<'a> {
 
     /// The same without stepping on the vertex `barred`.
     fn nearest_vertex_but(&self, barred: u32, query: Vector, start: u32) -> u32 {
-        let mut vertex = start;
-        let mut distance = self.distance(query, start);
-        loop {
-            let from = vertex;
-            for next in self.ahead(from).filter(|&next| next != barred) {
-                let candidate = self.distance(query, next);
-                if candidate < distance {
-                    (vertex, distance) = (next, candidate);
-                }
-            }
-            if vertex == from {
-                return vertex;
-            }
-        }
+        let ahead = |from: u32| self.ahead(from).filter(move |&next| next != barred);
+        downhill(start, ahead, |vertex| self.distance(query, vertex)).0
     }
 
     /// The nearest point of the triangles around `vertex`; at a hub, of those around the neighbour to which a walk round it leads.

@@ -38,6 +38,17 @@ pub fn mean(positions: impl IntoIterator<Item = Vector>) -> Vector {
     sum.map(|value| value / f64::max(count, 1.0))
 }
 
+/// The value that this share of the weight of some values with weights, sorted, is not above; `None` of no values.
+pub fn quantile(sorted: &[(f64, f64)], share: f64) -> Option<f64> {
+    let total: f64 = sorted.iter().map(|&(_, weight)| weight).sum();
+    let mut sum = 0.0;
+    let reached = sorted.iter().find(|&&(_, weight)| {
+        sum += weight;
+        sum >= share * total
+    });
+    reached.or(sorted.last()).map(|&(value, _)| value)
+}
+
 /// Area of a triangle, exactly 0 where its corners are collinear to within rounding.
 pub fn triangle_area(a: Vector, b: Vector, c: Vector) -> f64 {
     let (ab, ac, bc) = (subtract(b, a), subtract(c, a), subtract(c, b));

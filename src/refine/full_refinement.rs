@@ -70,7 +70,7 @@ impl<'a> MatchTarget<'a> {
             columns: self.rows.columns(map.ncols(), guide),
             threads: self.threads,
         };
-        let answers = descent.run(&self.graph, seeds, token)?;
+        let answers = descent.run(seeds, token)?;
         Ok(VertexMap {
             partners: answers.iter().map(|answer| answer.vertex).collect(),
             points: answers.iter().map(|answer| answer.point).collect(),

@@ -12,7 +12,7 @@ use crate::base::threads;
 use crate::geometry::adjacency::{Adjacency, some};
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint, TriangleProducts, nearest_in_triangle};
 use crate::mesh::NONE;
-use crate::refine::vertex_rows::{LEAST_PER_THREAD, Products, SquaredDistance, VertexRows};
+use crate::refine::vertex_rows::{LEAST_PER_THREAD, SquaredDistance, VertexRows, products};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -38,7 +38,7 @@ const UNREACHED: Answer = Answer {
 
 /// Nearest point of every source by descent along the mesh.
 pub struct MeshDescent<'a> {
-    /// Adjacency of the target mesh.
+    /// Adjacency of the mesh, whose vertices are the sources, too.
     pub graph: &'a Adjacency,
     /// Its triangles.
     pub triangles: &'a [[u32; 3]],
@@ -70,22 +70,21 @@ impl MeshDescent<'_> {
     ///
     /// # Errors
     /// Those of [`CancelToken::check`].
-    pub fn run(&self, sources: &Adjacency, seeds: Seeds, token: &CancelToken) -> Result<Vec<Answer>> {
+    pub fn run(&self, seeds: Seeds, token: &CancelToken) -> Result<Vec<Answer>> {
         let answers = match seeds {
-            Seeds::Vertices(pairs) => self.spread(sources, pairs, token)?,
+            Seeds::Vertices(pairs) => self.spread(pairs, token)?,
             Seeds::Points(points) => {
                 self.in_parallel(points.len(), token, |range| Task::Walk(range, points))?
             }
         };
-        let sweep = Sweep { sources, answers: &answers };
-        self.in_parallel(answers.len(), token, |range| Task::Sweep(range, &sweep))
+        self.in_parallel(answers.len(), token, |range| Task::Sweep(range, &answers))
     }
 
     /// From pairs (source, guess) breadth first over the sources.
-    fn spread(&self, sources: &Adjacency, seeds: &[(u32, u32)], token: &CancelToken) -> Result<Vec<Answer>> {
-        let mut answers = vec![UNREACHED; sources.count()];
+    fn spread(&self, seeds: &[(u32, u32)], token: &CancelToken) -> Result<Vec<Answer>> {
+        let mut answers = vec![UNREACHED; self.graph.count()];
         let mut front = Vec::with_capacity(seeds.len());
-        let mut queued = vec![false; sources.count()];
+        let mut queued = vec![false; self.graph.count()];
         for &(source, guess) in seeds {
             if !std::mem::replace(&mut queued[source as usize], true) {
                 front.push((source, guess));
@@ -96,7 +95,7 @@ impl MeshDescent<'_> {
             let mut next = Vec::new();
             for (&(source, _), answer) in front.iter().zip(found) {
                 answers[source as usize] = answer;
-                for &to in sources.of(source as usize) {
+                for &to in self.graph.of(source as usize) {
                     if !std::mem::replace(&mut queued[to as usize], true) {
                         next.push((to, answer.vertex));
                     }
@@ -125,20 +124,13 @@ impl MeshDescent<'_> {
     }
 }
 
-/// What a sweep looks at.
-struct Sweep<'a> {
-    sources: &'a Adjacency,
-    /// Answers before it.
-    answers: &'a [Answer],
-}
-
 enum Task<'a> {
     /// Descend from each pair (source, guess).
     Descend(&'a [(u32, u32)]),
     /// Walk from the point of each source.
     Walk(Range<usize>, &'a [TrianglePoint]),
-    /// Try the neighbours' answers of some sources.
-    Sweep(Range<usize>, &'a Sweep<'a>),
+    /// Try the neighbours' answers, as they were before, of some sources.
+    Sweep(Range<usize>, &'a [Answer]),
 }
 
 /// A task as an operation that is compiled for each instruction set and chosen at run time.
@@ -166,9 +158,9 @@ impl WithSimd for Work<'_> {
                     answers.push(search.near_triangle(source, points[source].triangle));
                 }
             }
-            Task::Sweep(range, sweep) => {
+            Task::Sweep(range, before) => {
                 for source in range {
-                    answers.push(search.best_of_neighbours(source, sweep));
+                    answers.push(search.best_of_neighbours(source, before));
                 }
             }
         }
@@ -187,10 +179,10 @@ impl<S: Simd> Descent<'_, S> {
     ///
     /// An answer next to the source's own is not tried.
     #[inline(always)]
-    fn best_of_neighbours(&self, source: usize, sweep: &Sweep) -> Answer {
-        let mut best = sweep.answers[source];
-        for neighbour in some(sweep.sources.of(source)) {
-            let guess = sweep.answers[neighbour as usize].vertex;
+    fn best_of_neighbours(&self, source: usize, answers: &[Answer]) -> Answer {
+        let mut best = answers[source];
+        for neighbour in some(self.of.graph.of(source)) {
+            let guess = answers[neighbour as usize].vertex;
             if guess == NONE || guess == best.vertex {
                 continue;
             }
@@ -293,15 +285,12 @@ impl<S: Simd> Descent<'_, S> {
     #[inline(always)]
     fn nearest_in(&self, source: usize, triangle: u32) -> Answer {
         let [a, b, c] = self.of.triangles[triangle as usize];
-        let products = Products {
-            query: self.columns(self.of.queries, source as u32),
-            corners: [
-                self.columns(self.of.targets, a),
-                self.columns(self.of.targets, b),
-                self.columns(self.of.targets, c),
-            ],
-        }
-        .with_simd(self.simd);
+        let corners = [
+            self.columns(self.of.targets, a),
+            self.columns(self.of.targets, b),
+            self.columns(self.of.targets, c),
+        ];
+        let products = products(self.simd, self.columns(self.of.queries, source as u32), corners);
         let (barycentric, distance) = nearest_in_triangle(products);
         let TriangleProducts { own, along, edges } = products;
         let (to_b, to_c) = (own - 2.0 * along[0] + edges[0], own - 2.0 * along[1] + edges[2]);

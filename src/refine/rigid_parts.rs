@@ -12,6 +12,7 @@
 
 mod blending;
 mod carrier;
+pub mod cluster_motion;
 mod mapped;
 mod motion;
 mod scatter;
@@ -29,7 +30,7 @@ use crate::base::symmetry_kind::SymmetryKind;
 use crate::base::threads;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::Shell;
-use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::vector::{Vector, quantile, squared_norm, subtract};
 use crate::spectral::laplacian::IntrinsicSurface;
 use mapped::{Disc, Mapped};
 use motion::{Approach, Motion};
@@ -218,13 +219,7 @@ fn disagreement_on_most(mapped: &Mapped, parts: &[Part], agreed: &[Goal]) -> f64
     let mut of_area: Vec<(f64, f64)> =
         goals.iter().map(|goal| goal.disagreement).zip(mapped.areas.iter().copied()).collect();
     of_area.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-    let most = MOST * mapped.areas.iter().sum::<f64>();
-    let mut below = 0.0;
-    let last = of_area.iter().find(|(_, area)| {
-        below += area;
-        below >= most
-    });
-    last.map_or(0.0, |(disagreement, _)| *disagreement)
+    quantile(&of_area, MOST).unwrap_or(0.0)
 }
 
 /// A strip of 41 x 5 vertices, column by column, for tests; `at` places them.

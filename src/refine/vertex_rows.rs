@@ -220,32 +220,21 @@ impl WithSimd for SquaredDistance<'_> {
     }
 }
 
-/// What the nearest point of a triangle depends on, compiled for each instruction set.
-pub struct Products<'a> {
-    /// Row of the query.
-    pub query: &'a [f32],
-    /// Rows of the triangle's corners, as long.
-    pub corners: [&'a [f32]; 3],
-}
-
-impl WithSimd for Products<'_> {
-    type Output = TriangleProducts;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> TriangleProducts {
-        let mut sums = [simd.splat_f32s(0.0); 6];
-        let rows = [self.query, self.corners[0], self.corners[1], self.corners[2]];
-        let [query, a, b, c] = rows.map(S::as_simd_f32s);
-        for i in 0..query.0.len() {
-            add_products(simd, &mut sums, [query.0[i], a.0[i], b.0[i], c.0[i]]);
-        }
-        if !query.1.is_empty() {
-            let tails = [query.1, a.1, b.1, c.1].map(|tail| simd.partial_load_f32s(tail));
-            add_products(simd, &mut sums, tails);
-        }
-        let sum = |index: usize| simd.reduce_sum_f32s(sums[index]);
-        TriangleProducts { own: sum(0), along: [sum(1), sum(2)], edges: [sum(3), sum(4), sum(5)] }
+/// What the point of a triangle nearest to a query depends on: their rows are equally long. For an operation that is compiled for each instruction set.
+#[inline(always)]
+pub fn products<S: Simd>(simd: S, query: &[f32], corners: [&[f32]; 3]) -> TriangleProducts {
+    let mut sums = [simd.splat_f32s(0.0); 6];
+    let rows = [query, corners[0], corners[1], corners[2]];
+    let [query, a, b, c] = rows.map(S::as_simd_f32s);
+    for i in 0..query.0.len() {
+        add_products(simd, &mut sums, [query.0[i], a.0[i], b.0[i], c.0[i]]);
     }
+    if !query.1.is_empty() {
+        let tails = [query.1, a.1, b.1, c.1].map(|tail| simd.partial_load_f32s(tail));
+        add_products(simd, &mut sums, tails);
+    }
+    let sum = |index: usize| simd.reduce_sum_f32s(sums[index]);
+    TriangleProducts { own: sum(0), along: [sum(1), sum(2)], edges: [sum(3), sum(4), sum(5)] }
 }
 
 /// Adds some columns of the query and the corners.

@@ -1,6 +1,6 @@
 //! Candidate maps: proposed by parity, refined on few samples, scored, ranked, thinned to distinct ones.
 
-use crate::base::effort::Search;
+use crate::base::effort::{Plan, Search};
 use crate::base::error::Result;
 use crate::base::options::Options;
 use crate::base::progress::Progress;
@@ -23,8 +23,6 @@ use std::sync::{Mutex, PoisonError};
 pub const CANDIDATE_SIZE: usize = 30;
 /// Lengths of the starts that the beam search proposes.
 const LENGTHS: [usize; 3] = [6, 8, 11];
-/// Width of the beam where there is no network and the plan has no search.
-const LEAST_BEAM: usize = 16;
 /// Lengths of the network's starts, and how many of the most likely of each are tried.
 const NETWORK_PROPOSALS: [(usize, usize); 3] = [(12, 8), (8, 8), (6, 4)];
 /// The network's starts are tried so many at a time, until a reflection scores below this.
@@ -53,6 +51,17 @@ pub struct Candidate {
     /// How much speaks for another image of each of the first samples, 0..=1; empty until [`distinct`] has compared
     /// the candidates.
     pub doubts: Vec<f64>,
+}
+
+impl Candidate {
+    /// A map that gives the samples these partners, scored.
+    ///
+    /// # Errors
+    /// Those of [`Scorer::score_of`].
+    pub(super) fn scored(scorer: &Scorer, map: Mat<f64>, partners: Vec<u32>) -> Result<Candidate> {
+        let score = scorer.score_of(&map, &partners)?;
+        Ok(Candidate { map, partners, score, doubts: Vec::new() })
+    }
 }
 
 /// What is known before a search.
@@ -91,8 +100,9 @@ pub fn find(
     let mut starts = propose_signs(hints.signs);
     starts.truncate(search.network_starts);
     let of_network = starts.len();
-    // Without a network the beam search stands alone.
-    let beam_width = if starts.is_empty() { search.beam_width.max(LEAST_BEAM) } else { search.beam_width };
+    // Without a network the beam search stands alone, in the small plan, too.
+    let least = if starts.is_empty() { Plan::wide().search.beam_width } else { 0 };
+    let beam_width = search.beam_width.max(least);
     let few = if beam_width > 0 { usize::MAX } else { FEW };
     if beam_width > 0 {
         starts.extend(propose(samples, eigenvalues, search.beam_starts, beam_width));
@@ -147,8 +157,7 @@ fn of_twins(
         if candidate.score.orientation > 0.0
             && let Some((map, partners)) = scorer.turned_over(&candidate.map)?
         {
-            let score = scorer.score_of(&map, &partners)?;
-            found.push(Candidate { map, partners, score, doubts: Vec::new() });
+            found.push(Candidate::scored(scorer, map, partners)?);
         }
         found.push(candidate);
     }
@@ -177,11 +186,9 @@ fn turned_over(
     let mut found = Vec::new();
     for half_turn in distinct(&better, samples, eigenvalues, TURNED, true) {
         let Some((map, partners)) = scorer.turned_over(&half_turn.map)? else { break };
-        let score = scorer.score_of(&map, &partners)?;
-        if !score.is_identity() {
-            found.push(Candidate { map, partners, score, doubts: Vec::new() });
-        }
+        found.push(Candidate::scored(scorer, map, partners)?);
     }
+    found.retain(|turned| !turned.score.is_identity());
     Ok(found)
 }
 
@@ -199,8 +206,7 @@ fn try_start(
 ) -> Result<Option<Candidate>> {
     let Some(map) = refine(refiner, start, seen)? else { return Ok(None) };
     let partners = refiner.partners(&map);
-    let score = scorer.score_of(&map, &partners)?;
-    Ok((!score.is_identity()).then(|| Candidate { map, partners, score, doubts: Vec::new() }))
+    Ok(Some(Candidate::scored(scorer, map, partners)?).filter(|found| !found.score.is_identity()))
 }
 
 /// The starts of the beam search, `most` of each length.

@@ -62,9 +62,8 @@ pub fn complete(
                 let start = refiner.estimate(&partners, size, Projection::Involution)?;
                 let map = refiner.refine(start, &[size; ROUNDS], Projection::Involution)?;
                 let partners = refiner.partners(&map);
-                let score = scorer.score_of(&map, &partners)?;
-                let mut added = Candidate { map, partners, score, doubts: Vec::new() };
-                if score.kind().is_some() && is_good(&added) && is_new(&added.partners, &found) {
+                let mut added = Candidate::scored(scorer, map, partners)?;
+                if added.score.kind().is_some() && is_good(&added) && is_new(&added.partners, &found) {
                     added.doubts = doubts(std::iter::once(&added).chain(rivals), &rows);
                     found.push(added);
                 }

@@ -15,8 +15,6 @@ use pulp::{Arch, Simd, WithSimd};
 const SAMPLES: usize = 420;
 /// Eigenvalues closer than this ratio are taken as a pair, or three, that may mix.
 const NEAR_RATIO: f64 = 1.2;
-/// Angles tried for a mixed pair, besides those of the sign pairs, in degrees.
-const MIXED_ANGLES: [f64; 6] = [45.0, 90.0, 135.0, 225.0, 270.0, 315.0];
 
 /// Directions tried for their reflections: no direction is farther from one of them, or from its opposite, than some 15
 /// degrees.
@@ -113,12 +111,13 @@ fn block_options(size: usize) -> Vec<Block> {
     if size == 1 {
         return vec![Block::Single(1.0), Block::Single(-1.0)];
     }
-    let reflection = |degrees: f64| {
-        let (sine, cosine) = degrees.to_radians().sin_cos();
+    // Two of these angles are those of sign pairs; the others are for a pair that is mixed.
+    let reflection = |eighth: u8| {
+        let (sine, cosine) = (45.0 * f64::from(eighth)).to_radians().sin_cos();
         Block::Pair([[cosine as f32, sine as f32], [sine as f32, -cosine as f32]])
     };
     let same = [1.0, -1.0].map(|sign| Block::Pair([[sign, 0.0], [0.0, sign]]));
-    same.into_iter().chain([0.0, 180.0].into_iter().chain(MIXED_ANGLES).map(reflection)).collect()
+    same.into_iter().chain([0, 4, 1, 2, 3, 5, 6, 7].map(reflection)).collect()
 }
 
 fn matrix(blocks: &[Block]) -> Mat<f64> {

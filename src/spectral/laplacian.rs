@@ -10,7 +10,7 @@
 mod mean_curvature;
 
 use crate::base::error::Result;
-use crate::mesh::Shell;
+use crate::mesh::{Shell, bucket};
 use crate::spectral::sparse_cholesky::Analysis;
 pub use crate::spectral::symmetric_sparse::SymmetricSparse;
 use crate::spectral::twin_parts::TwinParts;
@@ -146,32 +146,19 @@ fn half_cotangents([a, b, c]: [f64; 3], area: f64) -> [f64; 3] {
 }
 
 fn assemble(count: usize, triangles: &[[u32; 3]], elements: &[[f64; 3]]) -> SymmetricSparse {
-    // Slots of each row before duplicates are merged: two per corner of a triangle.
-    let mut offsets = vec![0usize; count + 1];
-    for triangle in triangles {
-        for &vertex in triangle {
-            offsets[vertex as usize + 1] += 2;
-        }
-    }
-    for i in 0..count {
-        offsets[i + 1] += offsets[i];
-    }
-    let mut next = offsets.clone();
-    let mut slots = vec![(0u32, 0.0f64); offsets[count]];
-    for (triangle, weights) in triangles.iter().zip(elements) {
-        for corner in 0..3 {
-            let (i, j) = (triangle[(corner + 1) % 3], triangle[(corner + 2) % 3]);
-            for (from, to) in [(i, j), (j, i)] {
-                slots[next[from as usize]] = (to, weights[corner]);
-                next[from as usize] += 1;
-            }
-        }
-    }
+    // Two slots of rows for each corner of a triangle, before duplicates are merged.
+    let slots = |(triangle, weights): (&[u32; 3], &[f64; 3])| {
+        let ends = |corner: usize| (triangle[(corner + 1) % 3], triangle[(corner + 2) % 3], weights[corner]);
+        [0, 1, 2].map(ends).into_iter().flat_map(|(i, j, weight)| [(i, (j, weight)), (j, (i, weight))])
+    };
+    let slots: Vec<(u32, (u32, f64))> = triangles.iter().zip(elements).flat_map(slots).collect();
+    let (offsets, places) = bucket(slots.iter().map(|slot| slot.0), count);
     let mut matrix = SymmetricSparse { row_offsets: vec![0], ..Default::default() };
     for i in 0..count {
-        let row = &mut slots[offsets[i]..offsets[i + 1]];
+        let places = &places[offsets[i] as usize..offsets[i + 1] as usize];
+        let mut row: Vec<(u32, f64)> = places.iter().map(|&place| slots[place as usize].1).collect();
         row.sort_by_key(|slot| slot.0);
-        push_row(&mut matrix, i as u32, row);
+        push_row(&mut matrix, i as u32, &row);
     }
     matrix
 }

@@ -34,8 +34,7 @@ impl Samples {
 
     /// The samples at given vertices.
     pub fn at(basis: &Eigenbasis, vertices: Vec<u32>) -> Samples {
-        let functions = &basis.eigenfunctions;
-        let rows = Mat::from_fn(vertices.len(), basis.count(), |i, j| functions[(vertices[i] as usize, j)]);
+        let rows = basis.at(&vertices, basis.count()).eigenfunctions;
         Samples { vertices, rows, parts: None }
     }
 
@@ -47,15 +46,6 @@ impl Samples {
     /// Number of samples.
     pub fn count(&self) -> usize {
         self.vertices.len()
-    }
-
-    /// The first `count` samples.
-    pub fn prefix(&self, count: usize) -> Samples {
-        let count = count.min(self.count());
-        let rows = self.rows.subrows(0, count).to_owned();
-        let all: Vec<u32> = (0..count as u32).collect();
-        let parts = self.parts.as_ref().map(|parts| parts.at(&all));
-        Samples { vertices: self.vertices[..count].to_vec(), rows, parts }
     }
 }
 

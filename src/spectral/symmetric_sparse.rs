@@ -27,4 +27,16 @@ impl SymmetricSparse {
     pub fn neighbours(&self, i: usize) -> &[u32] {
         &self.columns[self.row_offsets[i] as usize..self.row_offsets[i + 1] as usize]
     }
+
+    /// Values of the rows after some rounds in which each becomes the mean of those of its [`SymmetricSparse::neighbours`].
+    pub fn averaged(&self, mut values: Vec<f64>, rounds: usize) -> Vec<f64> {
+        for _ in 0..rounds {
+            let mean = |i: usize| {
+                let around = self.neighbours(i);
+                around.iter().map(|&next| values[next as usize]).sum::<f64>() / around.len() as f64
+            };
+            values = (0..values.len()).map(mean).collect();
+        }
+        values
+    }
 }

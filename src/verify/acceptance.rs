@@ -104,7 +104,7 @@ impl Judgement {
 }
 
 /// That of the logistic model: `weights` are the constant's, then those of the features.
-fn probability(weights: &[f64], features: &[f64]) -> f64 {
+pub(super) fn probability(weights: &[f64], features: &[f64]) -> f64 {
     let terms = features.iter().zip(&weights[1..]);
     let logit = weights[0] + terms.map(|(feature, weight)| feature * weight).sum::<f64>();
     1.0 / (1.0 + (-logit).exp())

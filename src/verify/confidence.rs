@@ -5,11 +5,12 @@
 //! other candidates for the map, which score little worse, send them elsewhere, there and on the whole. The weights
 //! are fitted on generated shapes with known truth (`docs/method.md`).
 
+use crate::geometry::adjacency::nearest_seeds;
 use crate::refine::full_refinement::MatchTarget;
 use crate::refine::vertex_rows::VertexRows;
 use crate::spectral::laplacian::IntrinsicSurface;
+use crate::verify::acceptance::probability;
 use crate::verify::hypothesis::Hypothesis;
-use std::collections::VecDeque;
 use std::ops::Range;
 
 /// Weights of the logistic model: constant, then those of [`Evidence::features`].
@@ -39,10 +40,11 @@ impl Evidence {
         let scale = embedding_scale(target.surface, &target.rows, &columns);
         let distances = |there: &VertexRows| distances(&target.rows, there, &columns, &scale);
         let doubts = found.doubts.iter().map(|(_, doubt)| doubt);
+        let smoothed = |values| target.surface.stiffness.averaged(values, SMOOTHING_ROUNDS);
         Evidence {
-            round_trip: smoothed(target.surface, distances(&back)),
-            way: smoothed(target.surface, distances(&images)),
-            doubt: smoothed(target.surface, of_nearest(target.surface, &found.doubts)),
+            round_trip: smoothed(distances(&back)),
+            way: smoothed(distances(&images)),
+            doubt: smoothed(of_nearest(target.surface, &found.doubts)),
             mean_doubt: doubts.sum::<f64>() / found.doubts.len().max(1) as f64,
         }
     }
@@ -56,43 +58,17 @@ impl Evidence {
 
     /// Confidence of every vertex, 0..=1.
     pub fn confidence(&self) -> Vec<f32> {
-        let of_vertex = |vertex: usize| {
-            let terms = self.features(vertex).into_iter().zip(&WEIGHTS[1..]);
-            let logit = WEIGHTS[0] + terms.map(|(feature, weight)| feature * weight).sum::<f64>();
-            (1.0 / (1.0 + (-logit).exp())) as f32
-        };
+        let of_vertex = |vertex: usize| probability(&WEIGHTS, &self.features(vertex)) as f32;
         (0..self.round_trip.len()).map(of_vertex).collect()
     }
 }
 
-/// Averages over the neighbours.
-fn smoothed(surface: &IntrinsicSurface, mut values: Vec<f64>) -> Vec<f64> {
-    for _ in 0..SMOOTHING_ROUNDS {
-        let mean = |vertex: usize| {
-            let around = surface.stiffness.neighbours(vertex);
-            around.iter().map(|&next| values[next as usize]).sum::<f64>() / around.len() as f64
-        };
-        values = (0..values.len()).map(mean).collect();
-    }
-    values
-}
-
 /// The value known at the vertex that is the fewest edges away; 0 if none is known.
 fn of_nearest(surface: &IntrinsicSurface, known: &[(u32, f64)]) -> Vec<f64> {
-    let mut values = vec![None; surface.vertex_count()];
-    for &(vertex, value) in known {
-        values[vertex as usize] = Some(value);
-    }
-    let mut queue: VecDeque<u32> = known.iter().map(|(vertex, _)| *vertex).collect();
-    while let Some(vertex) = queue.pop_front() {
-        for &next in surface.stiffness.neighbours(vertex as usize) {
-            if values[next as usize].is_none() {
-                values[next as usize] = values[vertex as usize];
-                queue.push_back(next);
-            }
-        }
-    }
-    values.into_iter().map(Option::unwrap_or_default).collect()
+    let seeds: Vec<u32> = known.iter().map(|(vertex, _)| *vertex).collect();
+    let around = |vertex: u32| surface.stiffness.neighbours(vertex as usize).iter().copied();
+    let nearest = nearest_seeds(surface.vertex_count(), &seeds, around);
+    nearest.into_iter().map(|seed| known.get(seed as usize).map_or(0.0, |(_, value)| *value)).collect()
 }
 
 /// Distance of every vertex from the point `there`, about in sqrt(area).
@@ -147,10 +123,11 @@ mod tests {
 
     #[test]
     fn averages_keep_a_constant_and_spread_a_peak() {
-        assert!(smoothed(&strip(6), vec![2.0; 12]).iter().all(|value| (value - 2.0).abs() < 1e-12));
+        let smoothed = |values| strip(6).stiffness.averaged(values, SMOOTHING_ROUNDS);
+        assert!(smoothed(vec![2.0; 12]).iter().all(|value| (value - 2.0).abs() < 1e-12));
         let mut peak = vec![0.0; 12];
         peak[0] = 1.0;
-        let spread = smoothed(&strip(6), peak);
+        let spread = smoothed(peak);
         assert!(spread[0] > spread[4] && spread[4] > 0.0 && spread[10] == 0.0, "{spread:?}");
     }
 

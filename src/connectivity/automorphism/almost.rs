@@ -8,15 +8,12 @@
 use super::colours::Classes;
 use super::estimate::Estimate;
 use super::matching::{Mark, Matching};
-use super::shells::Shells;
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::geometry::adjacency::LOOKS;
 use crate::mesh::NONE;
 use std::collections::HashMap;
 
-/// Smaller shells have too little to tell a pairing from chance.
-const SMALLEST_SHELL: usize = 24;
 /// Seeds per shell.
 const SEEDS: usize = 64;
 /// Most images tried per seed.
@@ -25,16 +22,15 @@ const SEED_IMAGES: usize = 8;
 const TRIAL_FACES: usize = 200;
 /// Failed full growths of a shell before giving up.
 const FAILURES: usize = 8;
-/// Least share of a shell, and of its irregular vertices, to be paired: a defect makes some of these, a missing hand leaves many.
+/// Least share of a shell to be paired.
 const COVERED: f64 = 0.6;
-const COVERED_IRREGULAR: f64 = 0.3;
 /// Vertices that each contradicted face counts for.
 const CONTRADICTION: f64 = 4.0;
 /// Fewest faces of a patch for each that contradicts it.
 const FEW: usize = 8;
 /// Most pairings that are looked at.
 const MOST_PAIRINGS: usize = 4;
-/// Fewest irregular vertices of a shell of which defects may leave some unpaired.
+/// Fewest irregular vertices of a shell of which defects may leave some unpaired: fewer have too little to tell a pairing from chance.
 const IRREGULAR: usize = 32;
 /// Least share of vertices with a lookalike: a defect takes it from all within some rings, and from their partners.
 pub(super) const REPEATED: f64 = 0.2;
@@ -47,7 +43,8 @@ const LEAST_VOTES: usize = 2;
 
 /// What the growth reads.
 pub(super) struct Context<'a> {
-    pub shells: &'a Shells,
+    /// The vertices of the shell.
+    pub vertices: &'a [u32],
     pub estimate: &'a Estimate,
     /// Colours by valence, face degrees and boundary.
     pub valences: &'a [u64],
@@ -58,63 +55,54 @@ pub(super) struct Context<'a> {
 /// A pairing, and the pairs of half-edges at which its patches start.
 type Pairing<'a> = (Matching<'a>, Vec<(u32, u32)>);
 
-/// A shell, and which of its vertices are irregular.
-struct Shell<'a> {
-    context: &'a Context<'a>,
-    vertices: &'a [u32],
-    regular: u64,
-    irregular: usize,
-}
-
 /// Pairs the vertices of a shell that nothing is paired of yet; says whether there is such a pairing. The classes of `context` are those by
 /// far surroundings, in which a vertex away from defects has few lookalikes but its partner. Of several pairings it is the one that `agrees`, if no other does.
 /// O(size of the shell).
 pub(super) fn match_shell(
     matching: &mut Matching,
     context: &Context,
-    shell: usize,
     agrees: impl Fn(&Matching, &[u32]) -> bool,
     progress: &Progress,
 ) -> Result<bool> {
-    let shell = Shell::new(context, shell);
-    let (vertices, irregular) = (shell.vertices, shell.irregular);
-    if vertices.len() < SMALLEST_SHELL
-        || irregular < IRREGULAR
-        || !is_repeated(context.classes, vertices, REPEATED)
-    {
+    if !context.has_irregular() || !context.is_repeated() {
         return Ok(false);
     }
-    let seeds = seeds(matching, context, vertices, progress)?;
-    let mut found = shell.pairings(matching, &seeds, progress)?;
+    let seeds = seeds(matching, context, progress)?;
+    let mut found = context.pairings(matching, &seeds, progress)?;
     let is_sure = found.len() == 1 && found[0].1.len() == 1;
-    found.retain(|(pairing, _)| is_sure || agrees(pairing, vertices));
+    found.retain(|(pairing, _)| is_sure || agrees(pairing, context.vertices));
     let [(_, starts)] = &found[..] else { return Ok(false) };
     let before = matching.mark();
     for &(from, to) in starts {
         matching.grow(from, to, context.valences, usize::MAX);
     }
     drop_rings_at_contradictions(matching, before);
-    pair_by_neighbours(matching, vertices);
+    pair_by_neighbours(matching, context.vertices);
     Ok(true)
 }
 
-impl<'a> Shell<'a> {
-    fn new(context: &'a Context, shell: usize) -> Self {
-        let vertices = context.shells.vertices(shell);
-        let regular = most_common_valence(context, vertices);
-        let irregular =
-            vertices.iter().filter(|&&vertex| context.valences[vertex as usize] != regular).count();
-        Shell { context, vertices, regular, irregular }
+impl Context<'_> {
+    /// Whether many vertices have another valence than most have.
+    fn has_irregular(&self) -> bool {
+        let mut counts = HashMap::new();
+        for &vertex in self.vertices {
+            *counts.entry(self.valences[vertex as usize]).or_insert(0usize) += 1;
+        }
+        self.vertices.len() - counts.into_values().max().unwrap_or(0) >= IRREGULAR
+    }
+
+    /// Whether enough vertices have a lookalike at all; on meshes without mirrored connectivity few do.
+    fn is_repeated(&self) -> bool {
+        let has_lookalike = |&&vertex: &&u32| self.classes.members(vertex).len() > 1;
+        let repeated = self.vertices.iter().filter(has_lookalike).count();
+        repeated as f64 >= REPEATED * self.vertices.len() as f64
     }
 
     /// Whether what grew since a mark is most of the shell, and met few contradictions for that.
     fn is_nearly_paired(&self, matching: &Matching, since: Mark) -> bool {
         let paired = matching.paired_since(since);
-        let is_irregular = |&&vertex: &&u32| self.context.valences[vertex as usize] != self.regular;
-        let irregular = paired.iter().filter(is_irregular).count();
         let against = CONTRADICTION * contradicted_faces(matching, since) as f64;
         paired.len() as f64 - against >= COVERED * self.vertices.len() as f64
-            && irregular as f64 >= COVERED_IRREGULAR * self.irregular as f64
     }
 
     /// The first pairing of nearly all of the shell that starts at one of the seeds, or at several where a cut parts it, and those that send most vertices elsewhere; each with its starts.
@@ -138,7 +126,7 @@ impl<'a> Shell<'a> {
                 continue;
             }
             let mark = trial.mark();
-            let faces = trial.grow(from, to, self.context.valences, usize::MAX);
+            let faces = trial.grow(from, to, self.valences, usize::MAX);
             if FEW * contradicted_faces(&trial, mark) > faces {
                 trial.rollback(mark);
                 failures += 1;
@@ -155,20 +143,20 @@ impl<'a> Shell<'a> {
             return Ok(found);
         }
         for &(vertex, ..) in seeds.iter().take(RIVAL_SEEDS) {
-            for &image in self.context.classes.members(vertex) {
+            for &image in self.classes.members(vertex) {
                 progress.check()?;
                 for (from, to) in trial.seeds(vertex, image) {
                     if found.len() == MOST_PAIRINGS || found.iter().any(|known| known.0.image_of(from) == to)
                     {
                         continue;
                     }
-                    let faces = trial.grow(from, to, self.context.valences, TRIAL_FACES);
+                    let faces = trial.grow(from, to, self.valences, TRIAL_FACES);
                     let promises = 2 * score_of_trial(&trial, start, faces) >= faces;
                     trial.rollback(start);
                     if !promises {
                         continue;
                     }
-                    trial.grow(from, to, self.context.valences, usize::MAX);
+                    trial.grow(from, to, self.valences, usize::MAX);
                     let is_new = self.is_nearly_paired(&trial, start)
                         && found.iter().all(|known| self.is_elsewhere(&trial, start, &known.0));
                     if is_new {
@@ -229,30 +217,10 @@ fn most_voted(matching: &Matching, vertex: u32, least: usize) -> Option<u32> {
     (is_free(vertex) && most >= least && next < most && by_most).then_some(partner)
 }
 
-/// Whether at least such a share of vertices has a lookalike at all; on meshes without mirrored connectivity few do.
-fn is_repeated(classes: &Classes, vertices: &[u32], share: f64) -> bool {
-    let repeated = vertices.iter().filter(|&&vertex| classes.members(vertex).len() > 1).count();
-    repeated as f64 >= share * vertices.len() as f64
-}
-
-fn most_common_valence(context: &Context, vertices: &[u32]) -> u64 {
-    let mut counts = HashMap::new();
-    for &vertex in vertices {
-        *counts.entry(context.valences[vertex as usize]).or_insert(0usize) += 1;
-    }
-    let (valence, _) = counts.into_iter().max_by_key(|&(valence, count)| (count, valence)).expect("vertices");
-    valence
-}
-
 /// Vertices with the half-edge pair whose trial growth fits best, best first.
-fn seeds(
-    matching: &mut Matching,
-    context: &Context,
-    vertices: &[u32],
-    progress: &Progress,
-) -> Result<Vec<(u32, u32, u32)>> {
+fn seeds(matching: &mut Matching, context: &Context, progress: &Progress) -> Result<Vec<(u32, u32, u32)>> {
     let mut seeds = Vec::new();
-    for region in vertices.chunks(vertices.len().div_ceil(SEEDS)) {
+    for region in context.vertices.chunks(context.vertices.len().div_ceil(SEEDS)) {
         progress.check()?;
         let key = |vertex: u32| {
             let size = context.classes.members(vertex).len();
@@ -263,20 +231,15 @@ fn seeds(
         // Each edge of a vertex is a way to turn it onto its image.
         let is_hub = |&vertex: &u32| half_edges.outgoing_of(vertex).nth(LOOKS).is_some();
         let vertex = region.iter().copied().filter(|vertex| !is_hub(vertex)).min_by(lower);
-        seeds.extend(vertex.and_then(|vertex| best_trial(matching, context, vertex, vertices.len())));
+        seeds.extend(vertex.and_then(|vertex| best_trial(matching, context, vertex)));
     }
     seeds.sort_by_key(|&(score, ..)| std::cmp::Reverse(score));
     Ok(seeds.into_iter().map(|(_, vertex, start, target)| (vertex, start, target)).collect())
 }
 
-fn best_trial(
-    matching: &mut Matching,
-    context: &Context,
-    vertex: u32,
-    shell_size: usize,
-) -> Option<(usize, u32, u32, u32)> {
+fn best_trial(matching: &mut Matching, context: &Context, vertex: u32) -> Option<(usize, u32, u32, u32)> {
     let members = context.classes.members(vertex);
-    let near = context.estimate.near(matching.half_edges, vertex, shell_size).into_iter();
+    let near = context.estimate.near(matching.half_edges, vertex, context.vertices.len()).into_iter();
     let mut images: Vec<u32> =
         near.filter(|&image| context.classes.same(image, vertex)).take(SEED_IMAGES).collect();
     images.extend(members.iter().copied().filter(|_| members.len() <= 3));

@@ -58,11 +58,6 @@ impl Estimate {
         }
     }
 
-    /// Whether any vertex has an estimate.
-    pub fn is_any(&self) -> bool {
-        self.partner.iter().any(|&partner| partner != NONE)
-    }
-
     /// Weight of a vertex's estimate, 0 if it has none.
     pub fn weight(&self, vertex: u32) -> f32 {
         if self.partner[vertex as usize] == NONE { 0.0 } else { self.weight[vertex as usize] }

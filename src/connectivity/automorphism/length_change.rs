@@ -1,6 +1,7 @@
 //! How much a pairing by connectivity changes lengths: whether the shape agrees with it, without any spectrum.
 
 use super::Automorphism;
+use crate::mesh::vector::quantile;
 use crate::mesh::{Mesh, NONE};
 
 /// Faces that are looked at, evenly spread.
@@ -30,16 +31,8 @@ impl LengthChange {
             changes.extend(ends.filter_map(|(&a, &b)| ratio_and_length(mesh, found, a, b)));
         }
         changes.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let total: f64 = changes.iter().map(|&(_, length)| length).sum();
-        let quantile = |share: f64| {
-            let mut sum = 0.0;
-            let reached = changes.iter().find(|&&(_, length)| {
-                sum += length;
-                sum >= share * total
-            });
-            reached.or(changes.last()).map(|&(ratio, _)| 0.5 * ratio.ln())
-        };
-        Some(LengthChange { median: quantile(0.5)?, p90: quantile(0.9)? })
+        let change = |share: f64| quantile(&changes, share).map(|ratio| 0.5 * ratio.ln());
+        Some(LengthChange { median: change(0.5)?, p90: change(0.9)? })
     }
 
     /// Whether the pairing is as good as an isometry. That of a whole shell which has no rival is then the answer: nothing else need

@@ -70,33 +70,18 @@ impl<'a> Matching<'a> {
     ///
     /// Each step lowers `budget`; at 0 the walk counts as failed.
     pub fn walk(&mut self, start: u32, target: u32, classes: &Classes, budget: &mut u64) -> bool {
-        self.walk_while(start, target, classes, budget, u64::MAX, |_, _| true)
-    }
-
-    /// The same, but after so many steps the walk is taken back, too, unless `goes_on` says otherwise of what is paired since a mark.
-    pub fn walk_while(
-        &mut self,
-        start: u32,
-        target: u32,
-        classes: &Classes,
-        budget: &mut u64,
-        steps: u64,
-        goes_on: impl Fn(&Self, Mark) -> bool,
-    ) -> bool {
         let mark = self.mark();
-        let mut paired = self.join(start, target, classes) && self.join(start ^ 1, target ^ 1, classes);
+        let alike = |vertex: u32, partner: u32| classes.same(vertex, partner);
+        let mut paired = self.join(start, target, alike) && self.join(start ^ 1, target ^ 1, alike);
         let mut head = mark.half_edges;
         while let Some(&half_edge) = self.half_edge_log.get(head).filter(|_| paired && *budget > 0) {
-            if (head - mark.half_edges) as u64 == steps && !goes_on(self, mark) {
-                break;
-            }
             head += 1;
             *budget -= 1;
             let image = self.image[half_edge as usize];
             let (next, previous) = (self.next_image(image), self.previous_image(image));
-            paired = self.join(self.half_edges.next[half_edge as usize], next, classes)
-                && self.join(self.half_edges.previous[half_edge as usize], previous, classes)
-                && self.join(half_edge ^ 1, image ^ 1, classes);
+            paired = self.join(self.half_edges.next[half_edge as usize], next, alike)
+                && self.join(self.half_edges.previous[half_edge as usize], previous, alike)
+                && self.join(half_edge ^ 1, image ^ 1, alike);
         }
         let complete = paired && head == self.half_edge_log.len();
         if !complete {
@@ -105,15 +90,15 @@ impl<'a> Matching<'a> {
         complete
     }
 
-    /// Enters one pair of half-edges and of the vertices they point to, if alike and not contradicted.
-    fn join(&mut self, half_edge: u32, image: u32, classes: &Classes) -> bool {
+    /// Enters one pair of half-edges and of the vertices they point to, if these are `alike` and nothing contradicts.
+    fn join(&mut self, half_edge: u32, image: u32, alike: impl Fn(u32, u32) -> bool) -> bool {
         let known = self.image[half_edge as usize];
         if known != NONE || self.image[image as usize] != NONE {
             return known == image;
         }
         let (vertex, partner) = (self.half_edges.to_vertex[half_edge as usize], self.end_image(image));
         let hole = |half_edge: u32| self.half_edges.face[half_edge as usize] == NONE;
-        if !classes.same(vertex, partner) || hole(half_edge) != hole(image) {
+        if !alike(vertex, partner) || hole(half_edge) != hole(image) {
             return false;
         }
         self.enter(half_edge, image, vertex, partner)
@@ -144,9 +129,10 @@ impl<'a> Matching<'a> {
 
     fn enter_face(&mut self, half_edge: u32, image: u32, colours: &[u64]) -> bool {
         let mark = self.mark();
+        let alike = |vertex: u32, partner: u32| colours[vertex as usize] == colours[partner as usize];
         let (mut side, mut side_image) = (half_edge, image);
         loop {
-            if !self.enter_side(side, side_image, colours) {
+            if !self.join(side, side_image, alike) {
                 self.rollback(mark);
                 return false;
             }
@@ -161,15 +147,6 @@ impl<'a> Matching<'a> {
             self.rollback(mark);
         }
         degrees_agree
-    }
-
-    fn enter_side(&mut self, half_edge: u32, image: u32, colours: &[u64]) -> bool {
-        let known = self.image[half_edge as usize];
-        if known != NONE || self.image[image as usize] != NONE {
-            return known == image;
-        }
-        let (vertex, partner) = (self.half_edges.to_vertex[half_edge as usize], self.end_image(image));
-        colours[vertex as usize] == colours[partner as usize] && self.enter(half_edge, image, vertex, partner)
     }
 
     /// Enters a pair of half-edges and of vertices both ways, unless the vertices are paired otherwise.

@@ -14,9 +14,9 @@ use std::collections::BinaryHeap;
 /// Largest misfits of pairs to those around them, in the order in which they are let in. A turn by a right angle has 1, a stretch
 /// to twice the length 0.2, a shear by the angle a about a^2 / 4.
 pub(super) const MISFITS: [f64; 5] = [0.003, 0.015, 0.05, 0.12, 0.3];
-/// Pairs of the trial from a start, and the fewest that make one.
+/// Pairs of the trial from a start, and the fewest that make one: shells with fewer vertices have too little to tell a pairing from chance.
 const TRIAL: usize = 120;
-const SMALLEST_TRIAL: usize = 50;
+pub(super) const SMALLEST_TRIAL: usize = 50;
 /// A vote for a pair whose lengths agree, and the difference of logarithms at which it has lost half.
 const VOTE: f64 = 16.0;
 const STRETCH: f64 = 0.3;

@@ -2,7 +2,7 @@
 
 use super::percolation::Pairing;
 use super::{Estimate, MirroredVertices};
-use crate::geometry::adjacency::Adjacency;
+use crate::geometry::adjacency::{Adjacency, downhill};
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
 use crate::geometry::surface_walk::nearest_of;
 use crate::mesh::vector::{Vector, squared_norm, subtract};
@@ -107,21 +107,10 @@ fn correction(pairing: &Pairing, moved: &[Option<Vector>], point: u32) -> (Vecto
 }
 
 /// The vertex nearest to a position that is reached from `vertex` along edges, always nearer.
-pub(super) fn descend(mesh: &Mesh, edges: &Adjacency, mut vertex: u32, position: Vector) -> u32 {
+pub(super) fn descend(mesh: &Mesh, edges: &Adjacency, vertex: u32, position: Vector) -> u32 {
+    let around = |from: u32| edges.of(from as usize).iter().copied();
     let distance = |vertex: u32| squared_norm(subtract(mesh.positions[vertex as usize], position));
-    let mut least = distance(vertex);
-    loop {
-        let from = vertex;
-        for &near in edges.of(from as usize) {
-            let there = distance(near);
-            if there < least {
-                (vertex, least) = (near, there);
-            }
-        }
-        if vertex == from {
-            return vertex;
-        }
-    }
+    downhill(vertex, around, distance).0
 }
 
 /// A vertex as the corner of a triangle.

@@ -1,15 +1,12 @@
 //! What is around each point: neighbours, those whom a flip would make neighbours, and directions along the surface.
 
-use crate::geometry::adjacency::Adjacency;
+use crate::geometry::adjacency::{Adjacency, LOOKS};
 use crate::geometry::embedded_triangles::Fans;
 use crate::mesh::vector::{Vector, cross, squared_norm, subtract, summed_normals, unit};
 use crate::mesh::{Mesh, NONE};
 
-/// Triangles around a vertex from which on it is a hub, as the middle of a cap or the pole of a lathe is. Every two points near
+/// What is around the points of a mesh. Hubs, as the middle of a cap or the pole of a lathe, have nothing around them, and are around nothing: every two points near
 /// two hubs would be a pair to vote for, and which of them belong together is seen at no hub.
-const HUB: usize = 48;
-
-/// What is around the points of a mesh. Hubs have nothing around them, and are around nothing.
 pub(super) struct Surroundings<'a> {
     /// The mesh.
     pub mesh: &'a Mesh,
@@ -25,7 +22,7 @@ impl<'a> Surroundings<'a> {
     /// O(points + triangles log degree).
     pub fn new(mesh: &'a Mesh, fans: &Fans) -> Self {
         let count = mesh.positions.len();
-        let is_ordinary = |point: &u32| fans.of(*point).len() < HUB;
+        let is_ordinary = |point: &u32| fans.of(*point).len() <= LOOKS;
         let around = |point: u32| fans.of(point).iter().filter(move |_| is_ordinary(&point));
         let edges = Adjacency::from_rows(count, |point, row| {
             for &triangle in around(point) {
@@ -105,7 +102,7 @@ mod tests {
             let around = Surroundings::new(&mesh, &Fans::new(mesh.positions.len(), &mesh.triangles));
             (0..mesh.positions.len()).map(|point| around.close.of(point).len()).max().unwrap()
         };
-        assert_eq!(most_close(HUB as u32 - 1), HUB - 1);
-        assert_eq!([48, 1000, 20_000].map(most_close), [4, 4, 4]);
+        assert_eq!(most_close(LOOKS as u32), LOOKS);
+        assert_eq!([LOOKS as u32 + 1, 1000, 20_000].map(most_close), [4, 4, 4]);
     }
 }

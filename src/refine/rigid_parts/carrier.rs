@@ -14,7 +14,6 @@ use crate::mesh::vector::Vector;
 const RADIUS: f64 = 0.12;
 /// A region of fewer vertices, as on a coarse mesh, says little of a turn, and is made larger.
 const LEAST_VERTICES: usize = 16;
-const LARGEST_RADIUS: f64 = 2.0;
 /// What a region says where its weight is this or more is enough: no other is sought there.
 const SAID: f64 = 0.5;
 
@@ -58,10 +57,11 @@ impl<'a> Carrier<'a> {
     }
 
     fn region(&self, middle: u32) -> Disc {
-        let (mut radius, mut reached) = (RADIUS, vec![false; self.mapped.areas.len()]);
+        let count = self.mapped.areas.len();
+        let (mut radius, mut reached) = (RADIUS, vec![false; count]);
         loop {
             let disc = self.mapped.disc(middle, radius, &mut reached);
-            if disc.members.len() >= LEAST_VERTICES || radius > LARGEST_RADIUS {
+            if disc.members.len() >= LEAST_VERTICES.min(count) {
                 return disc;
             }
             radius *= 1.5;

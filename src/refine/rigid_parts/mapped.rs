@@ -4,6 +4,7 @@ use super::motion::{Oriented, Place};
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::base::threads;
+use crate::geometry::adjacency::downhill;
 use crate::geometry::shortest_paths::{EdgeLengths, PathSearch};
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
@@ -221,20 +222,11 @@ impl<'a> Mapped<'a> {
     /// The vertex most like `goal` in place and normal, sought downhill from `start`, and how unlike it is, squared.
     pub fn alike(&self, goal: Oriented, start: u32) -> (u32, f32) {
         let goal = feature(goal);
-        let unlike = |vertex: u32| squared(&goal, &self.features[vertex as usize]);
-        let (mut best, mut least) = (start, unlike(start));
-        loop {
-            let from = best;
-            for near in self.walk.ahead(from) {
-                let near_unlike = unlike(near);
-                if near_unlike < least {
-                    (best, least) = (near, near_unlike);
-                }
-            }
-            if best == from {
-                return (best, least);
-            }
-        }
+        downhill(
+            start,
+            |from| self.walk.ahead(from),
+            |vertex| squared(&goal, &self.features[vertex as usize]),
+        )
     }
 
     /// The vertex most like a goal, for each place sought from the one that is `near`, as the surface that a motion is brought to.

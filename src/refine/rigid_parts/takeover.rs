@@ -7,7 +7,7 @@
 
 use super::mapped::{Disc, Mapped, Sought};
 use super::motion::{Approach, Motion, Oriented, mean};
-use super::turned_parts::{seeds, settle};
+use super::turned_parts::{BETTER, seeds, settle};
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::base::threads;
@@ -24,8 +24,6 @@ const OWN: Approach = Approach { rounds: 4, noise: 0.003, held: 0.02, free: true
 const NEW: Approach = Approach { rounds: 2, noise: 0.003, held: 0.01, free: true };
 /// A small part follows the motion that leaves this share of what the other one does.
 const FOLLOWS: f64 = 0.7;
-/// Share of the distortion of its surroundings that the new map may leave.
-const DISTORTION_LEFT: f64 = 0.85;
 /// Share of the surface that may be cut off from the rest.
 const CUT_OFF: f64 = 0.03;
 
@@ -53,8 +51,6 @@ struct MovingPart {
     centre: Vector,
     own: Motion,
     new: Motion,
-    /// What the new motion leaves as a share of what the own one does.
-    left: f64,
     verdict: Verdict,
 }
 
@@ -95,7 +91,7 @@ impl SmallParts<'_> {
                 _ => Verdict::Either,
             };
             let centre = mean(places.iter().map(|place| (place.own.position, place.weight)));
-            MovingPart { disc, centre, own, new: new.motion, left, verdict }
+            MovingPart { disc, centre, own, new: new.motion, verdict }
         };
         Ok(threads::map(threads, discs, judged))
     }
@@ -130,7 +126,7 @@ pub(super) fn take_over(
     let images = images(mapped, &changed, &goals, &sought, threads);
     let before = mapped.distortion(&near, small.mirrored);
     let former = mapped.replaced(&changed, images);
-    if mapped.distortion(&near, small.mirrored) > DISTORTION_LEFT * before {
+    if mapped.distortion(&near, small.mirrored) > BETTER * before {
         mapped.replaced(&changed, former);
     }
     Ok(())
@@ -157,17 +153,18 @@ fn images(
 /// Where the parts' motions, each as far as it takes over, put each vertex.
 fn goals(mapped: &Mapped, parts: &[MovingPart], around: &[(u32, f64)]) -> Vec<Goal> {
     let mut goals = vec![Goal::default(); mapped.areas.len()];
-    let following = parts.iter().filter(|part| part.verdict == Verdict::Follows);
-    // All turn the same way around.
-    let Some(surest) = following.clone().min_by(|a, b| a.left.total_cmp(&b.left)) else { return goals };
-    let (axis, _) = surest.own.turn_to(&surest.new);
-    let to_new = distances(mapped, following.map(|part| part.disc.middle));
-    let keeping = parts.iter().filter(|part| part.verdict == Verdict::Keeps).map(|part| part.disc.middle);
+    let middles = |verdict: Verdict| {
+        parts.iter().filter(move |part| part.verdict == verdict).map(|part| part.disc.middle)
+    };
+    if middles(Verdict::Follows).next().is_none() {
+        return goals;
+    }
+    let to_new = distances(mapped, middles(Verdict::Follows));
     let rim = around
         .iter()
         .filter(|(_, distance)| *distance > REACH - SMALL_RADIUS / 4.0)
         .map(|&(vertex, _)| vertex);
-    let to_old = distances(mapped, keeping.chain(rim));
+    let to_old = distances(mapped, middles(Verdict::Keeps).chain(rim));
     for part in parts {
         let [from_old, from_new] = [&to_old, &to_new].map(|way| way[part.disc.middle as usize]);
         let share = match part.verdict {
@@ -175,7 +172,7 @@ fn goals(mapped: &Mapped, parts: &[MovingPart], around: &[(u32, f64)]) -> Vec<Go
             Verdict::Keeps => 0.0,
             Verdict::Either => from_old / (from_old + from_new),
         };
-        let motion = part.own.part_way(&part.new, share, part.centre, axis);
+        let motion = part.own.part_way(&part.new, share, part.centre);
         for &(vertex, weight) in &part.disc.members {
             goals[vertex as usize].add(
                 motion,

@@ -5,13 +5,13 @@
 //! start theirs ("A method for registration of 3-D shapes", 1992, section IV), one may. What it fits is then mapped by it.
 
 use super::mapped::{Disc, Mapped, Sought};
-use super::motion::{Approach, Motion, Oriented, Place, mean};
+use super::motion::{Approach, Motion, Oriented, Place, Spread};
 use super::takeover::{SmallParts, take_over};
 use crate::base::effort::TurnedEffort;
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::base::threads;
-use crate::mesh::rotation::{Matrix, principal_axes, rotation};
+use crate::mesh::rotation::{principal_axes, rotation, turned as turned_by};
 use crate::mesh::vector::{Vector, squared_norm, subtract};
 use std::f64::consts::PI;
 
@@ -32,8 +32,8 @@ const SAME_TURN: f64 = 0.5;
 const MISFITTING: f64 = 0.3;
 /// A part that leaves more than this, in sqrt(area), fits badly.
 const BAD: f64 = 0.01;
-/// A turned motion must leave no more than this share of what the map's leaves.
-const BETTER: f64 = 0.85;
+/// A turned motion must leave no more than this share of what the map's leaves, and the map by it of the distortion of its surroundings.
+pub(super) const BETTER: f64 = 0.85;
 
 /// A part: some of its vertices, each standing for the same area, with their weights.
 struct TurnedPart {
@@ -144,19 +144,11 @@ fn turned(mapped: &Mapped, part: &TurnedPart, effort: &TurnedEffort, mirrored: b
 
 /// A motion turned about where it puts the part's middle, all around each of the image's principal axes.
 fn turns(start: &Motion, places: &[Place], count: usize) -> Vec<Motion> {
-    let images = || places.iter().map(|place| (start.of(place.own.position), place.weight));
-    let about = mean(images());
-    let mut moments = Matrix::default();
-    for (image, weight) in images() {
-        let offset: Vector = subtract(image, about);
-        for row in 0..3 {
-            (0..3).for_each(|column| moments[row][column] += weight * offset[row] * offset[column]);
-        }
-    }
+    let spread = Spread::of(places);
+    let about = start.of(spread.middle);
     let angles = (1..count).map(|turn| 2.0 * PI * turn as f64 / count as f64);
-    let rotations = principal_axes(moments)
-        .into_iter()
-        .flat_map(|axis| angles.clone().map(move |angle| rotation(axis, angle)));
+    let axes = principal_axes(spread.moments).map(|axis| turned_by(&start.turn, axis));
+    let rotations = axes.into_iter().flat_map(|axis| angles.clone().map(move |angle| rotation(axis, angle)));
     rotations.map(|rotation| start.then_turned(&rotation, about)).collect()
 }
 

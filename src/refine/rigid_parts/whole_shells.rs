@@ -73,7 +73,8 @@ pub struct Hint {
 
 /// Where `places` go with a surface of which some points go to others, each by its weight.
 pub fn carried(goes: &[(Vector, Vector, f64)], kind: SymmetryKind, places: &[Vector]) -> Vec<Vector> {
-    let fitted: Vec<Place> = goes.iter().map(|&(from, to, weight)| unoriented(from, to, weight)).collect();
+    let fitted: Vec<Place> =
+        goes.iter().map(|&(from, to, weight)| Place::unoriented(from, to, weight)).collect();
     let motion = Motion::between(&fitted, kind == SymmetryKind::Reflection);
     places.iter().map(|&place| motion.of(place)).collect()
 }
@@ -253,13 +254,13 @@ impl WholeShell {
             let away = |to: &Vector| squared_norm(subtract(*to, motion.of(position)));
             let image = to.iter().map(scaled).min_by(|a, b| away(a).total_cmp(&away(b)))?;
             let weight = 1.0 / (1.0 + away(&image) / (GONE * GONE));
-            Some(unoriented(position, image, weight))
+            Some(Place::unoriented(position, image, weight))
         };
         let all = hints.iter().flat_map(|hint| hint.from.iter().zip(&hint.to));
         let mut places: Vec<Place> = all.filter_map(place).collect();
         let weight: f64 = places.iter().map(|place| place.weight).sum();
         let middle = Spread::of(&self.places).middle;
-        places.push(unoriented(middle, motion.of(middle), weight));
+        places.push(Place::unoriented(middle, motion.of(middle), weight));
         (weight > 0.0).then(|| Motion::nearest(&places, self.mirrored, |place| place.weight))
     }
 
@@ -270,11 +271,6 @@ impl WholeShell {
     fn surface(&self) -> Surface<'_> {
         Surface { shell: self, walk: SurfaceWalk::new(&self.target, &self.triangles) }
     }
-}
-
-/// A place that has no normal, and where it goes.
-fn unoriented(position: Vector, image: Vector, weight: f64) -> Place {
-    Place { own: Oriented { position, normal: [0.0; 3] }, image, partner: 0, weight }
 }
 
 /// How bad a squared distance is from where something should be.

@@ -10,10 +10,8 @@ use ort::session::Session;
 use ort::session::builder::GraphOptimizationLevel;
 use ort::value::{Tensor, TensorElementType, ValueType};
 
-use super::REFERENCES;
+use super::{REFERENCES, SIGNS};
 
-/// Eigenfunctions answered at once if the model leaves the number open.
-const DEFAULT_SIGNS: i64 = 12;
 /// Points if the model leaves the number open.
 const DEFAULT_POINTS: i64 = 512;
 /// Numbers per point: three references and the function in question.
@@ -123,7 +121,7 @@ fn input_sizes(session: &Session) -> Result<(i64, i64), String> {
     let [signs, points, channels] = shape[..] else {
         return Err(format!("its input has shape {shape:?}, [signs, points, {CHANNELS}] is wanted"));
     };
-    let signs = if signs < 0 { DEFAULT_SIGNS } else { signs };
+    let signs = if signs < 0 { SIGNS as i64 } else { signs };
     let points = if points < 0 { DEFAULT_POINTS } else { points };
     let fits = (1..=MOST_SIGNS).contains(&signs) && (1..=MOST_POINTS).contains(&points);
     if !fits || (channels >= 0 && channels != CHANNELS) {

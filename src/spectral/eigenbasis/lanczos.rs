@@ -13,8 +13,8 @@ use faer::{Mat, MatRef};
 /// Vectors of a Lanczos block: bounds the multiplicity that is found without rounding's help.
 pub const BLOCK: usize = 12;
 
-/// Tolerances from which on a start for other methods is wanted rather than an answer.
-const ROUGH: f64 = 1e-2;
+/// The relative residual of a start for other methods: from it on no answer is wanted.
+pub const ROUGH: f64 = 1e-2;
 
 /// The block Krylov basis and the projected operator, which grow step by step.
 struct Krylov {

@@ -35,8 +35,6 @@ const LEAST_PER_PAIR: f64 = 1.1;
 const SHIFT_PER_PAIR: f64 = 1.25;
 /// Degree of the filter on the finest level; none is needed on those below. With 6 a torus lost a pair to rounding errors, with 9 all shapes did.
 const FINEST_DEGREE: usize = 3;
-/// Relative residual to which the coarsest problem is solved, or a mesh that has no coarser one, to start from.
-const COARSE_TOLERANCE: f64 = 1e-2;
 
 /// The `count` lowest eigenpairs (the constant included), approximately: functions at the vertices, orthonormal in the
 /// mass.
@@ -107,7 +105,7 @@ impl Problem<'_> {
         let coarse = pays(self.mass.len(), width).then(|| Coarsening::new(self.stiffness, self.mass));
         let coarse = coarse.filter(|coarse| coarse.mass.len() as f64 >= LEAST_PER_PAIR * width as f64);
         let rough = |stiffness: &SymmetricSparse, mass: &[f64]| {
-            lanczos::eigenpairs(stiffness, mass, width, COARSE_TOLERANCE, progress)
+            lanczos::eigenpairs(stiffness, mass, width, lanczos::ROUGH, progress)
         };
         let start = || match &coarse {
             Some(coarse) if pays(coarse.mass.len(), width) => {

@@ -10,6 +10,7 @@
 use super::SymmetricSparse;
 use crate::mesh::Shell;
 use crate::mesh::vector::{dot, summed_normals};
+use crate::spectral::signature::mean;
 
 /// Times of diffusion in units of the area: heat spreads over about 0.035 and 0.06 sqrt(area).
 const TIMES: [f64; 2] = [0.0003, 0.001];
@@ -110,14 +111,10 @@ fn diffuse(values: &[f64], time: f64, stiffness: &SymmetricSparse, mass: &[f64])
 
 /// Mean 0 and mean square 1 over the number of channels, the largest values cut; `None` for a constant.
 fn standardise(mut values: Vec<f64>, mass: &[f64]) -> Option<Vec<f64>> {
-    let total: f64 = mass.iter().sum();
-    let mean_of = |values: &[f64], power: i32| {
-        values.iter().zip(mass).map(|(value, mass)| mass * value.powi(power)).sum::<f64>() / total
-    };
-    let (mean, largest) =
-        (mean_of(&values, 1), values.iter().fold(0f64, |most, value| most.max(value.abs())));
-    values.iter_mut().for_each(|value| *value -= mean);
-    let deviation = mean_of(&values, 2).sqrt();
+    let (middle, largest) =
+        (mean(mass, values.iter().copied()), values.iter().fold(0f64, |most, value| most.max(value.abs())));
+    values.iter_mut().for_each(|value| *value -= middle);
+    let deviation = mean(mass, values.iter().map(|value| value * value)).sqrt();
     // What rounding leaves of the constant curvature of a sphere is no feature of it.
     if deviation.is_nan() || deviation <= 1e-3 * largest {
         return None;

@@ -97,14 +97,8 @@ pub struct Data<'a> {
     pub limits: &'a Limits,
 }
 
-/// Equal elements in a view.
-struct Block {
-    view: usize,
-    offset: u64,
-    scalar: Scalar,
-    width: usize,
-    count: u64,
-}
+/// Where elements begin in a view.
+type Start = (usize, u64);
 
 impl Data<'_> {
     /// The numbers of an accessor whose elements have `width` components, one element after the other.
@@ -125,29 +119,15 @@ impl Data<'_> {
         }
         let (scalar, count) = (scalar(accessor.component_type)?, accessor.count);
         let mut numbers = match accessor.buffer_view {
-            Some(view) => {
-                self.block(index, &Block { view, offset: accessor.byte_offset, scalar, width, count })?
-            }
+            Some(view) => self.block(index, (view, accessor.byte_offset), scalar, width, count)?,
             None => vec![0.0; accessor.count as usize * width],
         };
         if let Some(sparse) = &accessor.sparse {
             let (at, of) = (&sparse.indices, &sparse.values);
             let index_scalar = self::scalar(at.component_type.unwrap_or(0))?;
-            let count = sparse.count;
-            let places = self.block(
-                index,
-                &Block {
-                    view: at.buffer_view,
-                    offset: at.byte_offset,
-                    scalar: index_scalar,
-                    width: 1,
-                    count,
-                },
-            )?;
-            let values = self.block(
-                index,
-                &Block { view: of.buffer_view, offset: of.byte_offset, scalar, width, count },
-            )?;
+            let places =
+                self.block(index, (at.buffer_view, at.byte_offset), index_scalar, 1, sparse.count)?;
+            let values = self.block(index, (of.buffer_view, of.byte_offset), scalar, width, sparse.count)?;
             for (place, value) in places.iter().zip(values.chunks_exact(width)) {
                 let start = *place as usize * width;
                 let old = numbers.get_mut(start..start + width).ok_or_else(|| {
@@ -165,28 +145,34 @@ impl Data<'_> {
         Ok(numbers)
     }
 
-    fn block(&self, accessor: usize, block: &Block) -> Result<Vec<f64>, Fault> {
-        let view = get(&self.document.buffer_views, block.view, "buffer view")?;
+    /// The numbers of `count` elements, each of `width`.
+    fn block(
+        &self,
+        accessor: usize,
+        (view, offset): Start,
+        scalar: Scalar,
+        width: usize,
+        count: u64,
+    ) -> Result<Vec<f64>, Fault> {
+        let view = get(&self.document.buffer_views, view, "buffer view")?;
         let Some(buffer) = get(self.buffers, view.buffer, "buffer")? else {
             return Err(Fault::new(format!("buffer {} has no data; export the file as .glb", view.buffer)));
         };
-        let size = (block.scalar.size() * block.width) as u64;
+        let size = (scalar.size() * width) as u64;
         let stride = view.byte_stride.unwrap_or(size).max(size);
         let whole = view.byte_offset.checked_add(view.byte_length).filter(|&end| end <= buffer.len() as u64);
-        let length =
-            block.count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(size));
-        let end =
-            length.and_then(|length| length.checked_add(block.offset)).filter(|&end| end <= view.byte_length);
+        let length = count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(size));
+        let end = length.and_then(|length| length.checked_add(offset)).filter(|&end| end <= view.byte_length);
         if whole.is_none() || end.is_none() {
             return Err(Fault::new(format!(
                 "accessor {accessor} reaches beyond the end of its buffer; the file is cut off or damaged, export it again"
             )));
         }
-        let start = (view.byte_offset + block.offset) as usize;
-        let mut numbers = Vec::with_capacity(block.count as usize * block.width);
-        for element in 0..block.count as usize {
+        let start = (view.byte_offset + offset) as usize;
+        let mut numbers = Vec::with_capacity(count as usize * width);
+        for element in 0..count as usize {
             let bytes = &buffer[start + element * stride as usize..][..size as usize];
-            numbers.extend(bytes.chunks_exact(block.scalar.size()).map(|bytes| block.scalar.number(bytes)));
+            numbers.extend(bytes.chunks_exact(scalar.size()).map(|bytes| scalar.number(bytes)));
         }
         Ok(numbers)
     }

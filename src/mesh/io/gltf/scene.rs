@@ -4,6 +4,7 @@ use super::data::Data;
 use super::document::{Document, Node, get};
 use crate::mesh::NONE;
 use crate::mesh::io::scanner::Fault;
+use crate::mesh::vector::{cross, dot};
 
 /// Three rows of an affine map.
 pub type Matrix = [[f64; 4]; 3];
@@ -17,8 +18,8 @@ pub fn apply(matrix: &Matrix, [x, y, z]: [f64; 3]) -> [f64; 3] {
 
 /// Whether a map mirrors, so that the corners of a face turn round.
 pub fn mirrors([a, b, c]: &Matrix) -> bool {
-    let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-    cross[0] * c[0] + cross[1] * c[1] + cross[2] * c[2] < 0.0
+    let [a, b, c] = [a, b, c].map(|&[x, y, z, _]| [x, y, z]);
+    dot(cross(a, b), c) < 0.0
 }
 
 /// First `inner`, then `outer`.

@@ -4,7 +4,8 @@
 //! together know better: a rigid motion puts them on the shells that there are (P. Besl, N. McKay, "A method for registration of 3-D shapes", 1992, from
 //! several turns, since each next card is a fit of its own).
 
-use crate::mesh::rotation::{Matrix, nearest_rotation, principal_axes, rotation, turned};
+use super::motion::{Motion, Place, Spread};
+use crate::mesh::rotation::{principal_axes, rotation};
 use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -24,21 +25,6 @@ const FARTHEST: f64 = 0.03;
 /// A motion must leave this share of the distances that the map leaves; one from a turn lies on the shells but for this distance, in sqrt(area).
 const BETTER: f64 = 0.7;
 const LIES_ON: f64 = 0.006;
-
-/// A turn about a point, and then a shift.
-#[derive(Clone, Copy)]
-struct Motion {
-    turn: Matrix,
-    from: Vector,
-    to: Vector,
-}
-
-impl Motion {
-    fn of(&self, at: Vector) -> Vector {
-        let turned = turned(&self.turn, subtract(at, self.from));
-        std::array::from_fn(|axis| turned[axis] + self.to[axis])
-    }
-}
 
 /// Moves where shells should be, `mirrored`, to where they fit on what there is, `own`; both are points by shell, in one unit. O(shells log shells).
 pub fn settle(mirrored: &mut [Vec<Vector>], own: &[Vec<Vector>]) {
@@ -80,56 +66,34 @@ fn clusters(shells: &[Vec<Vector>]) -> Vec<Vec<usize>> {
 
 /// The motion that puts points best on others; `None` if none is much better than to leave them.
 fn best(points: &[Vector], tree: &RTree<Vector>) -> Option<Motion> {
-    let middle = mean(points.iter().copied());
-    let offsets: Vec<Vector> = points.iter().map(|&at| subtract(at, middle)).collect();
-    let axes = principal_axes(products(&offsets, &offsets, &vec![1.0; offsets.len()]));
-    let still = Motion { turn: rotation(axes[0], 0.0), from: middle, to: middle };
+    let places: Vec<Place> = points.iter().map(|&at| Place::unoriented(at, at, 1.0)).collect();
+    let spread = Spread::of(&places);
+    let turned = |axis: Vector, angle| Motion::STILL.then_turned(&rotation(axis, angle), spread.middle);
     let turns =
-        axes.iter().flat_map(|&axis| TURNS.map(|angle| Motion { turn: rotation(axis, angle), ..still }));
+        principal_axes(spread.moments).into_iter().flat_map(|axis| TURNS.map(|angle| turned(axis, angle)));
     let ended = turns.map(|motion| registered(motion, points, tree, ROUNDS));
     let turned = ended.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let near = registered(still, points, tree, ROUNDS);
+    let near = registered(Motion::STILL, points, tree, ROUNDS);
     let (left, motion) = if turned.0 < near.0.min(LIES_ON) { turned } else { near };
-    (left < BETTER * registered(still, points, tree, 0).0).then_some(motion)
+    (left < BETTER * registered(Motion::STILL, points, tree, 0).0).then_some(motion)
 }
 
 /// A motion after some rounds, and the mean distance that it leaves.
 fn registered(mut motion: Motion, points: &[Vector], tree: &RTree<Vector>, rounds: usize) -> (f64, Motion) {
-    let near = |motion: &Motion| -> Vec<(Vector, f64)> {
-        let near = |&at: &Vector| {
+    let near = |motion: Motion| {
+        points.iter().map(move |&at| {
             let goal = motion.of(at);
             let near = tree.nearest_neighbor(goal).copied().unwrap_or(goal);
-            (near, squared_norm(subtract(near, goal)).sqrt())
-        };
-        points.iter().map(near).collect()
+            (at, near, squared_norm(subtract(near, goal)).sqrt())
+        })
     };
     for _ in 0..rounds {
-        let near = near(&motion);
-        let weights: Vec<f64> =
-            near.iter().map(|(_, away)| 1.0 / (1.0 + (away / FARTHEST).powi(2))).collect();
-        let all: f64 = weights.iter().sum();
-        let middle = |place: &dyn Fn(usize) -> Vector| -> Vector {
-            let sum = |axis: usize| (0..weights.len()).map(|i| weights[i] * place(i)[axis]).sum::<f64>();
-            std::array::from_fn(|axis| sum(axis) / all)
-        };
-        let (from, to) = (middle(&|i| points[i]), middle(&|i| near[i].0));
-        let own: Vec<Vector> = points.iter().map(|&at| subtract(at, from)).collect();
-        let there: Vec<Vector> = near.iter().map(|&(at, _)| subtract(at, to)).collect();
-        motion = Motion { turn: nearest_rotation(&products(&there, &own, &weights)), from, to };
+        let weight = |away: f64| 1.0 / (1.0 + (away / FARTHEST).powi(2));
+        let goes = near(motion).map(|(at, near, away)| Place::unoriented(at, near, weight(away)));
+        motion = Motion::nearest(&goes.collect::<Vec<Place>>(), false, |place| place.weight);
     }
-    let left = near(&motion).iter().map(|(_, away)| away.min(FARTHEST)).sum::<f64>();
+    let left = near(motion).map(|(.., away)| away.min(FARTHEST)).sum::<f64>();
     (left / points.len() as f64, motion)
-}
-
-/// The sum of `weight a b^T`.
-fn products(a: &[Vector], b: &[Vector], weights: &[f64]) -> Matrix {
-    let mut sum = Matrix::default();
-    for ((a, b), weight) in a.iter().zip(b).zip(weights) {
-        for row in 0..3 {
-            (0..3).for_each(|column| sum[row][column] += weight * a[row] * b[column]);
-        }
-    }
-    sum
 }
 
 #[cfg(test)]
