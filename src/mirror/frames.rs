@@ -7,7 +7,10 @@
 //! A reflection's matrices have determinant -1. We deviate in averaging the edges' covariances over a
 //! neighbourhood first: bending finer than that is shape, which a tool mirrors, and coarser bending is pose.
 //! Where two points are each other's images, one's matrix is the other's inverse: the covariances of both are one's
-//! and the other's transpose, and are added, as diagonals of faces need not be mirrored.
+//! and the other's transpose, and are added, as diagonals of faces need not be mirrored. On a small shell, as an eyelash,
+//! points without such a pair average over the largest shell beneath them, too: alone they would follow the map's noise.
+//!
+//! A matrix turns and does not stretch. A rig moves the skin of a joint apart, yet turns what is displaced there.
 
 use super::{Mirroring, at};
 use crate::base::error::Result;
@@ -15,8 +18,8 @@ use crate::base::symmetry_kind::SymmetryKind;
 use crate::detect::correspondence::Symmetry;
 use crate::geometry::adjacency::Adjacency;
 use crate::mesh::rotation::{Matrix, nearest_rotation, scaled, transposed, turned};
-use crate::mesh::vector::{Vector, subtract};
-use crate::mesh::{Mesh, NONE};
+use crate::mesh::vector::{Vector, squared_norm, subtract};
+use crate::mesh::{Mesh, NONE, anchors};
 
 /// Radius of the neighbourhood over which the covariances are averaged, in sqrt(area).
 ///
@@ -51,7 +54,9 @@ impl Frames {
         let graph = Adjacency::of_vertices(&mesh.triangles, &around);
         let covariance =
             (0..own.len()).map(|point| edges_covariance(point, graph.of(point), &own, &image)).collect();
-        let covariance = mutual(mesh, symmetry, averaged(&graph, covariance, rounds(mesh)));
+        let pairs = pairs(mesh, symmetry);
+        let covariance = averaged(&graph, &beneath(mesh, &pairs), covariance, rounds(mesh));
+        let covariance = mutual(&pairs, covariance);
         let sign = if symmetry.kind == SymmetryKind::Reflection { -1.0 } else { 1.0 };
         let fit = |matrix: Matrix| scaled(nearest_rotation(&scaled(matrix, sign)), sign);
         Frames { turn: covariance.into_iter().map(fit).collect() }
@@ -116,22 +121,46 @@ fn edges_covariance(point: usize, around: &[u32], own: &[Vector], image: &[Optio
     sum
 }
 
-/// The sums of each covariance and the transposed one of its image, where two points are each other's images.
-fn mutual(mesh: &Mesh, symmetry: &Symmetry, covariance: Vec<Matrix>) -> Vec<Matrix> {
+/// The image of each point, where it is a point whose image is this one; [`NONE`] elsewhere.
+fn pairs(mesh: &Mesh, symmetry: &Symmetry) -> Vec<u32> {
     let image = |point: usize| {
         let there = symmetry.surface_point[mesh.vertex_of_point[point] as usize]?;
         let corner = there.barycentric.iter().position(|&weight| weight > WHOLE)?;
-        let image = mesh.point_of_vertex[there.vertices[corner] as usize];
-        (image != NONE).then_some(image as usize)
+        Some(mesh.point_of_vertex[there.vertices[corner] as usize]).filter(|&image| image != NONE)
     };
-    let both = |(point, &own): (usize, &Matrix)| {
+    let pair = |point: usize| image(point).filter(|&other| image(other as usize) == Some(point as u32));
+    (0..mesh.positions.len()).map(|point| pair(point).unwrap_or(NONE)).collect()
+}
+
+/// The nearest point of the largest shell beneath each point of another one without a pair, if it is within [`RADIUS`]; [`NONE`] elsewhere.
+fn beneath(mesh: &Mesh, pairs: &[u32]) -> Vec<u32> {
+    let mut found = vec![NONE; pairs.len()];
+    if mesh.shell_count == 1 || !pairs.contains(&NONE) {
+        return found;
+    }
+    let shells = mesh.shells();
+    for (shell, anchors) in shells.iter().zip(anchors(mesh, &shells, 0)) {
+        for (&point, anchor) in shell.points.iter().zip(anchors) {
+            let below = shells[0].points[anchor as usize];
+            let off = subtract(mesh.positions[point as usize], mesh.positions[below as usize]);
+            if pairs[point as usize] == NONE && squared_norm(off) < RADIUS * RADIUS {
+                found[point as usize] = below;
+            }
+        }
+    }
+    found
+}
+
+/// The sums of each covariance and the transposed one of its image, where two points are each other's images.
+fn mutual(pairs: &[u32], covariance: Vec<Matrix>) -> Vec<Matrix> {
+    let both = |(&own, &other): (&Matrix, &u32)| {
         let mut sum = own;
-        if let Some(other) = image(point).filter(|&other| image(other) == Some(point)) {
-            add(&mut sum, &transposed(&covariance[other]), 1.0);
+        if other != NONE {
+            add(&mut sum, &transposed(&covariance[other as usize]), 1.0);
         }
         sum
     };
-    covariance.iter().enumerate().map(both).collect()
+    covariance.iter().zip(pairs).map(both).collect()
 }
 
 /// Rounds of averaging that reach [`RADIUS`]: a random walk of n edges of length h goes `h sqrt(n)` far.
@@ -148,19 +177,19 @@ fn rounds(mesh: &Mesh) -> usize {
     if mean > 0.0 { (RADIUS * RADIUS / mean).ceil().min(MOST_ROUNDS) as usize } else { 0 }
 }
 
-/// The values after `rounds` rounds of averaging over each point and its neighbours, up to some [`LEAST_TERM`].
+/// The values after `rounds` rounds of averaging over each point, its neighbours and what is beneath it, up to some [`LEAST_TERM`].
 ///
 /// `x^n = sum over k of P(|Y| = k) T_k(x)`, where Y is the end of a walk of n steps of 1 or -1 and T_k a Chebyshev polynomial, of which those
 /// below about `4 sqrt(n)` count (S. Sachdeva, N. Vishnoi, "Faster Algorithms via Approximation Theory", 2014, section 3); x is the averaging.
-fn averaged(graph: &Adjacency, values: Vec<Matrix>, rounds: usize) -> Vec<Matrix> {
+fn averaged(graph: &Adjacency, beneath: &[u32], values: Vec<Matrix>, rounds: usize) -> Vec<Matrix> {
     let terms = terms(rounds);
     let mut sum: Vec<Matrix> = values.iter().map(|value| scaled(*value, terms[0])).collect();
-    let mut now: Vec<Matrix> = (0..values.len()).map(|point| mean(graph, point, &values)).collect();
+    let mut now: Vec<Matrix> = (0..values.len()).map(|point| mean(graph, beneath, point, &values)).collect();
     let mut last = values;
     for &term in &terms[1..] {
         for (point, last) in last.iter_mut().enumerate() {
             add(&mut sum[point], &now[point], term);
-            let next = scaled(mean(graph, point, &now), 2.0);
+            let next = scaled(mean(graph, beneath, point, &now), 2.0);
             *last = std::array::from_fn(|row| subtract(next[row], last[row]));
         }
         std::mem::swap(&mut last, &mut now);
@@ -182,12 +211,16 @@ fn terms(n: usize) -> Vec<f64> {
     terms.into_iter().map(|term| term / sum).collect()
 }
 
-/// Mean over a point and its neighbours.
-fn mean(graph: &Adjacency, point: usize, values: &[Matrix]) -> Matrix {
+/// Mean over a point, its neighbours and what is beneath it.
+fn mean(graph: &Adjacency, beneath: &[u32], point: usize, values: &[Matrix]) -> Matrix {
     let around = graph.of(point);
-    let mut sum = values[point];
+    let (mut sum, mut count) = (values[point], around.len() + 1);
     around.iter().for_each(|&next| add(&mut sum, &values[next as usize], 1.0));
-    scaled(sum, 1.0 / (around.len() + 1) as f64)
+    if beneath[point] != NONE {
+        add(&mut sum, &values[beneath[point] as usize], 1.0);
+        count += 1;
+    }
+    scaled(sum, 1.0 / count as f64)
 }
 
 fn add(sum: &mut Matrix, value: &Matrix, weight: f64) {
@@ -210,15 +243,15 @@ mod tests {
 
     #[test]
     fn the_series_is_what_round_after_round_gives() {
-        let graph = ring();
+        let (graph, none) = (ring(), [NONE; 30]);
         let start: Vec<Matrix> =
             (0..30).map(|i| [[f64::from(i * i % 11), f64::from(i % 3), 1.0]; 3]).collect();
         for rounds in [0, 1, 2, 7, 20, 51, 100] {
             let mut stepped = start.clone();
             for _ in 0..rounds {
-                stepped = (0..30).map(|point| mean(&graph, point, &stepped)).collect();
+                stepped = (0..30).map(|point| mean(&graph, &none, point, &stepped)).collect();
             }
-            let series = averaged(&graph, start.clone(), rounds);
+            let series = averaged(&graph, &none, start.clone(), rounds);
             let off = |(a, b): (&f64, &f64)| (a - b).abs();
             let off =
                 series.as_flattened().iter().flatten().zip(stepped.as_flattened().iter().flatten()).map(off);
