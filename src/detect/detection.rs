@@ -6,7 +6,7 @@ use crate::detect::shell_symmetry::PreparedShell;
 use crate::mesh::{Mesh, RepairReport};
 use crate::search::sign_network::SignPrediction;
 use crate::spectral::continuous_family::Orbits;
-use crate::verify::acceptance::Judgement;
+use crate::verify::acceptance::{Judgement, TWINS};
 use crate::verify::outcome::{CONFIDENT, Outcome, outcome};
 use crate::verify::reason::{Reason, in_words};
 use std::sync::Arc;
@@ -105,6 +105,8 @@ pub struct Detection {
 const SETTLED: f64 = 0.7;
 /// Part of the implausibility that is left where a part without a counterpart is found.
 const DOUBTS_LEFT: f64 = 0.7;
+/// Least mean confidence of a map for which only likely twins speak.
+const BY_TWINS: f64 = 0.35;
 /// Least mean confidence of a symmetry, and of one that leaves most vertices without a partner.
 const LEAST_CONFIDENCE: f64 = 0.01;
 const LEAST_CONFIDENCE_OF_FEW: f64 = 0.05;
@@ -160,6 +162,13 @@ impl Detection {
     pub(crate) fn is_worth_more(&self, earlier: &Detection) -> bool {
         let share = |of: &Detection| of.symmetries.first().map_or(0.0, |best| best.coverage.paired_share);
         share(self) >= share(earlier) && (self.outcome, -self.worth()) < (earlier.outcome, -earlier.worth())
+    }
+
+    /// Whether more speaks for a map of joined shells than twins that may be some by chance, as in a soup of triangles.
+    pub(crate) fn is_no_chance(&self) -> bool {
+        self.symmetries
+            .first()
+            .is_some_and(|best| best.plausibility > TWINS || best.mean_confidence >= BY_TWINS)
     }
 
     /// Whether this answer, of a part of the surface, makes so much less doubtful what another one says of more.

@@ -95,7 +95,7 @@ fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<De
     let found = of_parts(question, joined, plans, clock)?;
     match found.outcome {
         Outcome::Found => Ok(found),
-        _ => better(Some(found), of_parts(question, alone(), plans, clock)),
+        _ => better(Some(found).filter(Detection::is_no_chance), of_parts(question, alone(), plans, clock)),
     }
 }
 

@@ -17,7 +17,7 @@ const SURE: f64 = 0.8;
 /// No map comes to count whose plausibility, by the three measures, is less than this share of what is asked (`docs/notebook/2026-11-25-method.md`).
 const HOPELESS: f64 = 0.04;
 /// Least plausibility of a map that takes likely twins to each other: these speak for it, so that it is doubtful at worst.
-const TWINS: f64 = 0.1;
+pub const TWINS: f64 = 0.1;
 
 /// What a finished map was judged by, and the verdict.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]

@@ -8,6 +8,8 @@ use std::ops::Range;
 
 /// Most sampled vertices at which a map is compared with the estimate.
 const SAMPLES: usize = 64;
+/// Most of the distance across a shell that is accepted.
+const SMALL: f64 = 0.2;
 /// Least and most vertices visited around one estimate.
 const BALL: [f64; 2] = [256.0, 4096.0];
 
@@ -27,9 +29,10 @@ pub(super) struct Distances {
     pub share_within: Option<f64>,
 }
 
-/// Accepted distance in edges on a shell of `vertices` vertices: about 0.05 of the root of its area.
+/// Accepted distance in edges on a shell of `vertices` vertices: about 0.05 of the root of its area, and on a small shell, as a box, not from any side to any other.
 pub(super) fn tolerance(vertices: usize) -> f64 {
-    2.0 + 0.05 * (vertices as f64).sqrt()
+    let across = (vertices as f64).sqrt();
+    (2.0 + 0.05 * across).min(SMALL * across)
 }
 
 /// Vertices to search on such a shell: about twice as far as [`tolerance`].
