@@ -133,6 +133,41 @@ fn a_figure_at_rest_is_answered_by_its_plane() {
     assert!(found.symmetries[0].mean_confidence > 0.95);
 }
 
+/// The diagonals of a cube's sides admit one reflection, by a plane through two of its edges. That is not the plane of the four.
+#[test]
+fn cubes_cut_askew_follow_their_plane() {
+    let corners = [
+        [-1.0, -1.0, 1.0],
+        [1.0, 1.0, 1.0],
+        [1.0, -1.0, 1.0],
+        [-1.0, 1.0, 1.0],
+        [1.0, -1.0, -1.0],
+        [-1.0, -1.0, -1.0],
+        [-1.0, 1.0, -1.0],
+        [1.0, 1.0, -1.0],
+    ];
+    let cut = ["210", "301", "204", "360", "540", "506", "241", "316", "714", "761", "564", "746"];
+    let blocks: [(Vector, Vector); 4] = [
+        ([0.0, 0.0, 0.0], [0.4, 0.4, 0.4]),
+        ([0.0, 0.7, 0.1], [0.2, 0.2, 0.2]),
+        ([0.9, 0.0, 0.1], [0.4, 0.1, 0.15]),
+        ([-0.9, 0.0, 0.1], [0.4, 0.1, 0.15]),
+    ];
+    let place = |(middle, half): (Vector, Vector)| {
+        corners.map(|corner: Vector| [0, 1, 2].map(|axis| middle[axis] + half[axis] * corner[axis]))
+    };
+    let positions: Vec<Vector> = blocks.into_iter().flat_map(place).collect();
+    let of_block = |block: u32| {
+        cut.map(|face| face.bytes().map(|digit| 8 * block + u32::from(digit - b'0')).collect::<Vec<u32>>())
+    };
+    let faces: Vec<Vec<u32>> = (0..4).flat_map(of_block).collect();
+    let faces: Vec<&[u32]> = faces.iter().map(Vec::as_slice).collect();
+    let found = found(&polygon_mesh(&positions, &faces));
+    for (&[x, y, z], &partner) in positions.iter().zip(&found.symmetries[0].partner) {
+        assert!(distance(positions[partner as usize], [-x, y, z]) < 1e-9, "{x} {y} {z}");
+    }
+}
+
 #[test]
 fn the_plane_of_a_turned_creature_is_its_own() {
     let turned = |position: Vector| rotated(position, [1.0, 2.0, 3.0], 0.7);

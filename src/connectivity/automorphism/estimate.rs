@@ -9,7 +9,7 @@ use std::ops::Range;
 /// Most sampled vertices at which a map is compared with the estimate.
 const SAMPLES: usize = 64;
 /// Most of the distance across a shell that is accepted.
-const SMALL: f64 = 0.2;
+const SMALL: f64 = 0.33;
 /// Least and most vertices visited around one estimate.
 const BALL: [f64; 2] = [256.0, 4096.0];
 
