@@ -81,5 +81,8 @@ mod tests {
         assert!((21..=44).contains(&spread(&positions, [0, 1, 3], 0.05).count()));
         assert!((19..=21).contains(&count([0, 1, 3])), "{}", count([0, 1, 3]));
         assert_eq!(count([0, 0, 0]), 1);
+        // On the other side of the origin, too.
+        let behind = positions.map(|at| at.map(|x| x - 3.0));
+        assert!((160..240).contains(&places(&behind, &[[0, 1, 2]], 0.05).len()));
     }
 }
