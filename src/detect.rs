@@ -28,5 +28,3 @@ pub mod spectrum;
 pub mod stated_signs;
 pub mod twins;
 pub mod welded_vertices;
-
-use crate::refine::rigid_parts::cluster_motion;

@@ -350,10 +350,7 @@ impl<'a> Assembler<'a> {
             progress,
         )?;
         let judged = match kind {
-            SymmetryKind::Reflection => {
-                let judged = found.judged.with_parts(rigidity);
-                if found.score.by_twins { judged.by_twins() } else { judged }
-            }
+            SymmetryKind::Reflection => found.judged.with_parts(rigidity).by(&found.score),
             SymmetryKind::HalfTurn => {
                 let (basis, areas) = (&self.shell.basis, &self.shell.surface.lumped_mass);
                 found.judged.with_displacement(mean_displacement(basis, areas, &images.partners))

@@ -6,13 +6,12 @@
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::connectivity::automorphism::shell_colours;
-use crate::detect::cluster_motion;
 use crate::detect::mirror_plane::MirrorPlane;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
 use crate::mesh::{Mesh, Shell, UnionFind};
-use crate::refine::rigid_parts::Carrier;
+use crate::refine::rigid_parts::{Carrier, cluster_motion};
 use crate::search::refinement::nearest;
 use faer::Mat;
 use pathfinding::matrix::Matrix;
@@ -29,7 +28,7 @@ const FARTHEST: f32 = 0.06;
 const LEAST_TRUST: f32 = 0.65;
 /// A shell that lies farther from its mirrored place than this part of its own sqrt(area) is not its own image: its twin may be missing.
 const BESIDE: f32 = 0.5;
-/// The same of two partners of a mismatch from which on they must be left alone: the grip of a sword is not that of a shield.
+/// Partners so unlike that both must be left alone lie within this part of the smaller one's sqrt(area): the grip of a sword is not that of a shield.
 const LARGER: f32 = 0.22;
 /// Natural logarithm of the largest ratio of two partners' areas.
 pub const AREA_TOLERANCE: f64 = 0.3;

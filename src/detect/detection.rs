@@ -164,7 +164,7 @@ impl Detection {
         share(self) >= share(earlier) && (self.outcome, -self.worth()) < (earlier.outcome, -earlier.worth())
     }
 
-    /// Whether more speaks for a map of joined shells than twins that may be some by chance, as in a soup of triangles.
+    /// Whether a map of joined shells rests on more than likely twins, or is sure of these: a soup of triangles has twins by chance.
     pub(crate) fn is_no_chance(&self) -> bool {
         self.symmetries
             .first()

@@ -206,8 +206,7 @@ fn judge(shell: &PreparedShell, score: &Score, signature_mismatch: f64, images: 
         Some(_) => EXCHANGED,
         None => mean_displacement(&shell.basis, &shell.surface.lumped_mass, &images.partners),
     };
-    let judged = Judgement::new(score, signature_mismatch, displacement);
-    if score.by_twins { judged.by_twins() } else { judged }
+    Judgement::new(score, signature_mismatch, displacement).by(score)
 }
 
 /// Mean over the surface.

@@ -38,7 +38,7 @@ pub fn mean(positions: impl IntoIterator<Item = Vector>) -> Vector {
     sum.map(|value| value / f64::max(count, 1.0))
 }
 
-/// The value that this share of the weight of some values with weights, sorted, is not above; `None` of no values.
+/// Of sorted values, each with its weight, the first at which this share of all the weight is reached; `None` of no values.
 pub fn quantile(sorted: &[(f64, f64)], share: f64) -> Option<f64> {
     let total: f64 = sorted.iter().map(|&(_, weight)| weight).sum();
     let mut sum = 0.0;

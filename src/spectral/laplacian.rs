@@ -154,9 +154,11 @@ fn assemble(count: usize, triangles: &[[u32; 3]], elements: &[[f64; 3]]) -> Symm
     let slots: Vec<(u32, (u32, f64))> = triangles.iter().zip(elements).flat_map(slots).collect();
     let (offsets, places) = bucket(slots.iter().map(|slot| slot.0), count);
     let mut matrix = SymmetricSparse { row_offsets: vec![0], ..Default::default() };
+    let mut row: Vec<(u32, f64)> = Vec::new();
     for i in 0..count {
         let places = &places[offsets[i] as usize..offsets[i + 1] as usize];
-        let mut row: Vec<(u32, f64)> = places.iter().map(|&place| slots[place as usize].1).collect();
+        row.clear();
+        row.extend(places.iter().map(|&place| slots[place as usize].1));
         row.sort_by_key(|slot| slot.0);
         push_row(&mut matrix, i as u32, &row);
     }

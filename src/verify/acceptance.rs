@@ -75,9 +75,10 @@ impl Judgement {
         }
     }
 
-    /// The same of a map that takes likely twins to each other.
-    pub(crate) fn by_twins(self) -> Judgement {
-        Judgement { plausibility: self.plausibility.max(TWINS), ..self }
+    /// The same of a map with this score, for which likely twins may speak.
+    pub(crate) fn by(self, score: &Score) -> Judgement {
+        let least = if score.by_twins { TWINS } else { 0.0 };
+        Judgement { plausibility: self.plausibility.max(least), ..self }
     }
 
     /// The columns of the model without rigid parts.
@@ -142,10 +143,12 @@ mod tests {
 
     #[test]
     fn a_map_by_likely_twins_is_doubtful_at_worst() {
-        let poor = Judgement::new(&SCORE, 1.5, 0.2).by_twins();
-        assert!(poor.accepted(10) && !poor.accepted(11) && !poor.is_hopeless(50), "{poor:?}");
-        let good = Judgement::new(&SCORE, 0.3, 0.7);
-        assert_eq!(good.by_twins(), good);
+        let twins = Score { by_twins: true, ..SCORE };
+        let [poor, good] =
+            [(1.5, 0.2), (0.3, 0.7)].map(|(mismatch, moved)| Judgement::new(&SCORE, mismatch, moved));
+        let by_twins = poor.by(&twins);
+        assert!(by_twins.accepted(10) && !by_twins.accepted(11) && !by_twins.is_hopeless(50), "{by_twins:?}");
+        assert_eq!([poor.by(&SCORE), good.by(&twins)], [poor, good]);
     }
 
     #[test]

@@ -14,6 +14,8 @@ use crate::mesh::vector::Vector;
 const RADIUS: f64 = 0.12;
 /// A region of fewer vertices, as on a coarse mesh, says little of a turn, and is made larger.
 const LEAST_VERTICES: usize = 16;
+/// From here on a region is the whole of a small piece of the shell.
+const LARGEST_RADIUS: f64 = 2.0;
 /// What a region says where its weight is this or more is enough: no other is sought there.
 const SAID: f64 = 0.5;
 
@@ -57,11 +59,10 @@ impl<'a> Carrier<'a> {
     }
 
     fn region(&self, middle: u32) -> Disc {
-        let count = self.mapped.areas.len();
-        let (mut radius, mut reached) = (RADIUS, vec![false; count]);
+        let (mut radius, mut reached) = (RADIUS, vec![false; self.mapped.areas.len()]);
         loop {
             let disc = self.mapped.disc(middle, radius, &mut reached);
-            if disc.members.len() >= LEAST_VERTICES.min(count) {
+            if disc.members.len() >= LEAST_VERTICES || radius > LARGEST_RADIUS {
                 return disc;
             }
             radius *= 1.5;
@@ -109,6 +110,20 @@ mod tests {
             let off = squared_norm(subtract(carried, above(opposite, -0.05))).sqrt();
             assert!(off < 0.03, "{point}: {off}");
         }
+    }
+
+    /// Joined shells may be pieces of one.
+    #[test]
+    fn a_piece_of_few_vertices_beside_a_large_one_ends_its_region() {
+        let mut shell = bent_strip();
+        let first = shell.positions.len() as u32;
+        shell.positions.extend([[0.0, 0.0, 0.5], [0.1, 0.0, 0.5], [0.0, 0.1, 0.5]]);
+        shell.points.extend([first, first + 1, first + 2]);
+        shell.triangles.push([first, first + 1, first + 2]);
+        shell.triangle_of_local.push(shell.triangles.len() as u32 - 1);
+        let images = VertexMap::at_vertices(&shell.triangles, (0..first + 3).collect());
+        let carrier = Carrier::new(&shell, &images, SymmetryKind::HalfTurn);
+        assert_eq!(carrier.region(first).members.len(), 3);
     }
 
     #[test]
