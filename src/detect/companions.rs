@@ -22,14 +22,18 @@ use std::collections::BTreeMap;
 
 /// Points of a shell that are compared when shells are paired.
 const PAIRING_POINTS: usize = 64;
-/// Mean distance, in sqrt(area) of the primary shell, from which on two shells are no partners, and mismatch from which on they are only if both are left alone.
+/// Mean distance, in sqrt(area) of the primary shell, from which on two shells are no partners.
 const FARTHEST: f32 = 0.06;
 /// Share of the confidence in what they sit on that is left to partners so far apart.
 const LEAST_TRUST: f32 = 0.65;
 /// A shell that lies farther from its mirrored place than this part of its own sqrt(area) is not its own image: its twin may be missing.
 const BESIDE: f32 = 0.5;
-/// Partners so unlike that both must be left alone lie within this part of the smaller one's sqrt(area): the grip of a sword is not that of a shield.
+/// Partners of other connectivity whose areas' ratio has a larger natural logarithm lie within this part of the smaller one's sqrt(area): the grip of a sword is
+/// not that of a shield.
+const ALIKE: f32 = 0.24;
 const LARGER: f32 = 0.22;
+/// How far apart, in the smaller one's sqrt(area), partners count as whose areas' ratio has a natural logarithm of 1.
+const SIZE: f32 = 2.0;
 /// Natural logarithm of the largest ratio of two partners' areas.
 pub const AREA_TOLERANCE: f64 = 0.3;
 /// Most shells that are assigned together.
@@ -42,7 +46,7 @@ pub struct Companion {
     pub target: usize,
     /// Images of its points, in the target's local numbering.
     pub images: VertexMap,
-    /// Mean distance of the pairing, in sqrt(area) of the primary shell, and difference in size: 0 perfect, 0.16 the worst accepted.
+    /// Mean distance of the pairing, in sqrt(area) of the primary shell, and difference in size: 0 perfect.
     pub mismatch: f32,
 }
 
@@ -136,7 +140,7 @@ impl Places {
         let own: Vec<Vec<Vector>> = shells.iter().zip(anchors).map(of_shell).collect();
         let carried = |(points, anchors): (&Vec<Vector>, &Vec<u32>)| primary.carrier.carried(points, anchors);
         let mut mirrored: Vec<Vec<Vector>> = own.iter().zip(anchors).map(carried).collect();
-        cluster_motion::settle(&mut mirrored, &own);
+        cluster_motion::settle(&mut mirrored, &own, primary.carrier.kind);
         Places { mirrored, own }
     }
 
@@ -221,22 +225,20 @@ fn pair_shells(
     let mut options: BTreeMap<(usize, usize), f32> = BTreeMap::new();
     for source in others {
         progress.report("other shells", 0.95)?;
+        let is_same = |target: usize| of_shell(target).are_like(of_shell(source));
         let of = |target: usize| {
             let gap = 0.5 * (places.mismatch(source, target) + places.mismatch(target, source));
             let differ = similar.differ(source, target) as f32;
-            let mismatch = gap.hypot(0.5 * differ);
-            let away = gap / shells[source].area().min(shells[target].area()).sqrt() as f32;
-            let is_beside = target == source && away > BESIDE;
-            let is_other = mismatch >= FARTHEST && away > LARGER;
+            let size = shells[source].area().min(shells[target].area()).sqrt() as f32;
+            let is_beside = target == source && gap > BESIDE * size;
+            let is_other = differ > ALIKE && !is_same(target) && gap > LARGER * size;
             let is_near = gap.hypot(FARTHEST * differ / AREA_TOLERANCE as f32) < FARTHEST;
-            (is_near && !is_beside && !is_other).then_some((target, mismatch))
+            (is_near && !is_beside && !is_other).then_some((target, gap.hypot(SIZE * size * differ)))
         };
         let near: Vec<(usize, f32)> = similar.nearest(source, mirrored[source]).filter_map(of).collect();
         // One that is its own image has no other of its connectivity nearby.
-        let same = |&&(target, _): &&(usize, f32)| of_shell(target).are_like(of_shell(source));
-        let any_other =
-            near.iter().filter(same).any(|&(target, mismatch)| target != source && mismatch < FARTHEST);
-        for &(target, mismatch) in near.iter().filter(|target| !any_other || same(target)) {
+        let any_other = near.iter().any(|&(target, _)| target != source && is_same(target));
+        for &(target, mismatch) in near.iter().filter(|&&(target, _)| !any_other || is_same(target)) {
             options.insert((source.min(target), source.max(target)), mismatch);
         }
     }
@@ -288,7 +290,7 @@ fn involution(options: &BTreeMap<(usize, usize), f32>) -> Vec<(usize, usize, f32
 
 /// For each of `count` its partner, or a number from `count` on if it has none (H. W. Kuhn, "The Hungarian method for the assignment problem", 1955). O(count^3).
 fn assigned(count: usize, mismatch: impl Fn(usize, usize) -> Option<f32>) -> Vec<usize> {
-    let square = |mismatch: f32| (1e9 * f64::from(mismatch).powi(2)) as i64;
+    let square = |mismatch: f32| (1e15 * f64::from(mismatch).powi(2)) as i64;
     let farthest = square(FARTHEST);
     let cost = |(i, j): (usize, usize)| match j < count {
         true => mismatch(i, j).map_or(4 * farthest, square),

@@ -22,13 +22,14 @@ const SAID: f64 = 0.5;
 /// A shell and its map, which carry what sits on the shell.
 pub struct Carrier<'a> {
     mapped: Mapped<'a>,
-    mirrored: bool,
+    /// Of the map.
+    pub kind: SymmetryKind,
 }
 
 impl<'a> Carrier<'a> {
     /// `images` are those of the shell's vertices. O(vertices).
     pub fn new(shell: &'a Shell, images: &VertexMap, kind: SymmetryKind) -> Carrier<'a> {
-        Carrier { mapped: Mapped::new(shell, images), mirrored: kind == SymmetryKind::Reflection }
+        Carrier { mapped: Mapped::new(shell, images), kind }
     }
 
     /// Where `points` go, each of which sits on the vertex of the shell that `anchors` names; all in the shell's unit.
@@ -43,7 +44,7 @@ impl<'a> Carrier<'a> {
             }
             let disc = self.region(anchors[index]);
             let places = self.mapped.places(&self.mapped.by_area(&disc.members));
-            let motion = Motion::between(&places, self.mirrored);
+            let motion = Motion::between(&places, self.kind == SymmetryKind::Reflection);
             disc.members.iter().for_each(|&(vertex, weight)| weight_at[vertex as usize] = weight);
             for ((sum, all), (point, &anchor)) in sums.iter_mut().zip(points.iter().zip(anchors)) {
                 let weight = weight_at[anchor as usize];

@@ -1,11 +1,12 @@
 //! Small shells close together, as hair, lashes and teeth on a head, put where they fit as a whole.
 //!
-//! A round head tells little of its own mirror plane, and a map that is turned by a few degrees sends each card of hair to its twin's neighbour. All of them
-//! together know better: a rigid motion puts them on the shells that there are (P. Besl, N. McKay, "A method for registration of 3-D shapes", 1992, from
-//! several turns, since each next card is a fit of its own).
+//! A round head tells little of its own mirror plane: a map may turn it by a right angle, and then sends each card of hair to another one's twin. All of them
+//! together know better: one rigid motion puts them on the shells that there are (P. Besl, N. McKay, "A method for registration of 3-D shapes", 1992), from
+//! many turns, since each next card is a fit of its own: roughly their middles, then their points.
 
 use super::motion::{Motion, Place, Spread};
-use crate::mesh::rotation::{principal_axes, rotation};
+use crate::base::symmetry_kind::SymmetryKind;
+use crate::mesh::rotation::{principal_axes, rotation, turned};
 use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
@@ -13,33 +14,52 @@ use rstar::primitives::GeomWithData;
 /// Radius, in sqrt(area) of the primary shell, of a cluster, which moves together, and the fewest shells that tell how.
 const RADIUS: f64 = 0.2;
 const FEWEST: usize = 4;
-/// Points of each shell, and of a whole cluster, that are compared.
+/// Points of each shell, and of a whole cluster, and middles of its shells, that are compared.
 const POINTS: usize = 24;
 const MOST_POINTS: usize = 200;
-/// Turns, in radians, about each axis that are tried.
-const TURNS: [f64; 8] = [-0.8, -0.6, -0.4, -0.2, 0.2, 0.4, 0.6, 0.8];
-/// Rounds of the registration.
+const MIDDLES: usize = 100;
+/// Turns about each axis that are tried: their distance, in radians, and how many to each side.
+const STEP: f64 = 0.1;
+const TURNS: i32 = 15;
+/// Rounds of the registration of middles and of points, and the turns of which the points are registered.
+const MIDDLE_ROUNDS: usize = 6;
 const ROUNDS: usize = 12;
+const FOLLOWED: usize = 10;
 /// No point counts as farther than this, in sqrt(area), from the shells.
 const FARTHEST: f64 = 0.03;
-/// A motion must leave this share of the distances that the map leaves; one from a turn lies on the shells but for this distance, in sqrt(area).
+/// A motion must leave this share of the distances that the map leaves. One from a turn leaves less than this, and less by so much than the motion nearest
+/// to the map: a ring of cards lies on itself in many ways. Both in sqrt(area).
 const BETTER: f64 = 0.7;
 const LIES_ON: f64 = 0.006;
+const GAIN: f64 = 0.001;
 
-/// Moves where shells should be, `mirrored`, to where they fit on what there is, `own`; both are points by shell, in one unit. O(shells log shells).
-pub fn settle(mirrored: &mut [Vec<Vector>], own: &[Vec<Vector>]) {
-    let tree = RTree::bulk_load(own.iter().flatten().copied().collect());
+/// Moves where shells should be, `mirrored` by a map of a `kind`, to where they fit on what there is, `own`; both are points by shell, in one unit. O(shells log shells).
+pub fn settle(mirrored: &mut [Vec<Vector>], own: &[Vec<Vector>], kind: SymmetryKind) {
+    let middles = own.iter().filter(|points| !points.is_empty()).map(|points| mean(points.iter().copied()));
+    let is_mirrored = kind == SymmetryKind::Reflection;
+    let [middles, points] = [middles.collect(), own.iter().flatten().copied().collect()]
+        .map(|points| Shells { tree: RTree::bulk_load(points), is_mirrored });
     for cluster in clusters(mirrored) {
-        let sought: Vec<Vector> = cluster.iter().flat_map(|&shell| some(&mirrored[shell], POINTS)).collect();
-        let sought: Vec<Vector> = some(&sought, MOST_POINTS).collect();
-        if let Some(motion) = best(&sought, &tree) {
-            cluster.iter().for_each(|&shell| mirrored[shell].iter_mut().for_each(|at| *at = motion.of(*at)));
+        let middle = |&shell: &usize| {
+            let [from, to] = [&own[shell], &mirrored[shell]].map(|points| mean(points.iter().copied()));
+            Place::unoriented(from, to, 1.0)
+        };
+        let of_shell = |&shell: &usize| {
+            let goes = some(&own[shell], POINTS).zip(some(&mirrored[shell], POINTS));
+            goes.map(|(from, to)| Place::unoriented(from, to, 1.0))
+        };
+        let places = [cluster.iter().map(middle).collect(), cluster.iter().flat_map(of_shell).collect()];
+        if let Some(motion) = best([&middles, &points], places) {
+            for shell in cluster {
+                mirrored[shell] = own[shell].iter().map(|&at| motion.of(at)).collect();
+            }
         }
     }
 }
 
-fn some(points: &[Vector], count: usize) -> impl Iterator<Item = Vector> {
-    points.iter().step_by(points.len().div_ceil(count).max(1)).copied()
+/// Some of a list, from all over it.
+fn some<T: Copy>(all: &[T], count: usize) -> impl Iterator<Item = T> {
+    all.iter().step_by(all.len().div_ceil(count).max(1)).copied()
 }
 
 /// Shells in clusters: one that is in none with all others near it that are in none. O(shells log shells).
@@ -64,73 +84,104 @@ fn clusters(shells: &[Vec<Vector>]) -> Vec<Vec<usize>> {
     clusters
 }
 
-/// The motion that puts points best on others; `None` if none is much better than to leave them.
-fn best(points: &[Vector], tree: &RTree<Vector>) -> Option<Motion> {
-    let places: Vec<Place> = points.iter().map(|&at| Place::unoriented(at, at, 1.0)).collect();
-    let spread = Spread::of(&places);
-    let turned = |axis: Vector, angle| Motion::STILL.then_turned(&rotation(axis, angle), spread.middle);
-    let turns =
-        principal_axes(spread.moments).into_iter().flat_map(|axis| TURNS.map(|angle| turned(axis, angle)));
-    let ended = turns.map(|motion| registered(motion, points, tree, ROUNDS));
-    let turned = ended.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let near = registered(Motion::STILL, points, tree, ROUNDS);
-    let (left, motion) = if turned.0 < near.0.min(LIES_ON) { turned } else { near };
-    (left < BETTER * registered(Motion::STILL, points, tree, 0).0).then_some(motion)
+/// The motion of a cluster's middles and points that lies best on those of all shells; `None` if none is much better than their map.
+fn best([middles, points]: [&Shells; 2], [few, many]: [Vec<Place>; 2]) -> Option<Motion> {
+    let (few, many) = (Vec::from_iter(some(&few, MIDDLES)), Vec::from_iter(some(&many, MOST_POINTS)));
+    let spread = Spread::of(&many);
+    let map = Motion::between(&many, middles.is_mirrored);
+    let about = map.of(spread.middle);
+    let angles = || (-TURNS..=TURNS).map(|turn| STEP * f64::from(turn));
+    let start = |(axis, angle)| map.then_turned(&rotation(turned(&map.turn, axis), angle), about);
+    let starts =
+        principal_axes(spread.moments).into_iter().flat_map(|axis| angles().map(move |angle| (axis, angle)));
+    let mut roughly: Vec<(f64, Motion)> =
+        starts.map(|turn| middles.registered(start(turn), &few, MIDDLE_ROUNDS)).collect();
+    roughly.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let finely =
+        roughly.into_iter().take(FOLLOWED).map(|(_, motion)| points.registered(motion, &many, ROUNDS));
+    let turned = finely.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let near = points.registered(map, &many, ROUNDS);
+    let (left, motion) = if turned.0 < LIES_ON.min(near.0 - GAIN) { turned } else { near };
+    (left < BETTER * points.left(&many, |place| place.image)).then_some(motion)
 }
 
-/// A motion after some rounds, and the mean distance that it leaves.
-fn registered(mut motion: Motion, points: &[Vector], tree: &RTree<Vector>, rounds: usize) -> (f64, Motion) {
-    let near = |motion: Motion| {
-        points.iter().map(move |&at| {
-            let goal = motion.of(at);
-            let near = tree.nearest_neighbor(goal).copied().unwrap_or(goal);
-            (at, near, squared_norm(subtract(near, goal)).sqrt())
-        })
-    };
-    for _ in 0..rounds {
-        let weight = |away: f64| 1.0 / (1.0 + (away / FARTHEST).powi(2));
-        let goes = near(motion).map(|(at, near, away)| Place::unoriented(at, near, weight(away)));
-        motion = Motion::nearest(&goes.collect::<Vec<Place>>(), false, |place| place.weight);
+/// Points of all shells, or their middles.
+struct Shells {
+    tree: RTree<Vector>,
+    is_mirrored: bool,
+}
+
+impl Shells {
+    /// A motion after some rounds, and the mean distance that it leaves.
+    fn registered(&self, mut motion: Motion, places: &[Place], rounds: usize) -> (f64, Motion) {
+        for _ in 0..rounds {
+            let to_nearest = |place: &Place| {
+                let (near, away) = self.nearest(motion.of(place.own.position));
+                Place::unoriented(place.own.position, near, 1.0 / (1.0 + (away / FARTHEST).powi(2)))
+            };
+            let goes: Vec<Place> = places.iter().map(to_nearest).collect();
+            motion = Motion::nearest(&goes, self.is_mirrored, |place| place.weight);
+        }
+        (self.left(places, |place| motion.of(place.own.position)), motion)
     }
-    let left = near(motion).map(|(.., away)| away.min(FARTHEST)).sum::<f64>();
-    (left / points.len() as f64, motion)
+
+    /// The mean distance of places' goals from the shells.
+    fn left(&self, places: &[Place], goal: impl Fn(&Place) -> Vector) -> f64 {
+        let sum: f64 = places.iter().map(|place| self.nearest(goal(place)).1.min(FARTHEST)).sum();
+        sum / places.len() as f64
+    }
+
+    fn nearest(&self, goal: Vector) -> (Vector, f64) {
+        let near = self.tree.nearest_neighbor(goal).copied().unwrap_or(goal);
+        (near, squared_norm(subtract(near, goal)).sqrt())
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Twelve cards around a head but for its face, each of nine points, turned by an angle about the head's axis.
-    fn cards(angle: f64) -> Vec<Vec<Vector>> {
-        let card = |number: u32| -> Vec<Vector> {
+    /// Twelve cards around a head but for its face, each of nine points, and their mirror images, turned by an angle about the head's axis.
+    fn cards(angle: f64) -> [Vec<Vec<Vector>>; 2] {
+        let card = |number: u32, image: &dyn Fn(f64) -> f64| -> Vec<Vector> {
             let place = |point: u32| -> Vector {
-                let around = angle + 0.4 * f64::from(number) + 0.05 * f64::from(point % 3);
+                let around = image(0.4 * f64::from(number) + 0.05 * f64::from(point % 3));
                 [0.1 * around.cos(), 0.1 * around.sin(), 0.03 * f64::from(point / 3)]
             };
             (0..9).map(place).collect()
         };
-        (0..12).map(card).collect()
+        let mirrored = move |around: f64| angle + 4.5 - around;
+        [&(|around| around) as &dyn Fn(f64) -> f64, &mirrored]
+            .map(|image| (0..12).map(|number| card(number, image)).collect())
     }
 
-    fn farthest(a: &[Vec<Vector>], b: &[Vec<Vector>]) -> f64 {
-        let pairs = a.iter().flatten().zip(b.iter().flatten());
-        pairs.map(|(a, b)| squared_norm(subtract(*a, *b)).sqrt()).fold(0.0, f64::max)
+    /// The farthest that the cards' images are from their twins, the first one's image from the last one.
+    fn farthest([own, mirrored]: &[Vec<Vec<Vector>>; 2]) -> f64 {
+        let away = |(twin, image): (&Vec<Vector>, &Vec<Vector>)| {
+            (0..9)
+                .map(|point| squared_norm(subtract(twin[point / 3 * 3 + 2 - point % 3], image[point])).sqrt())
+                .fold(0.0, f64::max)
+        };
+        own.iter().rev().zip(mirrored).map(away).fold(0.0, f64::max)
     }
 
     #[test]
-    fn cards_that_are_turned_by_nearly_one_come_back_onto_their_own() {
-        let (own, mut turned) = (cards(0.0), cards(0.35));
-        assert!(farthest(&turned, &own) > 0.03);
-        settle(&mut turned, &own);
-        assert!(farthest(&turned, &own) < 1e-3, "{}", farthest(&turned, &own));
+    fn cards_that_are_turned_by_nearly_one_or_by_several_come_onto_their_twins() {
+        for angle in [0.35, -1.3] {
+            let mut cards = cards(angle);
+            assert!(farthest(&cards) > 0.03);
+            let [own, mirrored] = &mut cards;
+            settle(mirrored, own, SymmetryKind::Reflection);
+            assert!(farthest(&cards) < 1e-3, "{angle}: {}", farthest(&cards));
+        }
     }
 
     #[test]
     fn what_lies_well_or_is_of_few_shells_stays() {
-        let own = cards(0.0);
-        let (mut well, mut few) = (own.clone(), cards(0.35)[..3].to_vec());
-        settle(&mut well, &own);
-        settle(&mut few, &own[..3]);
-        assert!(well == own && few == cards(0.35)[..3]);
+        let ([own, mut well], [few, mut turned]) = (cards(0.0), cards(0.35).map(|cards| cards[..3].to_vec()));
+        let before = (well.clone(), turned.clone());
+        settle(&mut well, &own, SymmetryKind::Reflection);
+        settle(&mut turned, &few, SymmetryKind::Reflection);
+        assert!((well, turned) == before);
     }
 }

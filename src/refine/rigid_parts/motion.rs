@@ -57,10 +57,6 @@ impl Place {
 }
 
 impl Motion {
-    /// None.
-    pub const STILL: Motion =
-        Motion { turn: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], shift: [0.0; 3] };
-
     /// The motion nearest to what the map does; images far from it count little.
     pub fn between(places: &[Place], mirrored: bool) -> Motion {
         let mut motion = Motion::nearest(places, mirrored, |place| place.weight);
