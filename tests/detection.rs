@@ -761,3 +761,27 @@ fn a_thin_plate_is_mirrored_in_its_outline_before_its_sheets_are_exchanged() {
         assert!(again.report.kept && partners(&again) == partners(&found));
     }
 }
+
+#[test]
+fn what_is_thin_but_for_its_handlebars_is_mirrored_across_itself() {
+    // A thin scalene triangle, and a bar that crosses it: columns of three and of four corners, from one side to the other.
+    let outline = [[0.0, 0.0], [3.0, 0.3], [1.0, 2.0]];
+    let bar = [[1.3, 0.7], [1.5, 0.7], [1.5, 0.9], [1.3, 0.9]];
+    let half = |corners: &[[f64; 2]], depth: f64| -> Vec<Vector> {
+        [-depth, depth].iter().flat_map(|&z| corners.iter().map(move |&[x, y]| [x, y, z])).collect()
+    };
+    let positions = [half(&outline, 0.025), half(&bar, 0.6)].concat();
+    let mut faces: Vec<Vec<u32>> = Vec::new();
+    for (first, count) in [(0, 3), (6, 4)] {
+        faces.push((0..count).rev().map(|k| first + k).collect());
+        faces.push((0..count).map(|k| first + count + k).collect());
+        let next = |k: u32| (k + 1) % count;
+        faces.extend(
+            (0..count)
+                .map(|k| vec![k, next(k), count + next(k), count + k].iter().map(|k| first + k).collect()),
+        );
+    }
+    let found = detected(&validated(&polygon_mesh(&positions, &faces)), &Options::default());
+    assert!(matches!(found.report.reasons[..], [Reason::MirrorPlane { .. }]));
+    assert_eq!(found.symmetries[0].partner, [3, 4, 5, 0, 1, 2, 10, 11, 12, 13, 6, 7, 8, 9]);
+}

@@ -12,7 +12,7 @@ use crate::detect::assembly::{PointMap, Summary, symmetry};
 use crate::detect::companions::{self, Companion, Primary};
 use crate::detect::contact_graph::ContactGraph;
 use crate::detect::correspondence::Symmetry;
-use crate::detect::domain::mean_movement;
+use crate::detect::domain::movement;
 use crate::detect::filled_holes::FilledShell;
 use crate::detect::fixed_curve::{odd_function, zero_set};
 use crate::detect::mirror_plane::{MIRRORED, MOSTLY, MirrorPlane};
@@ -121,7 +121,7 @@ impl<'a> Gatherer<'a> {
             }
             let image = map.image[point].interpolate_vectors(&mesh.triangles, &mesh.positions);
             let off = squared_norm(subtract(plane.image(at), image)).sqrt();
-            moved += areas[point] * squared_norm(subtract(image, at)).sqrt();
+            moved += areas[point] * squared_norm(subtract(image, at));
             mirrored += if off < MIRRORED { areas[point] } else { 0.0 };
             if off > LOST {
                 map.partner[point] = NONE;
@@ -130,7 +130,7 @@ impl<'a> Gatherer<'a> {
         }
         let total: f64 = areas.iter().sum();
         let share = mirrored / total;
-        if share < MOSTLY || exchanges_sheets(moved / total) {
+        if share < MOSTLY || exchanges_sheets((moved / total).sqrt()) {
             return Ok(None);
         }
         map.odd = odd;
@@ -361,7 +361,7 @@ impl<'a> Assembler<'a> {
 
     /// Whether a map exchanges the sides of a thin sheet.
     pub fn exchanges_sheets(&self, map: &Hypothesis) -> bool {
-        exchanges_sheets(mean_movement(self.solved(), &map.images))
+        exchanges_sheets(movement(self.solved(), &map.images))
     }
 
     /// The searched shell, joined of several or the largest one, filled if it has holes.

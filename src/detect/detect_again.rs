@@ -15,7 +15,7 @@ use crate::detect::clock::Clock;
 use crate::detect::correspondence::Symmetry;
 use crate::detect::coverage::Coverage;
 use crate::detect::detection::{Detection, Report};
-use crate::detect::domain::mean_movement;
+use crate::detect::domain::movement;
 use crate::detect::driver::{detect, detect_by};
 use crate::detect::judging_mesh::JudgingMesh;
 use crate::detect::shell_symmetry::of_images;
@@ -155,7 +155,7 @@ fn keep(
     let reason = maps.first().map_or(Reason::NotOntoItself, |(map, _)| verdict(map, least));
     retain_kept(&mut maps, options, least);
     rank(&mut maps, |(map, symmetry)| {
-        (symmetry.kind, map.judged.plausibility, exchanges_sheets(mean_movement(&solved, &map.images)))
+        (symmetry.kind, map.judged.plausibility, exchanges_sheets(movement(&solved, &map.images)))
     });
     let symmetries = maps.iter().map(|(map, symmetry)| judged_again(mesh, symmetry, map)).collect();
     clock.lap("earlier maps");

@@ -68,7 +68,9 @@ impl<'a> Domain<'a> {
             return Ok(None);
         };
         if !change.agrees()
-            || exchanges_sheets(mean_distance(&shells[0], |own| shells[0].positions[partners[own] as usize]))
+            || exchanges_sheets(root_mean_square(&shells[0], |own| {
+                shells[0].positions[partners[own] as usize]
+            }))
         {
             return Ok(None);
         }
@@ -116,14 +118,15 @@ impl<'a> Domain<'a> {
     }
 }
 
-/// [`mean_distance`] of a shell's vertices from their images.
-pub fn mean_movement(shell: &Shell, images: &VertexMap) -> f64 {
-    mean_distance(shell, |own| images.points[own].interpolate_vectors(&shell.triangles, &shell.positions))
+/// [`root_mean_square`] of a shell's vertices from their images.
+pub fn movement(shell: &Shell, images: &VertexMap) -> f64 {
+    root_mean_square(shell, |own| images.points[own].interpolate_vectors(&shell.triangles, &shell.positions))
 }
 
-/// Mean distance in space of a shell's vertices from where they go, over the surface, in sqrt(area).
-fn mean_distance(shell: &Shell, image: impl Fn(usize) -> Vector) -> f64 {
+/// Root mean square distance in space of a shell's vertices from where they go, over the surface, in sqrt(area).
+fn root_mean_square(shell: &Shell, image: impl Fn(usize) -> Vector) -> f64 {
     let areas = point_areas(&shell.positions, &shell.triangles);
-    let moved = |own: usize| squared_norm(subtract(shell.positions[own], image(own))).sqrt();
-    areas.iter().enumerate().map(|(own, area)| area * moved(own)).sum::<f64>() / areas.iter().sum::<f64>()
+    let moved = |own: usize| squared_norm(subtract(shell.positions[own], image(own)));
+    let sum: f64 = areas.iter().enumerate().map(|(own, area)| area * moved(own)).sum();
+    (sum / areas.iter().sum::<f64>()).sqrt()
 }

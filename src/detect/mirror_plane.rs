@@ -42,6 +42,8 @@ const TURNS: u32 = 12;
 /// Planes that put images so far apart are others, and as good if they mirror this part of what the best one mirrors.
 const OTHER: f64 = 0.1;
 const ALIKE: f64 = 0.97;
+/// Of planes that mirror this part of it that one is taken that moves the surface most.
+const EVEN: f64 = 0.995;
 
 /// A place, and its number.
 type Leaf = GeomWithData<Vector, usize>;
@@ -92,14 +94,7 @@ impl MirrorPlane {
             .iter()
             .chain(&turned)
             .map(|&normal| MirrorPlane { normal, offset: dot(normal, middle) }.fitted(&fitted, &tree));
-        // A front may be like its back but for a face: what is far from its image counts, too.
         let compared: Vec<Vector> = some(SETTLED);
-        let left = |plane: &MirrorPlane| -> f64 {
-            compared.iter().map(|&from| plane.nearest(from, &tree).0.sqrt().min(HOPELESS)).sum()
-        };
-        let near = planes.filter(|(_, median)| *median < NEAR).map(|(plane, _)| (left(&plane), plane));
-        let mut near: Vec<(f64, MirrorPlane)> = near.collect();
-        near.sort_by(|a, b| a.0.total_cmp(&b.0));
         let surface = SurfaceWalk::new(&mesh.positions, &mesh.triangles);
         let nearest = |goal: Vector| {
             // Of large triangles no corner may be near: those of the places nearby are looked at, too.
@@ -115,7 +110,7 @@ impl MirrorPlane {
             (to, normal.map(|x| x / length))
         };
         let mut settled: Vec<(f64, MirrorPlane)> = Vec::new();
-        for (_, start) in near {
+        for (start, _) in planes.filter(|(_, median)| *median < NEAR) {
             let is_new = |plane: &MirrorPlane| settled.iter().all(|other| other.1.distance(plane) > OTHER);
             if is_new(&start)
                 && let Some(plane) = start.settled(&compared, nearest).filter(is_new)
@@ -123,12 +118,14 @@ impl MirrorPlane {
                 settled.push((plane.mirrored(&compared, nearest), plane));
             }
         }
-        settled.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let &(most, best) = settled.first()?;
+        let most = settled.iter().map(|(share, _)| *share).fold(0.0, f64::max);
+        let alike = |part: f64| settled.iter().filter(move |(share, _)| *share >= part * most);
         // A shape of revolution has a family of planes.
-        if settled.iter().filter(|(share, _)| *share >= ALIKE * most).count() > TURNS as usize / 2 {
+        if alike(ALIKE).count() > TURNS as usize / 2 {
             return None;
         }
+        let moves = |plane: &MirrorPlane| along(&moments, plane.normal);
+        let (_, best) = alike(EVEN).max_by(|a, b| moves(&a.1).total_cmp(&moves(&b.1)))?;
         // Places depend on how the mesh lies; points of it do not.
         let step = mesh.point_count().div_ceil(POINTS).max(1);
         let points: Vec<Vector> = mesh.positions.iter().step_by(step).copied().collect();
@@ -324,6 +321,23 @@ mod tests {
         };
         let farthest = mesh.positions.iter().map(|&at| nearest(plane.image(at)).sqrt()).fold(0.0, f64::max);
         assert!(farthest < 2e-3, "{farthest} {plane:?}");
+    }
+
+    #[test]
+    fn of_planes_that_mirror_all_of_a_box_that_one_is_taken_that_moves_it_most() {
+        for sizes in [[3.0, 2.0, 1.0], [1.0, 3.0, 2.0], [2.0, 1.0, 3.0]] {
+            let corner = |k: u32| std::array::from_fn(|axis| sizes[axis] * f64::from(k >> axis & 1));
+            let polygons = PolygonMesh {
+                positions: (0..8).map(corner).collect(),
+                face_offsets: (0..=6).map(|face| 4 * face).collect(),
+                face_vertices: vec![0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5],
+                ..PolygonMesh::default()
+            };
+            let mesh = Mesh::new(&polygons, &Limits::default()).expect("a usable mesh");
+            let plane = MirrorPlane::of(&mesh).expect("a plane");
+            let longest = sizes.iter().position(|&size| size == 3.0).expect("one");
+            assert!(plane.normal[longest].abs() > 0.999, "{sizes:?}: {plane:?}");
+        }
     }
 
     #[test]

@@ -25,7 +25,7 @@ pub struct Hypothesis {
     pub judged: Judgement,
 }
 
-/// Whether a map exchanges the sides of a thin sheet that moves vertices by so much in space, in sqrt(area), in the mean: a symmetry, but hardly one
+/// Whether a map exchanges the sides of a thin sheet that moves vertices by so much in space, in sqrt(area), in the root mean square: a symmetry, but hardly one
 /// that anybody asks for.
 pub fn exchanges_sheets(moved: f64) -> bool {
     moved < SHEETS

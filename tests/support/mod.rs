@@ -334,9 +334,9 @@ fn exchanges_sheets(mesh: &Mesh, symmetry: &Symmetry) -> bool {
     let places = || mesh.vertex_of_point.iter().zip(&mesh.positions);
     let partner = |vertex: u32| usize::try_from(symmetry.partner[vertex as usize]).ok();
     let image = |vertex: u32| partner(vertex).map(|partner| mesh.point_of_vertex[partner] as usize);
-    let moved =
-        places().filter_map(|(&vertex, place)| Some(distance(*place, mesh.positions[image(vertex)?])));
-    moved.sum::<f64>() / (places().count() as f64) < 0.06
+    let moved = places()
+        .filter_map(|(&vertex, place)| Some(distance(*place, mesh.positions[image(vertex)?]).powi(2)));
+    (moved.sum::<f64>() / places().count() as f64).sqrt() < 0.06
 }
 
 /// What the documentation of [`Detection`] and [`Symmetry`] promises.
