@@ -766,11 +766,11 @@ fn a_thin_plate_is_mirrored_in_its_outline_before_its_sheets_are_exchanged() {
 fn what_is_thin_but_for_its_handlebars_is_mirrored_across_itself() {
     // A thin scalene triangle, and a bar that crosses it: columns of three and of four corners, from one side to the other.
     let outline = [[0.0, 0.0], [3.0, 0.3], [1.0, 2.0]];
-    let bar = [[1.3, 0.7], [1.5, 0.7], [1.5, 0.9], [1.3, 0.9]];
+    let bar = [[1.3, 0.7], [1.4, 0.7], [1.4, 0.8], [1.3, 0.8]];
     let half = |corners: &[[f64; 2]], depth: f64| -> Vec<Vector> {
         [-depth, depth].iter().flat_map(|&z| corners.iter().map(move |&[x, y]| [x, y, z])).collect()
     };
-    let positions = [half(&outline, 0.025), half(&bar, 0.6)].concat();
+    let positions = [half(&outline, 0.025), half(&bar, 0.4)].concat();
     let mut faces: Vec<Vec<u32>> = Vec::new();
     for (first, count) in [(0, 3), (6, 4)] {
         faces.push((0..count).rev().map(|k| first + k).collect());
