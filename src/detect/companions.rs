@@ -222,23 +222,20 @@ fn pair_shells(
     let similar = SimilarShells::new(shells, &own, others.clone());
     let colours = shell_colours(mesh);
     let of_shell = |shell: usize| &colours[mesh.shell_of_point[shells[shell].points[0] as usize] as usize];
+    let is_same = |source: usize, target: usize| of_shell(target).are_like(of_shell(source));
     let mut options: BTreeMap<(usize, usize), f32> = BTreeMap::new();
     for source in others {
         progress.report("other shells", 0.95)?;
-        let is_same = |target: usize| of_shell(target).are_like(of_shell(source));
         let of = |target: usize| {
             let gap = 0.5 * (places.mismatch(source, target) + places.mismatch(target, source));
             let differ = similar.differ(source, target) as f32;
             let size = shells[source].area().min(shells[target].area()).sqrt() as f32;
             let is_beside = target == source && gap > BESIDE * size;
-            let is_other = differ > ALIKE && !is_same(target) && gap > LARGER * size;
+            let is_other = differ > ALIKE && gap > LARGER * size && !is_same(source, target);
             let is_near = gap.hypot(FARTHEST * differ / AREA_TOLERANCE as f32) < FARTHEST;
             (is_near && !is_beside && !is_other).then_some((target, gap.hypot(SIZE * size * differ)))
         };
-        let near: Vec<(usize, f32)> = similar.nearest(source, mirrored[source]).filter_map(of).collect();
-        // One that is its own image has no other of its connectivity nearby.
-        let any_other = near.iter().any(|&(target, _)| target != source && is_same(target));
-        for &(target, mismatch) in near.iter().filter(|&&(target, _)| !any_other || is_same(target)) {
+        for (target, mismatch) in similar.nearest(source, mirrored[source]).filter_map(of) {
             options.insert((source.min(target), source.max(target)), mismatch);
         }
     }
