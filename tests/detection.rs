@@ -777,8 +777,7 @@ fn what_is_thin_but_for_its_handlebars_is_mirrored_across_itself() {
         faces.push((0..count).map(|k| first + count + k).collect());
         let next = |k: u32| (k + 1) % count;
         faces.extend(
-            (0..count)
-                .map(|k| vec![k, next(k), count + next(k), count + k].iter().map(|k| first + k).collect()),
+            (0..count).map(|k| [k, next(k), count + next(k), count + k].iter().map(|k| first + k).collect()),
         );
     }
     let found = detected(&validated(&polygon_mesh(&positions, &faces)), &Options::default());
