@@ -331,7 +331,6 @@ mod tests {
                 positions: (0..8).map(corner).collect(),
                 face_offsets: (0..=6).map(|face| 4 * face).collect(),
                 face_vertices: vec![0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5],
-                ..PolygonMesh::default()
             };
             let mesh = Mesh::new(&polygons, &Limits::default()).expect("a usable mesh");
             let plane = MirrorPlane::of(&mesh).expect("a plane");
