@@ -34,6 +34,8 @@ const ALIKE: f32 = 0.24;
 const LARGER: f32 = 0.22;
 /// How far apart, in the smaller one's sqrt(area), partners count as whose areas' ratio has a natural logarithm of 1.
 const SIZE: f32 = 2.0;
+/// How far apart, in the smaller one's sqrt(area), partners of other connectivity count where one of the same is near, as of the links of two fingers.
+const UNLIKE: f32 = 0.75;
 /// Natural logarithm of the largest ratio of two partners' areas.
 pub const AREA_TOLERANCE: f64 = 0.3;
 /// Most shells that are assigned together.
@@ -222,7 +224,6 @@ fn pair_shells(
     let similar = SimilarShells::new(shells, &own, others.clone());
     let colours = shell_colours(mesh);
     let of_shell = |shell: usize| &colours[mesh.shell_of_point[shells[shell].points[0] as usize] as usize];
-    let is_same = |source: usize, target: usize| of_shell(target).are_like(of_shell(source));
     let mut options: BTreeMap<(usize, usize), f32> = BTreeMap::new();
     for source in others {
         progress.report("other shells", 0.95)?;
@@ -230,13 +231,20 @@ fn pair_shells(
             let gap = 0.5 * (places.mismatch(source, target) + places.mismatch(target, source));
             let differ = similar.differ(source, target) as f32;
             let size = shells[source].area().min(shells[target].area()).sqrt() as f32;
+            let is_same = of_shell(target).are_like(of_shell(source));
             let is_beside = target == source && gap > BESIDE * size;
-            let is_other = differ > ALIKE && gap > LARGER * size && !is_same(source, target);
+            let is_other = differ > ALIKE && gap > LARGER * size && !is_same;
             let is_near = gap.hypot(FARTHEST * differ / AREA_TOLERANCE as f32) < FARTHEST;
-            (is_near && !is_beside && !is_other).then_some((target, gap.hypot(SIZE * size * differ)))
+            let mismatch = gap.hypot(SIZE * size * differ);
+            (is_near && !is_beside && !is_other).then_some((target, mismatch, (!is_same).then_some(size)))
         };
-        for (target, mismatch) in similar.nearest(source, mirrored[source]).filter_map(of) {
-            options.insert((source.min(target), source.max(target)), mismatch);
+        let near: Vec<(usize, f32, Option<f32>)> =
+            similar.nearest(source, mirrored[source]).filter_map(of).collect();
+        let any_same = near.iter().any(|&(target, _, unlike)| target != source && unlike.is_none());
+        for (target, mismatch, unlike) in near {
+            let apart = if any_same { UNLIKE * unlike.unwrap_or(0.0) } else { 0.0 };
+            let worst = options.entry((source.min(target), source.max(target))).or_default();
+            *worst = worst.max(mismatch.hypot(apart));
         }
     }
     Ok(involution(&options))
@@ -368,5 +376,12 @@ mod tests {
         let mesh =
             blocks(&[([-2.0, 0.0, 0.0], 1.0, 0), ([0.9, 0.0, 0.0], 1.1, 7), ([-3.0, 6.0, 0.0], 6.0, 0)]);
         assert_eq!(targets(&mesh, 3)[..2], [Some(1), Some(0)]);
+    }
+
+    #[test]
+    fn a_link_of_a_finger_goes_to_the_one_of_its_connectivity_though_another_lies_nearer() {
+        let link = |x: f64, y: f64, cuts| ([x, y, 0.0], 1.0, cuts);
+        let mesh = blocks(&[link(-3.0, 0.0, 0), link(2.0, 0.2, 0), link(2.0, -0.1, 7)]);
+        assert_eq!(targets(&mesh, 3), [Some(1), Some(0), None]);
     }
 }
