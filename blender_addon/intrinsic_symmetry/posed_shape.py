@@ -60,26 +60,38 @@ class PosedShape:
         return edges, np.maximum(0.5 * cotangents, _LEAST_WEIGHT), 0.5 * doubled
 
     def _stretched(self, positions, edges, other):
-        """(edges, 3) the edges after each triangle is stretched, in its own plane, to the shape of its mirror image."""
+        """(edges, 3) the edges after each triangle is stretched, in its own plane, to the shape of its mirror image.
+        In closed form: a library for matrices takes three times as long, and waits for threads where others compute."""
         images = self._symmetry.surface_points.positions(other)
-        own, other = (np.stack([at[corner] - at[self._triangles[:, 0]] for corner in self._triangles.T[1:]], axis=2)
+        own, other = ([at[corner] - at[self._triangles[:, 0]] for corner in self._triangles.T[1:]]
                       for at in (positions, images))
-        axes = _axes(own)
-        flat = axes.transpose(0, 2, 1) @ own
-        used = self._moves & np.isfinite(other).all(axis=(1, 2)) & (np.abs(np.linalg.det(flat)) > 1e-30)
-        inverse = np.linalg.inv(np.where(used[:, None, None], flat, np.eye(2)))
-        metric = inverse.transpose(0, 2, 1) @ (other.transpose(0, 2, 1) @ other) @ inverse
-        squares, directions = np.linalg.eigh(np.where(used[:, None, None], metric, np.eye(2)))
-        stretches = np.clip(np.sqrt(np.maximum(squares, 0)), *_STRETCH)
-        axes = axes @ directions
-        edges = edges.reshape(3, -1, 3)
-        along = np.einsum("fxd,sfx->sfd", axes, edges) * (stretches - 1)
-        return (edges + np.einsum("fxd,sfd->sfx", axes, along)).reshape(-1, 3)
+        # Two axes across each other, and what the way to the mirror image makes of them.
+        length, first = _measured(own[0])
+        along = _dot(first, own[1])
+        height, second = _measured(own[1] - along * first)
+        used = (self._moves & np.isfinite(other).all(axis=(0, 2)))[:, None] & (length * height > 1e-30)
+        with np.errstate(all="ignore"):
+            of_first = other[0] / length
+            of_second = (other[1] - along * of_first) / height
+        of_first, of_second = np.where(used, of_first, first), np.where(used, of_second, second)
+        # The axes of the stretch: eigenvectors of the symmetric matrix of their products.
+        half = 0.5 * (_dot(of_first, of_first) - _dot(of_second, of_second))
+        middle, mixed = _dot(of_first, of_first) - half, _dot(of_first, of_second)
+        turn, apart = 0.5 * np.arctan2(mixed, half), np.hypot(half, mixed)
+        axes = (np.cos(turn) * first + np.sin(turn) * second, np.cos(turn) * second - np.sin(turn) * first)
+        stretched = sides = edges.reshape(3, -1, 3)
+        for axis, square in zip(axes, (middle + apart, middle - apart)):
+            stretch = np.where(used, np.clip(np.sqrt(np.maximum(square, 0)), *_STRETCH), 1)
+            stretched = stretched + (stretch - 1) * _dot(axis, sides) * axis
+        return stretched.reshape(-1, 3)
 
 
-def _axes(sides):
-    """(triangles, 3, 2) orthonormal axes of the planes of (triangles, 3, 2) pairs of sides."""
-    first = sides[:, :, 0] / np.maximum(np.linalg.norm(sides[:, :, 0], axis=1, keepdims=True), 1e-300)
-    second = sides[:, :, 1] - first * (first * sides[:, :, 1]).sum(axis=1, keepdims=True)
-    second /= np.maximum(np.linalg.norm(second, axis=1, keepdims=True), 1e-300)
-    return np.stack([first, second], axis=2)
+def _dot(a, b):
+    """(..., 1) scalar products of vectors, (..., 3)."""
+    return (a * b).sum(axis=-1, keepdims=True)
+
+
+def _measured(vectors):
+    """(vectors, 1) lengths, and the vectors scaled to length 1."""
+    lengths = np.sqrt(_dot(vectors, vectors))
+    return lengths, vectors / np.maximum(lengths, 1e-300)
