@@ -42,8 +42,6 @@ const TURNS: u32 = 12;
 /// Planes that put images so far apart are others, and as good if they mirror this part of what the best one mirrors.
 const OTHER: f64 = 0.1;
 const ALIKE: f64 = 0.97;
-/// Of planes that mirror this part of it that one is taken that moves the surface most.
-const EVEN: f64 = 0.995;
 
 /// A place, and its number.
 type Leaf = GeomWithData<Vector, usize>;
@@ -125,7 +123,7 @@ impl MirrorPlane {
             return None;
         }
         let moves = |plane: &MirrorPlane| along(&moments, plane.normal);
-        let (_, best) = alike(EVEN).max_by(|a, b| moves(&a.1).total_cmp(&moves(&b.1)))?;
+        let (_, best) = alike(1.0).max_by(|a, b| moves(&a.1).total_cmp(&moves(&b.1)))?;
         // Places depend on how the mesh lies; points of it do not.
         let step = mesh.point_count().div_ceil(POINTS).max(1);
         let points: Vec<Vector> = mesh.positions.iter().step_by(step).copied().collect();
