@@ -66,9 +66,9 @@ class PosedShape:
         own, other = ([at[corner] - at[self._triangles[:, 0]] for corner in self._triangles.T[1:]]
                       for at in (positions, images))
         # Two axes across each other, and what the way to the mirror image makes of them.
-        length, first = _measured(own[0])
+        length, first = _unit(own[0])
         along = _dot(first, own[1])
-        height, second = _measured(own[1] - along * first)
+        height, second = _unit(own[1] - along * first)
         used = (self._moves & np.isfinite(other).all(axis=(0, 2)))[:, None] & (length * height > 1e-30)
         with np.errstate(all="ignore"):
             of_first = other[0] / length
@@ -91,7 +91,7 @@ def _dot(a, b):
     return (a * b).sum(axis=-1, keepdims=True)
 
 
-def _measured(vectors):
+def _unit(vectors):
     """(vectors, 1) lengths, and the vectors scaled to length 1."""
     lengths = np.sqrt(_dot(vectors, vectors))
     return lengths, vectors / np.maximum(lengths, 1e-300)
