@@ -23,7 +23,7 @@ import numpy as np
 
 from .map_metrics import MESH_RIGHT, THRESHOLD, landmark_distances
 from .markdown import table
-from .princeton import ACCEPT_ALL, read_pairs
+from .princeton import read_pairs
 from .program import Answer, detect, identity, read_answer, write_results
 from .remeshed import read_off
 from .surface import Surface
@@ -33,8 +33,7 @@ CLASSES = {
     1: "human", 3: "glasses", 4: "plane", 5: "ant", 9: "teddy", 11: "plier", 12: "fish", 13: "bird", 15: "armadillo", 16: "bust", 20: "fourleg",
 }  # fmt: skip
 MESHES = 20
-# Plausibility from which on the program accepts a map by default, and what no answer counts, in sqrt(area).
-ACCEPTED = 0.5
+# What no answer counts, in sqrt(area).
 LARGEST_ERROR = 1.0
 
 
@@ -49,7 +48,7 @@ def judge(mesh: Path, points: np.ndarray, images: np.ndarray, answer: Answer) ->
     surface = Surface(*read_off(mesh))
     errors = np.minimum(landmark_distances(surface, answer.partners[points], images), LARGEST_ERROR)
     return {
-        "name": answer.name, "vertices": len(surface.vertices), "plausibility": round(answer.plausibility or 0.0, 4),
+        "name": answer.name, "vertices": len(surface.vertices), "outcome": answer.report["outcome"],
         "error": round(float(errors.mean()), 5), "right": round(float((errors <= THRESHOLD).mean()), 4),
     }  # fmt: skip
 
@@ -57,12 +56,13 @@ def judge(mesh: Path, points: np.ndarray, images: np.ndarray, answer: Answer) ->
 def row_of(name: str, rows: list[dict]) -> list[str]:
     """A class in the table."""
     right = np.array([row["right"] >= MESH_RIGHT for row in rows])
-    accepted = np.array([row["plausibility"] >= ACCEPTED for row in rows])
+    outcomes = [row["outcome"] for row in rows]
+    among = [sum(outcome == wanted and good == is_right for outcome, good in zip(outcomes, right)) for is_right in (True, False) for wanted in ("found", "doubtful")]
     errors = np.array([row["error"] for row in rows])
     numbers = [100 * np.mean([row["right"] for row in rows]), 100 * right.mean()]
     return [
         name, str(len(rows)), *(f"{number:.1f}" for number in numbers), f"{errors.mean():.4f}", f"{np.median(errors):.4f}",
-        str((right & accepted).sum()), str((right & ~accepted).sum()), str((~right & accepted).sum()),
+        *map(str, among), str(outcomes.count("none")),
     ]  # fmt: skip
 
 
@@ -71,8 +71,8 @@ def report(result: dict) -> str:
     rows = result["meshes"]
     shown = [row_of(name, [row for row in rows if row["class"] == name]) for name in dict.fromkeys(row["class"] for row in rows)]
     shown.append(row_of("**all**", rows))
-    head = ["class", "meshes", "corr. %", "mesh %", "mean error", "median error", "right, accepted", "right, refused", "wrong, accepted"]
-    made = f"`make evaluate-watertight`, {result['date']} ([data](results/{result['date']}-watertight.json)), every map:"
+    head = ["class", "meshes", "corr. %", "mesh %", "mean error", "median error", "right, found", "right, doubtful", "wrong, found", "wrong, doubtful", "none"]
+    made = f"`make evaluate-watertight`, {result['date']} ([data](results/{result['date']}-watertight.json)), default options:"
     return f"{made}\n\n{table(head, shown)}"
 
 
@@ -92,7 +92,7 @@ def main() -> None:
         pairs = read_pairs(corrs / f"{number}.sym.info")
         meshes = [arguments.data / "Meshes" / f"{MESHES * (number - 1) + k}.off" for k in range(1, MESHES + 1)]
         with tempfile.TemporaryDirectory() as folder:
-            cpu = detect(arguments.program, meshes, Path(folder), ACCEPT_ALL, arguments.jobs)
+            cpu = detect(arguments.program, meshes, Path(folder), [], arguments.jobs)
 
             def judged(mesh: Path) -> dict:
                 points, images = read_vertices(corrs, int(mesh.stem))[pairs].T

@@ -784,3 +784,35 @@ fn what_is_thin_but_for_its_handlebars_is_mirrored_across_itself() {
     assert!(matches!(found.report.reasons[..], [Reason::MirrorPlane { .. }]));
     assert_eq!(found.symmetries[0].partner, [3, 4, 5, 0, 1, 2, 10, 11, 12, 13, 6, 7, 8, 9]);
 }
+
+/// Flat tongs, whose arms a pose bends by different angles; a rim on the front of both keeps the plane between front and back from mirroring all.
+#[test]
+fn flat_tongs_go_arm_to_arm_and_not_front_to_back() {
+    let mut tongs = geodesic_sphere(16);
+    for at in &mut tongs.positions {
+        let [along, across, up] = *at;
+        let arm = (5.0 * (along.abs() - 0.5)).tanh();
+        let rim = if up > 0.0 { 0.03 * (-((along.abs() - 0.55) / 0.28).powi(2)).exp() } else { 0.0 };
+        let wave = 0.3 * (7.0 * along + 1.0).sin();
+        let [across, up] = [(0.2 - 0.06 * arm) * across * (1.0 + wave), 0.12 * up + rim * up];
+        let angle: f64 = if along > 0.0 { 1.2 * along } else { 0.7 * along };
+        let radius = if along > 0.0 { 1.2 / 1.2 } else { 1.2 / 0.7 };
+        *at = [(radius - across) * angle.sin(), radius - (radius - across) * angle.cos(), up];
+    }
+    let truth = {
+        let own = geodesic_sphere(16).positions;
+        let image = |at: &Vector| {
+            let apart = |other: &&Vector| distance([-at[0], at[1], at[2]], **other);
+            own.iter().enumerate().min_by(|a, b| apart(&a.1).total_cmp(&apart(&b.1))).expect("one").0 as u32
+        };
+        own.iter().map(image).collect::<Vec<u32>>()
+    };
+    let mesh = validated(&tongs);
+    let found = detected(&mesh, &Options::default());
+    let best = &found.symmetries[0];
+    let off = |(own, &partner): (usize, &i32)| {
+        distance(tongs.positions[partner as usize], tongs.positions[truth[own] as usize])
+    };
+    let mean = best.partner.iter().enumerate().map(off).sum::<f64>() / truth.len() as f64;
+    assert!(mean < 0.05, "{mean}");
+}

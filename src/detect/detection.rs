@@ -140,7 +140,9 @@ impl Detection {
 
     /// Whether no larger plan needs to be followed.
     pub(crate) fn is_settled(&self) -> bool {
-        self.outcome == Outcome::Found && self.worth() >= SETTLED
+        self.outcome == Outcome::Found
+            && self.worth() >= SETTLED
+            && self.report.judged.is_none_or(|judged| judged.is_clear())
     }
 
     /// Whether a larger plan would find nothing either.

@@ -15,12 +15,15 @@ use crate::detect::finishing::Found;
 use crate::detect::joined_shells::JoinedShells;
 use crate::detect::question::Question;
 use crate::detect::spectrum::Spectrum;
+use crate::mesh::vector::{squared_norm, subtract};
 use crate::mesh::{Mesh, Shell};
 use crate::search::sign_network::SignNetwork;
 use crate::verify::outcome::{CONFIDENT, Outcome};
 
 /// A mirror plane in space, or one shell's mirrored connectivity, from whose [`Detection::worth`] on it is the answer, and nothing is searched.
 const ENOUGH: f64 = 0.9;
+/// A plane that mirrors less is not the answer if a symmetry without doubts moves vertices by so many times as much, in the mean square: it exchanges the sides of flat tongs.
+const MORE: f64 = 4.0;
 /// How often parts without a counterpart are taken away.
 const ROUNDS: usize = 3;
 
@@ -63,14 +66,31 @@ pub fn detect_by(
     Ok(best.without_empty(options.plausibility))
 }
 
-/// The mirror plane's answer, or that of a search, if it is worth more and speaks of no less of the surface.
+/// The mirror plane's answer, or that of a search, if it is worth more and speaks of no less of the surface, or leaves no doubts and moves far more.
 fn answer(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
     let at_rest = question.at_rest()?;
     clock.lap("mirror plane");
     match at_rest {
         Some(at_rest) if at_rest.worth() >= ENOUGH => Ok(at_rest),
-        other => better(other, searched(question, plans, clock)),
+        other => {
+            let found = searched(question, plans, clock);
+            let moves_more = |at_rest: &Detection| {
+                found.as_ref().is_ok_and(|found| {
+                    found.is_settled() && moved(question.mesh, found) > MORE * moved(question.mesh, at_rest)
+                })
+            };
+            better(other.filter(|at_rest| !moves_more(at_rest)), found)
+        }
     }
+}
+
+/// Mean square distance in space of vertices from their partners, in area.
+fn moved(mesh: &Mesh, found: &Detection) -> f64 {
+    let place = |vertex: usize| mesh.positions[mesh.point_of_vertex[vertex] as usize];
+    let partners = found.symmetries[0].partner.iter().enumerate().filter(|&(_, &partner)| partner >= 0);
+    let squares = partners.map(|(own, &partner)| squared_norm(subtract(place(own), place(partner as usize))));
+    let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
+    sum / f64::max(count, 1.0)
 }
 
 /// The answer of the largest shell's connectivity, if it says nearly all; or of the joined shells; if that is not found that of the largest one alone, if that is worth more.
@@ -129,7 +149,7 @@ fn of_parts(
 }
 
 /// The answer of one of the `rests` of the first of some shells, which takes its place there, and the rests of that, if it is much more plausible
-/// than the `best` yet, or leaves no doubts where there is none.
+/// than the `best` yet, and more so than what it leaves out is large, or leaves no doubts where there is none.
 fn of_rest(
     question: &Question,
     joined: &mut JoinedShells,
@@ -141,7 +161,12 @@ fn of_rest(
     for rest in rests {
         let whole = std::mem::replace(&mut joined.shells[0], rest);
         let (found, rests) = of_shells(question, joined, plans, best, clock)?;
-        if best.map_or(found.outcome == Outcome::Found, |best| found.is_much_more_plausible(best)) {
+        // What is cut off is not answered.
+        let share = joined.shells[0].area() / whole.area();
+        let is_better = |best: &Detection| {
+            found.is_much_more_plausible(best) && share * found.plausibility() > best.plausibility()
+        };
+        if best.map_or(found.outcome == Outcome::Found, is_better) {
             return Ok(Some((found, rests)));
         }
         joined.shells[0] = whole;

@@ -11,8 +11,9 @@ const WEIGHTS: [f64; 4] = [-14.2018, -2.3760, -5.8793, 3.9466];
 /// The same for reflections once rigid parts are fitted: of the signature mismatch, the displacement, the parts' disagreement and the scatter.
 const WEIGHTS_WITH_PARTS: [f64; 5] = [-5.9423, -10.7357, 3.5435, -2.5912, -45.8264];
 
-/// A map as plausible as this leaves no doubts.
+/// A map as plausible as this leaves no doubts, if the orientation tells what it is at least so clearly: where legs go to themselves and not to their twins, it does not.
 const SURE: f64 = 0.8;
+const CLEAR: f64 = 0.6;
 
 /// No map comes to count whose plausibility, by the three measures, is less than this share of what is asked (`docs/notebook/2026-11-25-method.md`).
 const HOPELESS: f64 = 0.04;
@@ -24,6 +25,8 @@ pub const TWINS: f64 = 0.1;
 pub struct Judgement {
     /// [`Score::isometry`] of the candidate that was finished: lower is better.
     pub isometry_score: f64,
+    /// [`Score::orientation`] of it: -1 for a reflection, 1 for a half turn; 0 where the shell, or twins, tell the kind.
+    pub orientation: f64,
     /// Mean difference of the heat kernel signatures of partners: 0 for an isometry.
     pub signature_mismatch: f64,
     /// Mean distance of vertices from their images in the finished map, as the eigenfunctions measure it: 0 for the identity; 1 where shells were joined.
@@ -44,6 +47,7 @@ impl Judgement {
         let isometry_score = score.isometry();
         let unjudged = Judgement {
             isometry_score,
+            orientation: if score.by_twins { 0.0 } else { score.orientation },
             signature_mismatch,
             displacement,
             disagreement: None,
@@ -95,7 +99,12 @@ impl Judgement {
 
     /// Whether the map leaves no doubts.
     pub(crate) fn is_sure(&self) -> bool {
-        self.plausibility >= SURE
+        self.plausibility >= SURE && self.is_clear()
+    }
+
+    /// Whether the orientation tells clearly what the map is.
+    pub(crate) fn is_clear(&self) -> bool {
+        self.orientation == 0.0 || self.orientation.abs() >= CLEAR
     }
 
     /// Whether the map counts as a symmetry for who asks for at least `percent` of plausibility.

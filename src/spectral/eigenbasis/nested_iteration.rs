@@ -28,8 +28,6 @@ const PANEL: usize = 16;
 const ROWS: usize = 256;
 /// Vertices for each eigenpair from which a coarser operator is made.
 const VERTICES_PER_PAIR: usize = 8;
-/// Coarse vertices for each eigenpair that are enough for a start; vertices with very many neighbours may leave fewer.
-const LEAST_PER_PAIR: f64 = 1.1;
 /// Shift for each pair: a tenth of the last eigenvalue, which Weyl's law puts near `4 pi width`. With less, the filter
 /// raises the first functions so far above the last that these drown in rounding errors.
 const SHIFT_PER_PAIR: f64 = 1.25;
@@ -103,7 +101,9 @@ impl Problem<'_> {
         progress: &Progress,
     ) -> Result<RitzPairs> {
         let coarse = pays(self.mass.len(), width).then(|| Coarsening::new(self.stiffness, self.mass));
-        let coarse = coarse.filter(|coarse| coarse.mass.len() as f64 >= LEAST_PER_PAIR * width as f64);
+        // A start takes whole blocks of vectors. Vertices with very many neighbours may leave too few for it.
+        let least = (width + 1).next_multiple_of(lanczos::BLOCK);
+        let coarse = coarse.filter(|coarse| coarse.mass.len() >= least);
         let rough = |stiffness: &SymmetricSparse, mass: &[f64]| {
             lanczos::eigenpairs(stiffness, mass, width, lanczos::ROUGH, progress)
         };
