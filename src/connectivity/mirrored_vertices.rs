@@ -32,7 +32,7 @@ use crate::mesh::{Mesh, NONE};
 use agreement::{GOOD, agrees_in_turn, count_good, has_enough};
 use percolation::{MISFITS, Pairing, SMALLEST_TRIAL};
 use places::Places;
-use starts::{Regions, Start, starts};
+use starts::{LOOKED_AT, Regions, Start, starts};
 use surroundings::Surroundings;
 
 /// Shells with more vertices are not made of quads by hand.
@@ -48,6 +48,8 @@ const WELL: f64 = 0.55;
 /// that has to give.
 const APART: f64 = 0.6;
 const BETTER: f64 = 1.3;
+/// On a shell of more vertices than are looked at, each so manieth region is tried first, as loosely: without a good start there, nothing is mirrored.
+const SAMPLED: usize = 4;
 /// Shells with at least this part of a mesh's points are tried on several threads: each takes a copy of the pairing, so that there must
 /// not be many such shells.
 const PART_FOR_THREADS: usize = 8;
@@ -143,7 +145,16 @@ fn pair_shell(
     threads: usize,
     progress: &Progress,
 ) -> Result<()> {
-    let starts = starts(pairing.around, places, regions, threads);
+    let around = pairing.around;
+    let starts_in = |some: Vec<&Vec<u32>>| starts(around, places, some, threads);
+    if points.len() > LOOKED_AT {
+        let some = starts_in(regions.iter().step_by(SAMPLED).collect());
+        pairing.start_again(points, APART);
+        if !has_good(&trials(pairing, &some, threads, progress.token())?) {
+            return Ok(());
+        }
+    }
+    let starts = starts_in(regions.iter().collect());
     pairing.start_again(points, 0.0);
     grow(pairing, &starts, points, threads, progress)?;
     let (strict, good) = (pairing.pairs(points), count_good(pairing, points));
@@ -169,7 +180,7 @@ fn grow(
     progress: &Progress,
 ) -> Result<()> {
     let mut tried = trials(pairing, starts, threads, progress.token())?;
-    if tried.iter().all(|trial| trial.misfit > GOOD) || is_ambiguous(&tried) {
+    if !has_good(&tried) || is_ambiguous(&tried) {
         return Ok(());
     }
     tried.sort_by(|a, b| a.ambiguity.total_cmp(&b.ambiguity).then(a.misfit.total_cmp(&b.misfit)));
@@ -198,6 +209,11 @@ struct Trial<'a> {
     /// itself anywhere, and small where a place is like no other (as features are matched by D. Lowe, "Distinctive Image
     /// Features from Scale-Invariant Keypoints", 2004).
     ambiguity: f64,
+}
+
+/// Whether vertices around any start fit as well as mirrored ones do.
+fn has_good(tried: &[Trial]) -> bool {
+    tried.iter().any(|trial| trial.misfit <= GOOD)
 }
 
 /// Whether the shell is a grid that fits itself at many places, so that starts say little about which is the right one.

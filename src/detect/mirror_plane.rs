@@ -25,8 +25,9 @@ const RESTS: f64 = 1e-6;
 pub const MIRRORED: f64 = 0.006;
 /// The least share of the surface that a mirror plane of the mesh mirrors.
 pub const MOSTLY: f64 = 0.75;
-/// Rounds of the fit; the share of the places that is fitted, the nearest to the surface.
+/// Rounds of the fit, and those that tell how much a plane mirrors; the share of the places that is fitted, the nearest to the surface.
 const ROUNDS: usize = 8;
+const FEW_ROUNDS: usize = 4;
 const KEPT: f64 = 0.8;
 /// Places near an image whose triangles may hold the nearest point.
 const AROUND: usize = 4;
@@ -111,7 +112,7 @@ impl MirrorPlane {
         for (start, _) in planes.filter(|(_, median)| *median < NEAR) {
             let is_new = |plane: &MirrorPlane| settled.iter().all(|other| other.1.distance(plane) > OTHER);
             if is_new(&start)
-                && let Some(plane) = start.settled(&compared, nearest).filter(is_new)
+                && let Some(plane) = start.settled(FEW_ROUNDS, &compared, nearest).filter(is_new)
             {
                 settled.push((plane.mirrored(&compared, nearest), plane));
             }
@@ -127,12 +128,13 @@ impl MirrorPlane {
         // Places depend on how the mesh lies; points of it do not.
         let step = mesh.point_count().div_ceil(POINTS).max(1);
         let points: Vec<Vector> = mesh.positions.iter().step_by(step).copied().collect();
-        best.settled(&points, nearest)
+        best.settled(ROUNDS, &points, nearest)
     }
 
     /// The plane nearby whose images lie best on the surface, of which `nearest` gives the nearest point and the normal there; `None` if it does not mirror most of the places.
     fn settled(
         mut self,
+        rounds: usize,
         places: &[Vector],
         nearest: impl Fn(Vector) -> (Vector, Vector) + Copy,
     ) -> Option<MirrorPlane> {
@@ -140,7 +142,7 @@ impl MirrorPlane {
             let (to, normal) = nearest(plane.image(from));
             Pair { from, to, normal }
         };
-        for _ in 0..ROUNDS {
+        for _ in 0..rounds {
             let pairs: Vec<Pair> = places.iter().map(|place| pair(&self, place)).collect();
             let next = self.through(&pairs);
             let moved = next.distance(&self);

@@ -10,6 +10,7 @@ use crate::mesh::vector::{Vector, squared_norm, subtract};
 /// Regions of a shell that are searched for starts, vertices looked at in each, and starts taken from each.
 const REGIONS: usize = 80;
 const LOOKS: usize = 16;
+pub(super) const LOOKED_AT: usize = REGIONS * LOOKS;
 const STARTS: usize = 4;
 /// Largest mean distance between the moved estimate and vertices, in edges, at a start, and of a vertex that it pairs.
 const START_MISS: f64 = 0.2;
@@ -54,11 +55,11 @@ fn seeds(points: &[u32]) -> impl Iterator<Item = u32> {
     points.iter().copied().step_by(points.len().div_ceil(REGIONS))
 }
 
-/// The best starts in every region of a shell, those at one vertex together.
+/// The best starts in every one of some regions of a shell, those at one vertex together.
 pub(super) fn starts(
     around: &Surroundings,
     places: &Places,
-    regions: &[Vec<u32>],
+    regions: Vec<&Vec<u32>>,
     threads: usize,
 ) -> Vec<Vec<Start>> {
     let best = |region: &Vec<u32>| {
@@ -67,7 +68,7 @@ pub(super) fn starts(
             looked_at.map(|&vertex| starts_at(around, places, vertex)).filter(|found| !found.is_empty());
         found.min_by(|a, b| a[0].miss.total_cmp(&b[0].miss))
     };
-    threads::map(threads, regions.iter().collect(), best).into_iter().flatten().collect()
+    threads::map(threads, regions, best).into_iter().flatten().collect()
 }
 
 /// The best starts at one vertex: the estimate is moved so that it sends the vertex to one near its image.
