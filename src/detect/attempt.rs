@@ -58,7 +58,7 @@ pub fn attempt<'a>(
     let has_defects = domain.question.unrivalled.as_ref().is_some_and(Automorphism::has_defects);
     let one = one.map(|map| OneReflection { map: || attempt.with_parts(map), has_defects });
     let mut choice = choose(maps, one, mirrors_vertices, (options.plausibility, options.symmetries))?;
-    if spectrum.orbits.continuous {
+    if spectrum.orbits.continuous && !choice.maps.is_empty() {
         choice.reasons.push(Reason::ContinuousFamily { listed: choice.maps.len() });
     }
     let answer = attempt.answer(choice)?;

@@ -161,6 +161,19 @@ mod tests {
     }
 
     #[test]
+    fn a_plausible_map_is_sure_where_its_orientation_is_clear_or_unknown_or_twins_tell_the_kind() {
+        let is_sure = |orientation, by_twins| {
+            let score = Score { orientation, by_twins, ..SCORE };
+            Judgement { plausibility: 0.9, ..Judgement::new(&score, 0.3, 0.7) }.is_sure()
+        };
+        assert_eq!(
+            [-0.61, 0.61, 0.0, -0.59, 0.59].map(|of| is_sure(of, false)),
+            [true, true, true, false, false]
+        );
+        assert!(is_sure(-0.59, true));
+    }
+
+    #[test]
     fn a_map_that_comes_to_rest_is_none() {
         let judged = Judgement::new(&SCORE, 0.1, 0.7);
         assert!(judged.accepted(50) && !judged.with_displacement(0.01).accepted(50));

@@ -114,7 +114,6 @@ impl Display for Reason {
             Reason::ContinuousFamily { listed } => {
                 to.write_str("the shape has a continuous family of symmetries, as a sphere or a vase has")?;
                 to.write_str(match listed {
-                    0 => "",
                     1 => ": the one given is an arbitrary one of them",
                     _ => ": those given are arbitrary ones of them",
                 })
