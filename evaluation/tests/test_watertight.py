@@ -22,11 +22,12 @@ def test_right_wrong_and_missing_images_are_told_apart(tmp_path):
     mesh = tmp_path / "81.off"
     write_tetrahedra(mesh)
     points, images = np.array([3, 4, 0]), np.array([4, 3, 0])
-    answer = lambda partners, plausibility: Answer("81", True, np.array(partners), {"report": {"judged": {"plausibility": plausibility}}}, np.zeros(0))
-    right = watertight.judge(mesh, points, images, answer([0, 1, 2, 4, 3], 0.9))
-    assert (right["error"], right["right"], right["plausibility"]) == (0, 1, 0.9)
-    wrong = watertight.judge(mesh, points, images, answer([0, 1, 2, 3, -1], 0.6))
+    answer = lambda partners, outcome: Answer("81", outcome == "found", np.array(partners), {"outcome": outcome}, np.zeros(0))
+    right = watertight.judge(mesh, points, images, answer([0, 1, 2, 4, 3], "doubtful"))
+    assert (right["error"], right["right"], right["outcome"]) == (0, 1, "doubtful")
+    wrong = watertight.judge(mesh, points, images, answer([0, 1, 2, 3, -1], "found"))
     assert wrong["right"] == round(1 / 3, 4) and 0.3 < wrong["error"] < 0.7
-    rows = [row | {"class": "ant"} for row in (right, wrong)]
+    none = watertight.judge(mesh, points, images, answer([-1] * 5, "none"))
+    rows = [row | {"class": "ant"} for row in (right, wrong, none)]
     line = watertight.report({"date": "2000-01-01", "meshes": rows}).splitlines()[-1]
-    assert line.startswith("| **all** | 2 | 66.7 | 50.0 |") and line.endswith("| 1 | 0 | 1 |")
+    assert line.startswith("| **all** | 3 | 44.4 | 33.3 |") and line.endswith("| 0 | 1 | 1 | 0 | 1 |")

@@ -85,6 +85,8 @@ class Judgement:
 
     #: How far the map is from an isometry, on a logarithmic scale; lower is better.
     isometry_score: float
+    #: Correlation of the orientation before and after the map: -1 for a reflection, 1 for a half turn; 0 where the shell, or twins, tell the kind.
+    orientation: float
     #: Mean difference of the heat kernel signatures of partners; 0 for an isometry.
     signature_mismatch: float
     #: How far the map moves points in the mean; 0 for the identity, 1 where shells were joined.
