@@ -77,7 +77,7 @@ class CarriedMap:
         partner = self._renumbered(values[stored_map.PARTNER])
         self.partner = np.where(known & (partner >= 0) & has_face[partner], partner, -1)
         self._corners = self._renumbered(np.stack([values[name] for name in stored_map.CORNERS], axis=1))
-        self._weights = values[stored_map.BARY].astype(float)
+        self._weights = _shares(values[stored_map.BARY].astype(float))
         there = known & (self._corners >= 0).all(axis=1)
         self._exact = ~self.new & (self.partner >= 0) & (self._weights.max(axis=1) > vertex_map.WHOLE)
         self._faces = np.where(there & ~self.new, holding(self._offsets, self._used, self._corners, there), -1)
@@ -385,3 +385,10 @@ class CarriedMap:
         if met:
             self._pair(met)
             self._walk()
+
+
+def _shares(weights):
+    """(vertices, 3) weights that are at least 0, and sum to 1 where there are any: Blender mixes some vertices with themselves,
+    and rounds."""
+    weights = np.maximum(weights, 0)
+    return weights / np.maximum(weights.sum(axis=1, keepdims=True), 1e-30)

@@ -75,6 +75,17 @@ def test_the_same_edit_of_both_sides_pairs_new_vertices(human, name):
     assert symmetry.confidence[used].min() > 0.99
 
 
+def test_weights_that_blender_has_mixed_sum_to_one(human):
+    """A bevel mixes vertices of an extrusion with themselves, and rounds."""
+    edit_faces(human, _patch(human.data)[0])
+    bpy.ops.mesh.extrude_faces_move(TRANSFORM_OT_shrink_fatten={"value": 0.01})
+    bpy.ops.mesh.bevel(offset=0.001, affect="EDGES")
+    enter("OBJECT")
+    assert ops.carry() == {"FINISHED"}
+    weights = attribute(human.data, "sym_bary").astype(float)
+    assert weights.min() >= 0 and np.abs(weights.sum(axis=1) - 1).max() < 1e-6
+
+
 def test_a_loop_cut_through_the_line(human):
     """Round the trunk: the new ring is paired with itself."""
     mesh, side = human.data, attribute(human.data, "sym_side")
