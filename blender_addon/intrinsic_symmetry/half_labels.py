@@ -43,6 +43,10 @@ class Halves:
         labels, twin = np.append(self.labels, np.full(cuts, LINE)), np.append(self.twin, np.full(cuts, -1))
         return np.where((source >= 0) & (labels[own] == LOSES) & (twin[own] >= 0), twin[own], own)
 
+    def on_line(self, source):
+        """(n,) bool: those with the sources that `half_copy` writes that are on the line, as the cuts are."""
+        return np.append(self.labels, np.full(len(self.shares), LINE))[np.where(source < 0, -1 - source, source)] == LINE
+
     def carried(self, places):
         """(vertices, 3) places of the surface that was there, moved as that below the twins."""
         images = np.where(self.twin[:, None] < 0, np.nan, self.below[self.twin])

@@ -171,7 +171,7 @@ class _Half:
         models = self._halves.models(self._source)
         mirrored = copies | (models != self._source)  # of the losing half
         mix, model = (half_data.vertex_mix(each, self._halves, symmetry) for each in (self._source, models))
-        line, without = self.known.partner == np.arange(len(copies)), symmetry.partner < 0
+        line, without = self._halves.on_line(self._source), symmetry.partner < 0
         images = np.where((mirrored | line)[:, None], self._halves.images_of(models), np.nan)
         exact = model.of(vertex_map.pairs(symmetry) & ~self._changed & ~old.lift.any(axis=1))
         known = np.isfinite(images).all(axis=1)

@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from conftest import attribute, faces_around, module, positions, select
+from mathutils import Vector
 from test_mirror_this_edit import MIRROR, _away, _edit, _fatten, _middles, _nearest_faces
 
 ops = bpy.ops.intrinsic_symmetry
@@ -59,6 +60,28 @@ def test_issue_38_what_differed_before_the_edit_stays_on_both_sides(kind, sign):
         assert np.count_nonzero(_away(_middles(mesh), before) > 1e-5) == 4, "only what was extruded, and its image, is gone"
         assert _away(positions(mesh), edited).max() < 1e-6
         assert np.count_nonzero(attribute(mesh, "sym_vertex") >= 0) >= had
+
+
+def test_a_vertex_that_is_its_own_partner_beside_the_line_does_not_move():
+    """In a middle that is bent and has other faces left than right, the line between the halves need not go through it."""
+    bpy.ops.mesh.primitive_monkey_add()
+    object, mesh = bpy.context.object, bpy.context.object.data
+    bpy.ops.object.modifier_add(type="SUBSURF")
+    bpy.ops.object.modifier_apply(modifier="Subdivision")
+    data = bmesh.new()
+    data.from_mesh(mesh)
+    away = {vertex: (vertex.co - Vector((0, -0.8, 0.4))).length / 0.3 for vertex in data.verts}
+    near = [vertex for vertex in data.verts if away[vertex] < 1]
+    for vertex in near:
+        vertex.co.x += 0.1 * (1 - away[vertex])
+    bmesh.ops.dissolve_verts(data, verts=near[::3])
+    data.to_mesh(mesh)
+    data.free()
+    assert ops.detect() == {"FINISHED"}
+    before = positions(mesh)
+    _edit(object, _nearest_faces(mesh, EAR, 1), bpy.ops.mesh.poke)
+    assert ops.symmetrize_topology() == {"FINISHED"}
+    assert _away(positions(mesh), before).max() < 1e-6
 
 
 def test_issue_38_with_a_direction_the_whole_half_is_replaced():
