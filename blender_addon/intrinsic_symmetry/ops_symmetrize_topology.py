@@ -19,6 +19,9 @@ from .operator_base import MapOperator
 from .ops_positions import renew
 from .regions import components
 
+#: In the record of a map that this tool has stored: no faces were edited since.
+_DONE = "symmetrized"
+
 
 class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator):
     """Make one half of the mesh the mirror image of the other half's faces, in any pose. Faces that are so already stay.
@@ -45,6 +48,8 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         before, left_from = len(mesh.polygons), mesh[stored_map.RECORD]["left_from"]
         if half_map.is_mirrored(mesh, symmetry, winner) and not edit_moves.after_carry(mesh).any():
             return self._keep(object, symmetry, direction)
+        if self.direction == "EDITED" and mesh[stored_map.RECORD].get(_DONE):
+            return "No faces were edited since: nothing to do. Choose a direction to replace a whole half"
         self._say_what_is_replaced(mesh, symmetry, winner)
         edited_only = self.direction == "EDITED" and bool(stored_map.read_edit(mesh).any())
         half = _Half(object, symmetry, winner, edited_only)
@@ -56,6 +61,7 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
             self.warn(f"Undo in edit mode does not take back the vertices of {listed(half.attached.names)}")
         exact = vertex_map.pairs(half.known)[half.known.partner >= 0].mean()
         stored_map.store(mesh, half.core_mesh, half.known, left=(1, left_from), exact_share=float(exact))
+        mesh[stored_map.RECORD][_DONE] = True
         mesh.update()
         if self.direction != "EDITED":
             self._mirror_attributes(half.known, mesh, direction)

@@ -5,7 +5,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, faces_around, module, positions, select
+from conftest import attribute, faces_around, module, positions, said, select
 from mathutils import Vector
 from test_mirror_this_edit import MIRROR, _away, _edit, _fatten, _middles, _nearest_faces
 
@@ -60,6 +60,18 @@ def test_issue_38_what_differed_before_the_edit_stays_on_both_sides(kind, sign):
         assert np.count_nonzero(_away(_middles(mesh), before) > 1e-5) == 4, "only what was extruded, and its image, is gone"
         assert _away(positions(mesh), edited).max() < 1e-6
         assert np.count_nonzero(attribute(mesh, "sym_vertex") >= 0) >= had
+
+
+def test_a_second_time_there_is_nothing_to_do(capfd):
+    """The pocket is not taken for an edit, nor its side for the one that was edited last."""
+    object = _detail("pocket", 1)
+    _edit(object, _nearest_faces(object.data, EAR * np.array((-1, 1, 1)), 2, _middles(object.data)[:, 0] < 0), _fatten(0.05))
+    assert "Right to left" in said(capfd, ops.symmetrize_topology)
+    before = positions(object.data)
+    assert "nothing to do" in said(capfd, ops.symmetrize_topology)
+    assert np.array_equal(positions(object.data), before)
+    _edit(object, _nearest_faces(object.data, EAR, 1), bpy.ops.mesh.poke)
+    assert "Left to right: 1 vertices are copies" in said(capfd, ops.symmetrize_topology)
 
 
 def test_a_vertex_that_is_its_own_partner_beside_the_line_does_not_move():
