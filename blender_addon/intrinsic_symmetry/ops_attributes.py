@@ -47,7 +47,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
         free = self.may_change(object, mode, symmetry)
         how_far = _HowFar(shares(symmetry, self.merge), self.trust(symmetry) * free, self.merge)
         if mesh.has_custom_normals and self._name(mesh) == _NORMALS:
-            return _mirror_normals(symmetry, mesh, how_far, mesh_data.open_elements(mesh, mode, "CORNER"))
+            return _mirror_normals(symmetry, mesh, how_far, _around_whole(mesh, mesh_data.open_elements(mesh, mode, "CORNER")))
         attribute = self._attribute(mesh)
         values = mesh_data.read_attribute(attribute)
         if self.as_vector:
@@ -88,9 +88,19 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
 
 def of_elements(symmetry, mesh, attribute, merge):
     """Old and new values of an attribute of edges or faces, all of which the mirroring may change."""
-    values, trust = mesh_data.read_attribute(attribute), shares(symmetry, Merge.SWAP)
-    how_far = _HowFar(shares(symmetry, merge), trust, merge)
-    return values, _MIRROR[attribute.domain](symmetry, mesh, attribute, values, how_far)
+    values = mesh_data.read_attribute(attribute)
+    return values, _MIRROR[attribute.domain](symmetry, mesh, attribute, values, _all(symmetry, merge))
+
+
+def mirror_normals(symmetry, mesh, merge, faces):
+    """Mirrors the custom normals of some faces, (faces,) bool; in words, how many changed."""
+    chosen = np.repeat(faces, np.diff(mesh_data.polygons(mesh)[0]))
+    return _mirror_normals(symmetry, mesh, _all(symmetry, merge), chosen)
+
+
+def _all(symmetry, merge):
+    """The _HowFar of all that has a mirror image."""
+    return _HowFar(shares(symmetry, merge), shares(symmetry, Merge.SWAP), merge)
 
 
 def _blend(attribute, own, image, share, merge):
@@ -159,11 +169,16 @@ def normals(mesh):
     return values
 
 
+def _around_whole(mesh, may_change):
+    """Those of the corners that may change, (corners,) bool, around whose vertices all may: Blender keeps one normal there
+    for all corners of a smooth surface."""
+    vertex = mesh_data.polygons(mesh).corners
+    return np.bincount(vertex, ~may_change)[vertex] == 0
+
+
 def _mirror_normals(symmetry, mesh, how_far, may_change):
-    """Those of face corners, turned with the surface. `may_change`: (corners,) bool; around a vertex Blender keeps one
-    normal for all corners of a smooth surface, so that one which may not change holds all."""
+    """Those of face corners that may change, (corners,) bool, turned with the surface."""
     own, vertex = normals(mesh), mesh_data.polygons(mesh).corners
-    may_change = np.bincount(vertex, ~may_change)[vertex] == 0
     image, share = _corner_images(symmetry, mesh, own, how_far, True)
     turn = local_frames.turns(symmetry, mesh_data.positions(mesh))[vertex]
     new = blend(own, np.einsum("nij,nj->ni", turn, image), share * may_change)

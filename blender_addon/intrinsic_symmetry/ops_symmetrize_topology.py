@@ -65,12 +65,12 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         mesh.update()
         if self.direction != "EDITED":
             self._mirror_attributes(half.known, mesh, direction)
-        self._mirror_normals(object, direction, half.copied_faces)
+        normals = self._mirror_normals(half.known, mesh, direction, half.copied_faces)
         self._say_lone(half.known)
         way = "Left to right" if winner > 0 else "Right to left"
         moved = f", {half.moved:,} were moved" if half.moved else ""
         copied = np.count_nonzero(half.copies)
-        return f"{way}: {copied:,} vertices are copies{moved}; {len(mesh.polygons):,} faces now, {before:,} before"
+        return f"{way}: {copied:,} vertices are copies{moved}; {len(mesh.polygons):,} faces now, {before:,} before{normals}"
 
     def _keep(self, object, symmetry, direction):
         """Where the faces are mirrored already nothing is renumbered. What belongs to faces and edges goes over, if a direction
@@ -83,9 +83,9 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         stored_map.store(mesh, core_mesh, exact, record["doubtful"], (1, record["left_from"]), exact_share=1.0)
         changed = self._mirror_attributes(exact, mesh, direction) if self.direction != "EDITED" else []
         mesh.update()
-        self._mirror_normals(object, direction, np.zeros(len(mesh.polygons), bool))
+        normals = self._mirror_normals(exact, mesh, direction, np.zeros(len(mesh.polygons), bool))
         self._say_lone(exact)
-        return f"The faces are mirrored already: {f'only {listed(changed)} changed' if changed else 'nothing to do'}"
+        return f"The faces are mirrored already: {f'only {listed(changed)} changed' if changed else 'nothing to do'}{normals}"
 
     def _mirror_attributes(self, symmetry, mesh, direction):
         """Mirrors attributes of faces and edges; names of those that changed."""
@@ -101,17 +101,13 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         if lone := np.count_nonzero(symmetry.partner < 0):
             self.warn(f"{lone:,} vertices of parts without a mirror image stay alone")
 
-    def _mirror_normals(self, object, direction, faces):
-        """Mirrors custom normals; those of some faces, (faces,) bool, alone if no direction was chosen."""
-        mesh = object.data
-        if not mesh.has_custom_normals or self.direction == "EDITED" and not faces.any():
-            return
-        before = ops_attributes.normals(mesh)
-        with bpy.context.temp_override(active_object=object, object=object):
-            bpy.ops.intrinsic_symmetry.mirror_attribute(name="custom_normal", direction=direction)
-        if self.direction == "EDITED":
-            chosen = np.repeat(faces, np.diff(mesh_data.polygons(mesh)[0]))
-            mesh.normals_split_custom_set(np.where(chosen[:, None], ops_attributes.normals(mesh), before).tolist())
+    def _mirror_normals(self, symmetry, mesh, direction, faces):
+        """Mirrors custom normals; those of some faces, (faces,) bool, alone if no direction was chosen. In words, how many
+        changed."""
+        faces = faces | (self.direction != "EDITED")
+        if not mesh.has_custom_normals or not faces.any():
+            return ""
+        return f". {ops_attributes.mirror_normals(symmetry, mesh, MERGE[direction], faces)}"
 
     def _direction(self, mesh):
         """The one that was chosen, or from the edited side."""

@@ -405,6 +405,17 @@ def test_custom_normals_are_mirrored(human, capfd):
     assert changed < 0.01 * len(mesh.loops), "beside the line nothing is left to mirror"
 
 
+def test_custom_normals_that_do_not_change_are_not_counted(human, capfd):
+    mesh = human.data
+    normals = np.array([normal.vector for normal in mesh.corner_normals]) + (1, 0, 0)
+    mesh.normals_split_custom_set((normals / np.linalg.norm(normals, axis=1, keepdims=True)).tolist())
+    edit_faces(human, [face.index for face in mesh.polygons if (attribute(mesh, "sym_side")[face.vertices] == 1).all()][:1])
+    bpy.ops.mesh.poke()
+    enter("OBJECT")
+    words = said(capfd, ops.symmetrize_topology)
+    assert int(words.split("Custom normals: ")[1].split(" of ")[0]) <= 12, "four triangles"
+
+
 def _select_feet(object, sides):
     """In edit mode, faces of the foot on some of the sides."""
     height = np.where(attribute(object.data, "sym_side") == 1, positions(object.data)[:, 2], np.inf)
