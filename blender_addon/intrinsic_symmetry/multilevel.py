@@ -32,7 +32,7 @@ class Graph:
         self._row, self._column = np.divmod(pairs, self._count)
         self._matrix = -np.bincount(place.ravel(), np.concatenate([0 * own, both[inner]]), len(pairs))
         self._rows = np.searchsorted(self._row, own)
-        self._levels = self._hierarchy(points[self._free])
+        self._levels = self._hierarchy(points[self._free]) if len(self._free) else []
 
     def _hierarchy(self, points):
         """From fine to coarse: the cell of each cell of the level before, and the diagonal of the equation for fields

@@ -138,7 +138,7 @@ class MapOperator(MeshOperator):
     def run(self, context, object, mode):
         symmetry, carried = carry.loaded(object.data)
         said = self.run_with(symmetry, context, object, mode)
-        held = _held(object, mode) if _NOTHING.match(said) else ""
+        held = _held(object, mode) if self.on_shown_shape or _NOTHING.match(said) else ""
         return ". ".join(filter(None, [said, held, self._untouched(symmetry), carried]))
 
     def _untouched(self, symmetry):

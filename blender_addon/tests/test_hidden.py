@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, positions
+from conftest import attribute, enter, module, positions, said
 
 ops = bpy.ops.intrinsic_symmetry
 
@@ -82,6 +82,16 @@ def test_what_is_hidden_stays(human, tool):
     corners = np.array([loop.vertex_index for loop in human.data.loops])
     there = hidden if len(changed) == len(side) else hidden[corners]
     assert not changed[there].any() and changed[~there].sum() > 500
+
+
+@pytest.mark.parametrize("hides", [True, False])
+@pytest.mark.parametrize("tool", [ops.symmetrize, ops.symmetrize_exactly], ids=["positions", "exactly"])
+def test_it_says_how_many_are_hidden_or_masked(human, tool, hides, capfd):
+    losing = attribute(human.data, "sym_side") == -1
+    name, kind, mode = (".hide_vert", "BOOLEAN", "EDIT") if hides else (".sculpt_mask", "FLOAT", "SCULPT")
+    module("mesh_data").write_attribute(human.data, name, kind, losing)
+    enter(mode)
+    assert f"{losing.sum()} vertices are hidden, masked or outside the paint selection, and stay" in said(capfd, tool)
 
 
 def _with_creases(object):
