@@ -42,6 +42,7 @@ class Reference:
     """What a shape is mirrored about: a plane, or nothing in a pose."""
 
     plane: Plane | None
+    name: str = "its mirror plane"
 
     def images(self, symmetry, positions):
         """(vertices, 3) where each vertex should be, by its mirror image; its own place where it has none."""
@@ -68,7 +69,7 @@ class Reference:
         return np.linalg.norm(self.images(symmetry, positions) - positions, axis=1) / size(positions)
 
     def in_words(self):
-        return "in its pose" if self.plane is None else "about its mirror plane"
+        return "in its pose" if self.plane is None else f"about {self.name}"
 
 
 def size(positions):
@@ -84,7 +85,7 @@ def reference(about, symmetry, mesh, positions):
     if symmetry.kind == SymmetryKind.HALF_TURN:
         raise mesh_data.MeshProblem("A half turn has no mirror plane: choose Pose")
     if about == "X":
-        return Reference(Plane(np.array((1.0, 0.0, 0.0)), 0.0))
+        return Reference(Plane(np.array((1.0, 0.0, 0.0)), 0.0), "its own plane X = 0")
     points, images, areas = _paired(symmetry, mesh, positions)
     plane = fitted_plane(points, images, areas)
     far = np.linalg.norm(points - plane.reflect(images), axis=1) > _POSED_DISTANCE * size(positions)

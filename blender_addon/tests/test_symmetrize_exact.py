@@ -85,11 +85,11 @@ def test_strength_is_a_share(head):
     assert _asymmetry(head).mean() < 1e-5
 
 
-def test_about_the_object_s_own_axis(head):
+def test_about_the_object_s_own_axis(head, capfd):
     _set(head, (positions(head.data) - (1, 2, 3)) @ TURN)
     _spoil_x = positions(head.data) * np.where(positions(head.data)[:, :1] > 0, (1.2, 1, 1), 1)
     _set(head, _spoil_x)
-    ops.symmetrize_exactly(about="X", direction="AVERAGE")
+    assert "about its own plane X = 0" in said(capfd, ops.symmetrize_exactly, about="X", direction="AVERAGE")
     points, partner = positions(head.data), attribute(head.data, "sym_vertex")
     assert np.abs(points[partner] * (-1, 1, 1) - points).max() < 1e-6
 
