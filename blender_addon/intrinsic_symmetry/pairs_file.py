@@ -63,7 +63,7 @@ def read(path):
         return readers[path.suffix.lower()](path)
     except ValueError as problem:
         raise MeshProblem(f"The file {path.name} holds no pairs of vertices: {problem}") from None
-    except (KeyError, TypeError, AttributeError, OverflowError, csv.Error):
+    except (KeyError, TypeError, AttributeError, OverflowError, RecursionError, csv.Error):
         said = "it is damaged, or written in another form"
         raise MeshProblem(f"The file {path.name} holds no pairs of vertices: {said}") from None
 

@@ -85,8 +85,9 @@ def test_partners_alone_are_enough(human, truth, tmp_path, text, kind):
     ("pairs.csv", "vertex,partner\n0,inf\n", "inf is no whole number"),
     ("pairs.json", "{}", "its format is not"),
     ("pairs.json", "[]", "holds no pairs"),
+    ("pairs.json", 100_000 * "[", "holds no pairs"),
     ("pairs.txt", "", "Pairs are read from .csv, .json and .map, not from pairs.txt"),
-])
+], ids=lambda text: text[:40])
 def test_files_that_are_refused(human, tmp_path, name, text, problem):
     (tmp_path / name).write_text(text)
     before = _attributes(human.data)
