@@ -67,8 +67,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_uvs(MirrorProperties, MapOperator, bpy.types.
             self._say_where_they_do_not_fit(layout, corners, uvs)
         mesh_data.update_attribute(mesh.attributes[attribute.name], uvs)
         mesh.update()
-        return f"{len(corners):,} UVs in {len(np.unique(layout.island[corners])):,} islands laid out anew"
-
+        changed = corners[np.abs(uvs - layout.uvs).max(axis=1)[corners] > SAME_UV]
+        return f"{len(changed):,} UVs in {len(np.unique(layout.island[changed])):,} islands laid out anew"
 
     def _say_where_they_do_not_fit(self, layout, corners, uvs):
         """What has left its tile, or lies over another island now."""

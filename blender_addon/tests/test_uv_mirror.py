@@ -102,6 +102,12 @@ def test_overlap(head):
     assert np.array_equal(after[side != 1], before[side != 1])
 
 
+@pytest.mark.parametrize("placement", ["BESIDE", "OVERLAP"])
+def test_a_second_time_changes_nothing_and_says_so(head, placement, capfd):
+    assert " 0 UVs" not in said(capfd, ops.mirror_uvs, placement=placement)
+    assert " 0 UVs in 0 islands" in said(capfd, ops.mirror_uvs, placement=placement)
+
+
 def test_seams_stay_seams(human, truth):
     """Each face of the right side takes the UVs of its own mirror image, though a vertex has many."""
     mesh = human.data
