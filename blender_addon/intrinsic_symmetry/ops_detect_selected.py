@@ -47,6 +47,9 @@ class INTRINSIC_SYMMETRY_OT_detect_selected(preferences.DetectOptions, MeshOpera
         batch = _Batch(context, self)
         while batch.left:
             batch.step(context)
+        if batch.without:
+            self.warn(self._conclude(batch))
+            return ""
         return self._conclude(batch)
 
     def invoke(self, context, _event):
@@ -71,7 +74,7 @@ class INTRINSIC_SYMMETRY_OT_detect_selected(preferences.DetectOptions, MeshOpera
         if batch.left:
             return {"PASS_THROUGH"}
         self.cancel(context)
-        self.report({"INFO"}, self._conclude(batch))
+        self.report({"WARNING" if batch.without else "INFO"}, self._conclude(batch))
         return {"FINISHED"}
 
     def cancel(self, context):

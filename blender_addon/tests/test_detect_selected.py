@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, new_object, positions, read_example
+from conftest import attribute, enter, module, new_object, positions, read_example, said
 
 ops = bpy.ops.intrinsic_symmetry
 
@@ -21,6 +21,15 @@ def _lumps():
     points = (rng.random((200, 1, 3)) + 0.05 * rng.random((200, 3, 3))).reshape(-1, 3)
     mesh.from_pydata(points.tolist(), [], np.arange(600).reshape(-1, 3).tolist())
     return new_object(mesh, "lumps")
+
+
+@pytest.mark.parametrize("has_lumps", [True, False])
+def test_an_object_without_a_symmetry_is_a_warning(quadruped, has_lumps, capfd):
+    if has_lumps:
+        _lumps()
+    _select_all(quadruped)
+    words = said(capfd, ops.detect_selected)
+    assert ("1 without (lumps)" in words) == ("Warning: Symmetries: 1 kept" in words) == has_lumps
 
 
 def test_objects_of_one_connectivity_share_one_map(mode, monkeypatch):
