@@ -13,6 +13,7 @@ from . import (
     edit_moves, half_copy, half_data, half_form, half_labels, half_line, half_map, half_pairs, left_side, local_frames,
     mesh_data, ops_attributes, stored_map, vertex_map,
 )
+from .asymmetry import size
 from .counterparts import listed
 from .mirroring import DIRECTIONS, MERGE
 from .operator_base import MapOperator
@@ -68,7 +69,8 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
         normals = self._mirror_normals(half.known, mesh, direction, half.copied_faces)
         self._say_lone(half.known)
         way = "Left to right" if winner > 0 else "Right to left"
-        moved = f", {half.moved:,} were moved" if half.moved else ""
+        farthest = f"{half.moved.max(initial=0):.2%} of the object's size"
+        moved = f", {len(half.moved):,} were moved by up to {farthest}" if len(half.moved) else ""
         copied = np.count_nonzero(half.copies)
         return f"{way}: {copied:,} vertices are copies{moved}; {len(mesh.polygons):,} faces now, {before:,} before{normals}"
 
@@ -189,9 +191,9 @@ class _Half:
             feet = old.positions - old.lift
             beside = np.linalg.norm(mix.of(symmetry.surface_points.positions(feet)) - model.of(feet), axis=1)
             places = form.placed(images, lifted(old.lift), beside, model.of(without), model.of(self._changed))
-        away = np.abs(places - mix.of(old.positions)).max(axis=1)
-        shifted = mirrored & ~copies & (away > _MOVED * np.ptp(places, axis=0).max())
-        self.moved, self.changed = np.count_nonzero(shifted), copies | shifted | model.of(self._changed | self._moved)
+        away = np.linalg.norm(places - mix.of(old.positions), axis=1) / size(old.positions)
+        shifted = mirrored & ~copies & (away > _MOVED)
+        self.moved, self.changed = away[shifted], copies | shifted | model.of(self._changed | self._moved)
         mix.take(copies & model.of(without), old.surface, places)
         old.give_positions(object, mix, places, lifted, moving, model, added)
         old.give_points(object, mix, copies, added)

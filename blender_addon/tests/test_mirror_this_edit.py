@@ -169,6 +169,16 @@ def test_issue_38_what_was_moved_beside_an_extrusion_is_carried(monkey, mode, or
     assert _away(positions(monkey.data), edited[edited[:, 0] > -1e-4]).max() < 1e-6
 
 
+def test_it_says_how_many_vertices_were_moved_and_how_far(monkey, capfd):
+    edit_faces(monkey, _nearest_faces(monkey.data, (0.8, -0.3, 0.3), 1))
+    bpy.ops.mesh.poke()
+    _pull_wide(monkey, np.array(monkey.data.vertices[0].co), 1e-3, (0.02, 0, 0.1))  # this one alone
+    enter("OBJECT")
+    size = np.ptp(positions(monkey.data), axis=0).max()
+    words = said(capfd, ops.symmetrize_topology)
+    assert f", 1 were moved by up to {np.hypot(0.02, 0.1) / size:.2%} of the object's size;" in words
+
+
 def test_issue_38_what_was_split_off_and_moved_with_what_is_around_it_is_carried(monkey):
     edit_faces(monkey, _nearest_faces(monkey.data, (0.8, -0.3, 0.3), 4))
     bpy.ops.mesh.split()
