@@ -89,7 +89,7 @@ impl Plan {
     /// The small plan with a wider search, on what is solved already.
     pub fn wide() -> Plan {
         let small = Plan::small();
-        Plan { search: Search { beam_width: 16, turned_over: true, ..small.search }, ..small }
+        Plan { search: Search { beam_width: 16, limbs: true, turned_over: true, ..small.search }, ..small }
     }
 
     /// The plan for shapes whose answers by the others leave doubts.
@@ -97,7 +97,7 @@ impl Plan {
         let wide = Plan::wide();
         Plan {
             proxy_vertices: 6000,
-            search: Search { beam_starts: 16, limbs: true, ..wide.search },
+            search: Search { beam_starts: 16, ..wide.search },
             parts: PartsEffort::thorough(),
             ..wide
         }

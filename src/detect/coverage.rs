@@ -42,7 +42,9 @@ impl Coverage {
     /// One sentence, without a full stop.
     pub fn in_words(&self) -> String {
         let Coverage { paired_share, shells_paired, shells_self_mirrored, shells_alone } = *self;
-        let share = format!("{:.0} % of the surface has a partner", 100.0 * paired_share);
+        // Only all is 100 %.
+        let percent = if shells_alone > 0 { (100.0 * paired_share).min(99.0) } else { 100.0 * paired_share };
+        let share = format!("{percent:.0} % of the surface has a partner");
         let shells = shells_paired + shells_self_mirrored + shells_alone;
         if shells < 2 {
             return share;
@@ -108,6 +110,17 @@ mod tests {
             found.in_words(),
             "43 % of the surface has a partner; of 4 shells 2 are paired, 1 their own mirror image, 1 without a partner"
         );
+    }
+
+    #[test]
+    fn what_leaves_a_shell_alone_is_not_all_of_the_surface() {
+        let of = |shells_alone| Coverage {
+            paired_share: 0.996,
+            shells_paired: 2,
+            shells_self_mirrored: 0,
+            shells_alone,
+        };
+        assert!(of(1).in_words().starts_with("99 %") && of(0).in_words().starts_with("100 %"));
     }
 
     #[test]

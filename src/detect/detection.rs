@@ -7,7 +7,7 @@ use crate::mesh::{Mesh, RepairReport};
 use crate::search::sign_network::SignPrediction;
 use crate::spectral::continuous_family::Orbits;
 use crate::verify::acceptance::{Judgement, TWINS};
-use crate::verify::outcome::{CONFIDENT, Outcome, outcome};
+use crate::verify::outcome::{ALONE, Outcome, outcome};
 use crate::verify::reason::{Reason, in_words};
 use std::sync::Arc;
 
@@ -215,9 +215,9 @@ fn is_empty(symmetry: &Symmetry) -> bool {
 fn doubt_about(best: &Symmetry, asked: usize) -> Reason {
     if 100.0 * best.plausibility < asked as f64 {
         Reason::LowPlausibility
-    } else if best.mean_confidence < CONFIDENT {
-        Reason::LowConfidence { mean: best.mean_confidence }
-    } else {
+    } else if best.coverage.paired_share < 1.0 - ALONE {
         Reason::FewPartners { share: best.coverage.paired_share }
+    } else {
+        Reason::LowConfidence { mean: best.mean_confidence }
     }
 }
