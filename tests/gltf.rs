@@ -544,6 +544,20 @@ fn other_formats_become_positions_and_triangles() {
 }
 
 #[test]
+fn a_mesh_far_away_keeps_its_numbers() {
+    // Numbers of single precision stay as they are; the others are as exact as the mesh is large.
+    let off = "OFF\n4 1 0\n500000.25 5400000.5 3\n500001.5 5400000 3\n500000 5400001 3.1\n0 0 0\n3 0 1 2\n";
+    let file = io::parse(Path::new("a.off"), off.as_bytes(), &Limits::default()).unwrap();
+    let path = folder("far").join("a.glb");
+    io::write_glb(&path, &file, &attributes(4)).unwrap();
+    assert_eq!(chunks(&path).0["nodes"][0]["translation"], json!([500000.75, 5400000.5, 0.0]));
+    let again = io::read(&path, &Limits::default()).unwrap().polygons.positions;
+    assert_eq!(again[..2], file.polygons.positions[..2]);
+    assert_eq!(again[3], [0.0; 3]);
+    assert!((again[2][2] - 3.1).abs() < 1e-6, "{again:?}");
+}
+
+#[test]
 fn formats_of_other_programs_name_the_way_out() {
     for (name, program) in [("a.fbx", "FBX"), ("a.USDZ", "USD"), ("a.blend", "Blender's .blend")] {
         let message = io::parse(Path::new(name), b"PK\x03\x04", &Limits::default()).unwrap_err().to_string();

@@ -201,18 +201,19 @@ pub fn write_ply(path: &Path, file: &MeshFile, attributes: &[VertexAttribute]) -
 /// Writes a binary glTF (`.glb`): the file's own content and the attributes.
 ///
 /// The content of a glTF is kept: only `COLOR_0`, and attributes of the same names, are replaced. An attribute `name` becomes `_NAME`
-/// of every primitive, as floats. Files beside a `.gltf`, but for its first buffer, stay beside it. Other formats give positions and
-/// triangles.
+/// of every primitive, as floats. Images beside a `.gltf` stay beside it. Other formats give positions, which are `float` from a
+/// node's place where they lie far from 0, and triangles.
 ///
 /// # Errors
-/// As [`write_ply`]; [`Error::Limit`] for more vertices than floats can number.
+/// As [`write_ply`], also for a mesh that `float` cannot hold: one of 1e39, or of 1e-31; [`Error::Limit`] for more vertices than floats
+/// can number.
 pub fn write_glb(path: &Path, file: &MeshFile, attributes: &[VertexAttribute]) -> Result<()> {
     check_counts(attributes, file.polygons.positions.len())?;
     let plain;
     let gltf = match &file.source {
         Source::Gltf(gltf) => gltf,
         _ => {
-            plain = GltfFile::of_polygons(&file.polygons)?;
+            plain = GltfFile::of_polygons(&file.polygons).map_err(|fault| fault.into_error(path))?;
             &plain
         }
     };

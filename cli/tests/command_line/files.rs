@@ -217,6 +217,41 @@ fn what_the_reader_skipped_is_said() {
     assert!(stdout(&output).contains("1 lines begin with a word that is not known"), "{}", stdout(&output));
 }
 
+/// [`MESH`] of another size, in another place.
+fn moved(scale: f64, [x, y, z]: [f64; 3]) -> String {
+    let place = |line: &str| {
+        let at: Vec<f64> = line.split(' ').map(|number| number.parse().unwrap()).collect();
+        format!("{:e} {:e} {:e}\n", x + scale * at[0], y + scale * at[1], z + scale * at[2])
+    };
+    let lines: Vec<&str> = MESH.lines().collect();
+    let vertices: String = lines[2..6].iter().map(|line| place(line)).collect();
+    format!("{}\n{}\n{vertices}{}\n", lines[0], lines[1], lines[6..].join("\n"))
+}
+
+#[test]
+fn a_glb_holds_the_shape_wherever_it_lies_or_is_refused() {
+    let folder = folder("far");
+    let extent = |file: &str| -> Vec<f64> {
+        let facts: serde_json::Value =
+            serde_json::from_slice(&done(&folder, &["info", file, "--json"]).stdout).unwrap();
+        facts["extent"].as_array().unwrap().iter().map(|value| value.as_f64().unwrap()).collect()
+    };
+    for scale in [0.05, 100.0] {
+        std::fs::write(folder.join("a.off"), moved(scale, [500_000.0, 5_400_000.0, 7.0])).unwrap();
+        done(&folder, &["detect", "a.off", "-o", "a.glb", "--map", "a.map", "--force"]);
+        let (was, is) = (extent("a.off"), extent("a.glb"));
+        let worst = was.iter().zip(&is).map(|(was, is)| (was - is).abs()).fold(0.0, f64::max);
+        assert!(worst < 1e-6 * scale, "{was:?} {is:?}");
+        done(&folder, &["detect", "a.glb", "--map", "b.map", "--force"]);
+        assert_eq!(numbers(&folder.join("a.map")), numbers(&folder.join("b.map")));
+    }
+    for (scale, place) in [(1e39, 0.0), (1e36, 1e39), (1e-100, 0.0)] {
+        std::fs::write(folder.join("b.off"), moved(scale, [place; 3])).unwrap();
+        let expected = ["single precision", "write a .ply"];
+        refused(&folder, &["detect", "b.off", "-o", "b.glb", "--plausibility", "0"], &expected);
+    }
+}
+
 #[test]
 fn a_glb_is_read_written_and_known_again() {
     let folder = with_meshes("glb", &["a.off"]);

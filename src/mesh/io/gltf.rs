@@ -2,7 +2,8 @@
 //! morph targets applied, as one mesh.
 //!
 //! Vertices are numbered through the file: by node, then primitive, then vertex; primitives of a node that share their vertices
-//! share their numbers. Positions are rounded to single precision, so that seams which an exporter split stay seams.
+//! share their numbers. Positions are rounded to single precision, from the mesh's own place where that is far away, so that seams which an
+//! exporter split stay seams.
 
 mod animation;
 mod data;
@@ -61,7 +62,11 @@ pub fn parse(path: &Path, bytes: &[u8], limits: &Limits, pose: Option<&Pose>) ->
     for (index, node) in document.nodes.iter().enumerate().filter(|(index, _)| scene.is_shown[*index]) {
         reader.node(index, node)?;
     }
-    let Reader { polygons, blocks, has_colours, skipped, .. } = reader;
+    let Reader { mut polygons, blocks, has_colours, skipped, .. } = reader;
+    let place = plain::place(&polygons);
+    for position in &mut polygons.positions {
+        *position = [0, 1, 2].map(|axis| f64::from((position[axis] - place[axis]) as f32) + place[axis]);
+    }
     let mut notes = Vec::new();
     if skipped > 0 {
         notes.push(format!("{skipped} primitives of points or lines were skipped."));
@@ -137,9 +142,12 @@ impl Reader<'_> {
             Some(joints) => self.bound(primitive, joints, count as usize)?,
             None => Vec::new(),
         };
-        let placed = numbers.as_chunks().0.iter().enumerate().map(|(vertex, &position)| {
-            scene::apply(bound.get(vertex).unwrap_or(world), position).map(|number| f64::from(number as f32))
-        });
+        let placed = numbers
+            .as_chunks()
+            .0
+            .iter()
+            .enumerate()
+            .map(|(vertex, &position)| scene::apply(bound.get(vertex).unwrap_or(world), position));
         self.polygons.positions.extend(placed);
         Ok(())
     }
