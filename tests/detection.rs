@@ -532,7 +532,7 @@ fn cancelling_at_any_report_stops_the_call_there() {
 }
 
 /// What comes of a detection of the blob that waits at the `last` start of a search for candidates until its time is over.
-fn out_of_time_at(last: usize, time_limit: usize) -> intrinsym::Result<Detection> {
+fn out_of_time_at(last: usize, time_limit: usize, plausibility: usize) -> intrinsym::Result<Detection> {
     let (start, count) = (Instant::now(), Cell::new(0));
     let callback = |stage: &str, _: f64| {
         count.set(count.get() + usize::from(stage == "candidates"));
@@ -542,21 +542,32 @@ fn out_of_time_at(last: usize, time_limit: usize) -> intrinsym::Result<Detection
         }
     };
     let progress = Progress::new(Some(&callback), CancelToken::default());
-    detect(&validated(&example("blob")), &Options { time_limit, ..Options::default() }, &progress)
+    let options = Options { time_limit, plausibility, ..Options::default() };
+    detect(&validated(&example("blob")), &options, &progress)
 }
 
 #[test]
 fn time_that_ends_before_any_answer_is_an_error_that_names_the_stage() {
-    let error = out_of_time_at(1, 1).unwrap_err();
+    let error = out_of_time_at(1, 1, 0).unwrap_err();
     assert!(matches!(error, Error::TimeLimit { stage: "candidates" | "refining" }), "{error}");
 }
 
 #[test]
 fn time_that_ends_in_a_larger_plan_leaves_the_answer_of_the_smaller_one() {
-    let found = out_of_time_at(2, 5).unwrap();
-    assert_ne!(found.outcome, Outcome::Found);
+    let found = out_of_time_at(2, 5, 0).unwrap();
+    assert_eq!((found.outcome, found.symmetries.len()), (Outcome::Doubtful, 1));
     assert_eq!(found.report.reasons.iter().filter(|reason| **reason == Reason::TimeLimit).count(), 1);
     assert!(found.report.judged.is_some());
+}
+
+#[test]
+fn time_that_ends_where_a_smaller_plan_found_nothing_is_no_answer() {
+    let found = out_of_time_at(2, 5, 50);
+    assert!(
+        matches!(found, Err(Error::TimeLimit { stage: "candidates" })),
+        "{:?}",
+        found.map(|it| it.outcome)
+    );
 }
 
 #[test]

@@ -19,6 +19,7 @@ use crate::mesh::vector::{squared_norm, subtract};
 use crate::mesh::{Mesh, Shell};
 use crate::search::sign_network::SignNetwork;
 use crate::verify::outcome::{CONFIDENT, Outcome};
+use crate::verify::reason::Reason;
 
 /// A mirror plane in space, or one shell's mirrored connectivity, from whose [`Detection::worth`] on it is the answer, and nothing is searched.
 const ENOUGH: f64 = 0.9;
@@ -33,7 +34,7 @@ const ROUNDS: usize = 3;
 /// the surface and two of them are twins; every other shell is then given its partner.
 ///
 /// # Errors
-/// [`crate::Error::Option`], [`crate::Error::File`], [`crate::Error::Model`], [`crate::Error::Limit`], [`crate::Error::TimeLimit`], [`crate::Error::Cancelled`],
+/// [`crate::Error::Option`], [`crate::Error::Model`], [`crate::Error::Limit`], [`crate::Error::TimeLimit`], [`crate::Error::Cancelled`],
 /// [`crate::Error::Internal`].
 pub fn detect(mesh: &Mesh, options: &Options, progress: &Progress) -> Result<Detection> {
     options.validate()?;
@@ -59,11 +60,20 @@ pub fn detect_by(
     let canonical = mesh.canonical();
     clock.lap("shells");
     let found = Question::new(mesh, &canonical, options, mechanisms, progress, &mut clock)
-        .and_then(|question| answer(&question, plans, &mut clock));
+        .and_then(|question| answer(&question, plans, &mut clock))
+        .map(|best| best.without_empty(options.plausibility))
+        .and_then(
+            |best| if best.report.reasons.contains(&Reason::TimeLimit) { late(best) } else { Ok(best) },
+        );
     let mut best = progress.name_stage(found)?;
     progress.done()?;
     best.report.seconds = clock.laps;
-    Ok(best.without_empty(options.plausibility))
+    Ok(best)
+}
+
+/// What was found until time ended the search: doubtful, or no answer at all.
+fn late(best: Detection) -> Result<Detection> {
+    if best.symmetries.is_empty() { Err(Error::TimeLimit { stage: "" }) } else { Ok(best.out_of_time()) }
 }
 
 /// The mirror plane's answer, or that of a search, if it is worth more and speaks of no less of the surface, or leaves no doubts and moves far more.
@@ -141,7 +151,7 @@ fn of_parts(
                 rests = smaller;
             }
             Ok(None) => break,
-            Err(Error::TimeLimit { .. }) => return Ok(best.out_of_time()),
+            Err(Error::TimeLimit { .. }) => return late(best),
             Err(error) => return Err(error),
         }
     }
@@ -177,7 +187,7 @@ fn of_rest(
 /// The later of two answers if it is worth more and gives partners to no less of the surface; the earlier one, as doubtful, if time ended the other.
 fn better(earlier: Option<Detection>, later: Result<Detection>) -> Result<Detection> {
     match (earlier, later) {
-        (Some(earlier), Err(Error::TimeLimit { .. })) => Ok(earlier.out_of_time()),
+        (Some(earlier), Err(Error::TimeLimit { .. })) => late(earlier),
         (Some(earlier), Ok(later)) if !later.is_worth_more(&earlier) => Ok(earlier),
         (_, later) => later,
     }
@@ -217,7 +227,7 @@ fn of_shells(
         let found = match (follow(), best.take()) {
             // What a smaller plan has answered stands.
             (Err(Error::Limit { .. }), Some(best)) => return Ok((best, Vec::new())),
-            (Err(Error::TimeLimit { .. }), Some(best)) => return Ok((best.out_of_time(), Vec::new())),
+            (Err(Error::TimeLimit { .. }), Some(best)) => return late(best).map(|best| (best, Vec::new())),
             (found, earlier) => {
                 best = earlier;
                 found?
@@ -243,7 +253,7 @@ fn of_shells(
         (Some(symmetry), Some(solved)) if may_be_partial(symmetry) => {
             let excess = Excess::of(&joined.shells[0], domain.searched(), solved.proxy.as_ref());
             match excess.rests(question.mesh, symmetry, !best.is_settled(), question.progress) {
-                Err(Error::TimeLimit { .. }) => return Ok((best.out_of_time(), Vec::new())),
+                Err(Error::TimeLimit { .. }) => return late(best).map(|best| (best, Vec::new())),
                 rests => rests?,
             }
         }
