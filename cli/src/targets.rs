@@ -27,12 +27,16 @@ pub struct Claims {
 }
 
 impl Claims {
-    /// Of files that are read and must stay.
+    /// Of files that are read and must stay, as the buffers beside a glTF.
     pub fn of_inputs<'a>(inputs: impl IntoIterator<Item = &'a PathBuf>) -> Claims {
         let mut claims = Claims { uses: HashMap::new(), folders: HashMap::new() };
         for input in inputs.into_iter().filter(|input| !is_stream(input)) {
             let key = claims.identity(input);
             claims.uses.insert(key, format!("the input {}", input.display()));
+            for buffer in io::buffer_files(input) {
+                let key = claims.identity(&buffer);
+                claims.uses.insert(key, format!("the input {} of {}", buffer.display(), input.display()));
+            }
         }
         claims
     }

@@ -15,7 +15,7 @@ use crate::base::atomic_file::write_atomically;
 use crate::base::error::{Error, Result};
 use crate::base::limits::Limits;
 use gltf::GltfFile;
-pub use gltf::{GLB_MARK, Pose};
+pub use gltf::{GLB_MARK, Pose, buffer_files};
 pub use ply::PLY_MARK;
 use ply::PlyFile;
 use scanner::Fault;

@@ -80,6 +80,36 @@ fn no_input_is_overwritten_even_by_force() {
 }
 
 #[test]
+fn the_buffer_of_a_gltf_is_an_input() {
+    let folder = folder("buffer");
+    let buffer: Vec<u8> = [[0f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+        .concat()
+        .iter()
+        .flat_map(|number| number.to_le_bytes())
+        .collect();
+    std::fs::write(folder.join("b c.bin"), &buffer).unwrap();
+    let gltf = r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+        "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"uri":"b%20c.bin","byteLength":36}]}"#;
+    std::fs::write(folder.join("a.gltf"), gltf).unwrap();
+    let mut glb = [&b"glTF\x02\0\0\0"[..], &(20 + gltf.len() as u32).to_le_bytes()].concat();
+    glb.extend([&(gltf.len() as u32).to_le_bytes(), &b"JSON"[..], gltf.as_bytes()].concat());
+    std::fs::write(folder.join("a.glb"), glb).unwrap();
+    for input in ["a.gltf", "a.glb"] {
+        done(&folder, &["info", input]);
+        let expected = format!("the input b c.bin of {input}");
+        refused(
+            &folder,
+            &["detect", input, "--map", "b c.bin", "--force"],
+            &["b c.bin would be both", &expected],
+        );
+    }
+    refused(&folder, &["detect", "a.gltf", "--json", "./b c.bin", "--force"], &["b c.bin would be both"]);
+    assert_eq!(std::fs::read(folder.join("b c.bin")).unwrap(), buffer);
+}
+
+#[test]
 fn a_strangers_file_is_replaced_only_by_force() {
     let folder = with_meshes("strangers", &["a.off"]);
     for (flag, name) in

@@ -23,6 +23,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::path::Path;
 
+pub use data::buffer_files;
 pub use write::{GLB_MARK, GltfFile};
 
 /// A moment of an animation.

@@ -3,10 +3,13 @@
 use super::document::{Buffer, Document, get};
 use crate::base::limits::Limits;
 use crate::mesh::io::ply::Scalar;
-use crate::mesh::io::read_limited;
 use crate::mesh::io::scanner::{Fault, quote};
+use crate::mesh::io::{Format, read_limited};
+use serde::Deserialize;
 use std::borrow::Cow;
-use std::path::{Component, Path};
+use std::fs::File;
+use std::io::Read;
+use std::path::{Component, Path, PathBuf};
 
 /// Buffers by number; one without data is a fault only where it is used.
 pub type Buffers<'a> = Vec<Option<Cow<'a, [u8]>>>;
@@ -47,15 +50,48 @@ fn of_uri(uri: &str, path: &Path, limits: &Limits) -> Result<Vec<u8>, Fault> {
             Fault::new(format!("the buffer {shown} is not base64 text; export the file again"))
         });
     }
-    let name = percent_decoded(uri).unwrap_or_default();
-    let is_below = !name.contains(':')
-        && Path::new(&name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    if name.is_empty() || !is_below {
-        return Err(Fault::new(format!(
+    match file_of(uri, path) {
+        Some(file) => Ok(read_limited(&file, limits)?),
+        None => Err(Fault::new(format!(
             "the buffer {shown} is not a file beside the mesh or below; export it as .glb, which is one file"
-        )));
+        ))),
     }
-    Ok(read_limited(&path.with_file_name(name), limits)?)
+}
+
+/// The file beside `path` or below that a buffer's URI names.
+fn file_of(uri: &str, path: &Path) -> Option<PathBuf> {
+    let name = percent_decoded(uri).filter(|name| !name.is_empty() && !name.contains(':'))?;
+    let mut parts = Path::new(&name).components();
+    let is_below = parts.all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    is_below.then(|| path.with_file_name(name))
+}
+
+/// The files beside a glTF, or below, that its buffers are read from; none for other files, and where it cannot be read.
+pub fn buffer_files(path: &Path) -> Vec<PathBuf> {
+    #[derive(Deserialize)]
+    struct Buffers {
+        buffers: Vec<Buffer>,
+    }
+    let json = json_of(path).unwrap_or_default();
+    let found = serde_json::from_slice(json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&json));
+    let buffers = found.map_or(Vec::new(), |Buffers { buffers }| buffers);
+    buffers.iter().filter_map(|buffer| file_of(buffer.uri.as_ref()?, path)).collect()
+}
+
+/// The JSON of a glTF, without the rest of a `.glb`; nothing of other files.
+fn json_of(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut file = File::open(path)?;
+    let mut bytes = Vec::new();
+    file.by_ref().take(20).read_to_end(&mut bytes)?;
+    match bytes[..] {
+        [b'g', b'l', b'T', b'F', _, _, _, _, _, _, _, _, a, b, c, d, _, _, _, _] => {
+            bytes.clear();
+            file.take(u32::from_le_bytes([a, b, c, d]).into()).read_to_end(&mut bytes)?;
+        }
+        _ if Format::of_extension(path) == Some(Format::Gltf) => drop(file.read_to_end(&mut bytes)?),
+        _ => bytes.clear(),
+    }
+    Ok(bytes)
 }
 
 fn percent_decoded(text: &str) -> Option<String> {
