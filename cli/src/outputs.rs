@@ -127,7 +127,10 @@ impl Outputs {
                         write_atomically(&path, |file| file.write_all(&png))?;
                     }
                     Kind::Json => {
-                        let report = report::json(input, detection, &arguments.options(), &written)?;
+                        let mut left_over = self.left_over(&written);
+                        left_over.retain(|file| *file != path);
+                        let report =
+                            report::json(input, detection, &arguments.options(), &written, &left_over)?;
                         write_atomically(&path, |file| file.write_all(format!("{report:#}\n").as_bytes()))?;
                     }
                 }

@@ -5,8 +5,7 @@ use crate::arguments::Kind;
 use crate::picture;
 use intrinsym::io;
 use serde_json::Value;
-use std::collections::HashMap;
-use std::ffi::{OsStr, OsString};
+use std::collections::{HashMap, HashSet};
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -87,23 +86,25 @@ fn is_stream(path: &Path) -> bool {
 
 /// What shows that this program wrote a file.
 pub struct Evidence {
-    /// Names of the files of an earlier run, by its report.
-    listed: Vec<OsString>,
+    /// The files of an earlier run, and those that it saw left by others, by its report.
+    listed: HashSet<PathBuf>,
 }
 
 impl Evidence {
-    /// That of the report of an earlier run, if there is one.
+    /// That of the report of an earlier run, if there is one. It speaks of the files where that run wrote them: a copy of it says nothing
+    /// of those beside it.
     pub fn of_report(path: Option<&Path>) -> Evidence {
-        let files = path.and_then(report).map(|report| report["files"].clone());
-        let names = files.as_ref().and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str);
-        let listed = names.filter_map(|name| Path::new(name).file_name()).map(OsStr::to_os_string).collect();
-        Evidence { listed }
+        let report = path.and_then(report).unwrap_or_default();
+        let folder = Path::new(report["folder"].as_str().unwrap_or_default());
+        let lists = [&report["files"], &report["left_over"]].into_iter().filter_map(Value::as_array);
+        let files = lists.flatten().filter_map(Value::as_str).map(|file| folder.join(file));
+        Evidence { listed: files.filter_map(|file| fs::canonicalize(file).ok()).collect() }
     }
 
     /// Whether an existing file is a result of an earlier run: a PLY, GLB or PNG that says so, a report, or a file that the report lists,
     /// as maps must be, which hold nothing but numbers. Nothing is lost with an empty file or a pipe.
     pub fn is_ours(&self, kind: Kind, path: &Path) -> bool {
-        let is_listed = || path.file_name().is_some_and(|name| self.listed.iter().any(|own| own == name));
+        let is_listed = || fs::canonicalize(path).is_ok_and(|path| self.listed.contains(&path));
         let by_content = || match kind {
             Kind::Map => false,
             Kind::Ply => starts_with(path, io::PLY_MARK),

@@ -155,6 +155,35 @@ fn results_of_an_earlier_run_are_replaced_and_those_that_stay_are_named() {
 }
 
 #[test]
+fn results_that_two_runs_have_left_are_replaced_by_a_third() {
+    let folder = with_meshes("left_twice", &["a.off"]);
+    let run = |most: &str| {
+        done(&folder, &["detect", "a.off", "--map", "w.map", "--json", "w.json", "--symmetries", most])
+    };
+    run("3");
+    assert!(folder.join("w_3.map").is_file(), "three symmetries are needed here: {:?}", names(&folder));
+    run("1");
+    let output = run("2");
+    assert!(stdout(&output).contains("left by an earlier run: w_3.map"), "{}", stdout(&output));
+    run("3");
+}
+
+#[test]
+fn a_report_that_was_copied_speaks_of_the_files_where_it_was_written() {
+    let folder = with_meshes("copied_report", &["a.off"]);
+    let both = ["detect", "a.off", "--map", "x.map", "--json", "x.json"];
+    done(&folder, &both);
+    let other = folder.join("other");
+    std::fs::create_dir(&other).unwrap();
+    for file in ["a.off", "x.json"] {
+        std::fs::copy(folder.join(file), other.join(file)).unwrap();
+    }
+    std::fs::write(other.join("x.map"), "1\n0\n2\n3\n").unwrap();
+    refused(&other, &both, &["x.map exists, and nothing shows that an earlier run wrote it"]);
+    done(&folder, &["detect", "a.off", "--map", "./x.map", "--json", "../copied_report/x.json"]);
+}
+
+#[test]
 fn a_map_that_no_report_lists_is_a_strangers() {
     let folder = with_meshes("lone_map", &["a.off"]);
     done(&folder, &["detect", "a.off", "--map", "a.map"]);
