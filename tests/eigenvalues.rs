@@ -6,7 +6,8 @@ use faer::Mat;
 use intrinsym::internals::spectral::dense::product;
 use intrinsym::internals::spectral::eigenbasis::Eigenbasis;
 use intrinsym::internals::spectral::laplacian::IntrinsicSurface;
-use intrinsym::{PolygonMesh, Progress};
+use intrinsym::{CancelToken, Error, PolygonMesh, Progress};
+use std::cell::{Cell, RefCell};
 use std::f64::consts::PI;
 use support::{creature, example, icosphere, rectangle, validated};
 
@@ -161,4 +162,29 @@ fn eigen_answers_in_the_callers_numbering_and_leaves_other_shells_out() {
         let squares = (0..first).map(|i| eigen.lumped_mass[i] * eigen.eigenfunctions[8 * i + j].powi(2));
         assert!((squares.sum::<f64>() - 1.0).abs() < 1e-9);
     }
+}
+
+#[test]
+fn eigen_can_be_cancelled_from_its_first_step_on() {
+    let mesh = validated(&icosphere(3));
+    let cancelled_at = |last: usize| {
+        let (token, reports) = (CancelToken::default(), Cell::new(0));
+        let count = |_: &str, _: f64| {
+            reports.set(reports.get() + 1);
+            if reports.get() == last {
+                token.cancel();
+            }
+        };
+        let found = intrinsym::eigen(&mesh, 8, &Progress::new(Some(&count), token.clone()));
+        (found.map(|_| ()), reports.get())
+    };
+    // Before the shells, the Laplacian, the factor's structure, and the factor.
+    for last in 1..=4 {
+        assert!(matches!(cancelled_at(last), (Err(Error::Cancelled), reports) if reports == last));
+    }
+    let mut stages = Vec::new();
+    let stage = RefCell::new(&mut stages);
+    let note = |name: &str, _: f64| stage.borrow_mut().push(name.to_string());
+    intrinsym::eigen(&mesh, 8, &Progress::new(Some(&note), CancelToken::default())).unwrap();
+    assert_eq!(stages[..4], ["shells", "laplacian", "eigenfunctions", "eigenfunctions"]);
 }

@@ -37,6 +37,7 @@ fn compute(arguments: &Arguments, token: &CancelToken) -> Result<String> {
     };
     let progress = Progress::new(Some(&show), token.clone());
     let limits = arguments.common.limits();
+    progress.report("reading", 0.0)?;
     let file = arguments.common.read(&arguments.input)?;
     let mesh = Mesh::new(&file.polygons, &limits)?;
     let result = eigen(&mesh, usize::from(arguments.count), &progress)?;

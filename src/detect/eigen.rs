@@ -24,7 +24,9 @@ pub struct Eigen {
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
 pub fn eigen(mesh: &Mesh, count: usize, progress: &Progress) -> Result<Eigen> {
+    progress.report("shells", 0.0)?;
     let shells = mesh.shells();
+    progress.report("laplacian", 0.02)?;
     let surface = IntrinsicSurface::new(&shells[0]);
     let basis = Eigenbasis::exact(&surface, count, progress)?;
     let mut local = vec![NONE; mesh.positions.len()];

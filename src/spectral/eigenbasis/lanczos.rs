@@ -40,7 +40,9 @@ pub fn eigenpairs(
     tolerance: f64,
     progress: &Progress,
 ) -> Result<RitzPairs> {
+    progress.report("eigenfunctions", 0.04)?;
     let analysis = Analysis::new(stiffness)?;
+    progress.report("eigenfunctions", 0.07)?;
     let operator = ShiftInvert::new(&analysis, stiffness, mass, super::SHIFT)?;
     progress.report("eigenfunctions", 0.1)?;
     Ok(operator.in_vertex_order(lanczos(&operator, count, tolerance, progress)?))
