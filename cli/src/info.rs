@@ -2,7 +2,7 @@
 
 use crate::Ending;
 use crate::arguments::Info;
-use crate::summary::{counted, repairs};
+use crate::summary::{counted, measure, repairs};
 use crate::terminal;
 use intrinsym::internals::mesh::vector::triangle_area;
 use intrinsym::io::MeshFile;
@@ -51,16 +51,16 @@ fn json_facts(name: &str, file: &MeshFile, mesh: &Mesh) -> Value {
 }
 
 fn text_facts(file: &MeshFile, mesh: &Mesh) -> String {
-    let [width, depth, height] = extent(mesh);
+    let [width, depth, height] = extent(mesh).map(measure);
     let mut lines = vec![
         format!(
-            "{:?}, {} vertices, {} faces ({} triangles)",
+            "{:?}, {} vertices, {} ({})",
             file.format,
             mesh.point_of_vertex.len(),
-            mesh.face_count,
-            mesh.triangles.len()
+            counted(mesh.face_count, "face"),
+            counted(mesh.triangles.len(), "triangle")
         ),
-        format!("extent {width:.6} x {depth:.6} x {height:.6}, area {:.6}", mesh.unit_length.powi(2)),
+        format!("extent {width} x {depth} x {height}, area {}", measure(mesh.unit_length.powi(2))),
         counted(mesh.shell_count, "shell"),
     ];
     let shells = shell_facts(mesh);
@@ -103,8 +103,10 @@ impl ShellFacts {
         };
         let orientable = if self.orientable { "" } else { ", not orientable" };
         format!(
-            "{} points, {} triangles, area {:.6}, {boundary}{orientable}",
-            self.points, self.triangles, self.area
+            "{} points, {}, area {}, {boundary}{orientable}",
+            self.points,
+            counted(self.triangles, "triangle"),
+            measure(self.area)
         )
     }
 }

@@ -9,10 +9,10 @@ use std::path::Path;
 pub fn detection(input: &Path, mesh: &Mesh, detection: &Detection) -> String {
     let report = &detection.report;
     let mut text = format!(
-        "{}: {} vertices, {} faces, {}\n",
+        "{}: {} vertices, {}, {}\n",
         input.display(),
         report.vertices,
-        report.faces,
+        counted(report.faces, "face"),
         counted(report.shells, "shell")
     );
     let outcome = if detection.outcome == Outcome::Doubtful { "doubtful" } else { "found" };
@@ -36,7 +36,7 @@ pub fn detection(input: &Path, mesh: &Mesh, detection: &Detection) -> String {
         if symmetry.kind == SymmetryKind::Reflection {
             let length = curve_length(mesh, &symmetry.fixed_curve);
             let pieces = counted(symmetry.fixed_curve.len(), "piece");
-            let _ = writeln!(text, "    fixed curve {length:.6} long, in {pieces}");
+            let _ = writeln!(text, "    fixed curve {} long, in {pieces}", measure(length));
         }
     }
     if detection.symmetries.is_empty() {
@@ -106,6 +106,11 @@ pub fn repairs(repairs: &RepairReport) -> Vec<String> {
 /// "1 shell", "2 shells".
 pub fn counted(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+/// A length or an area in the caller's unit: six decimals, or as many digits of what is smaller or huge.
+pub fn measure(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e9).contains(&value) { format!("{value:.6}") } else { format!("{value:.6e}") }
 }
 
 /// One line about one of many inputs.

@@ -12,6 +12,16 @@ fn info_lists_the_shells() {
 }
 
 #[test]
+fn info_shows_a_small_mesh_with_its_digits() {
+    let path = folder("small").join("triangle.off");
+    std::fs::write(&path, "OFF\n3 1 0\n0 0 0\n2e-9 0 0\n0 3e-9 0\n3 0 1 2\n").unwrap();
+    let text = stdout(&run(&["info".as_ref(), path.as_os_str()]));
+    assert!(text.contains("3 vertices, 1 face (1 triangle)\n"), "{text}");
+    assert!(text.contains("extent 2.000000e-9 x 3.000000e-9 x 0.000000, area 3.000000e-18\n"), "{text}");
+    assert!(text.contains("3 points, 1 triangle, area 3.000000e-18, 3 boundary edges"), "{text}");
+}
+
+#[test]
 fn info_as_json_holds_counts_and_lengths_in_the_files_unit() {
     let folder = folder("info");
     let path = folder.join("quad.off");
