@@ -505,7 +505,7 @@ isym_status isym_mesh_connectivity_hash(const isym_mesh *mesh,
 /// @param options NULL for the defaults.
 /// @param progress NULL: nothing is reported, and nobody can cancel.
 /// @param[out] result Free it with `isym_result_free`.
-/// @return `ISYM_OK`, `ISYM_ERROR_CANCELLED`, `ISYM_ERROR_CALLBACK`, `ISYM_ERROR_LIMIT`; `ISYM_ERROR_FILE` or
+/// @return `ISYM_OK`, `ISYM_ERROR_CANCELLED`, `ISYM_ERROR_CALLBACK`, `ISYM_ERROR_LIMIT`;
 /// `ISYM_ERROR_MODEL`, with a sign network of your own.
 ISYM_API
 isym_status isym_mesh_detect(const isym_mesh *mesh,

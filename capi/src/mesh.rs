@@ -325,7 +325,7 @@ pub unsafe extern "C" fn isym_mesh_connectivity_hash(mesh: *const isym_mesh, has
 /// @param options NULL for the defaults.
 /// @param progress NULL: nothing is reported, and nobody can cancel.
 /// @param[out] result Free it with `isym_result_free`.
-/// @return `ISYM_OK`, `ISYM_ERROR_CANCELLED`, `ISYM_ERROR_CALLBACK`, `ISYM_ERROR_LIMIT`; `ISYM_ERROR_FILE` or
+/// @return `ISYM_OK`, `ISYM_ERROR_CANCELLED`, `ISYM_ERROR_CALLBACK`, `ISYM_ERROR_LIMIT`;
 /// `ISYM_ERROR_MODEL`, with a sign network of your own.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn isym_mesh_detect(

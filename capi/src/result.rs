@@ -563,7 +563,9 @@ impl Stored {
         let (count, partner) = (self.partners.len(), self.partners[vertex]);
         let (confidence, side) = (self.confidences[vertex], self.sides[vertex]);
         if partner != ISYM_NONE && partner as usize >= count {
-            return Err(wrong(format!("the partner {partner}; there are {count} vertices")));
+            // As hosts write it, to whom `ISYM_NONE` is -1: no mesh has so many vertices.
+            let shown = partner.cast_signed();
+            return Err(wrong(format!("the partner {shown}; there are {count} vertices")));
         }
         if !(0.0..=1.0).contains(&confidence) {
             return Err(wrong(format!("the confidence {confidence}, outside 0..=1")));

@@ -136,6 +136,8 @@ def test_a_stored_map_can_be_used_again(quadruped, symmetry):
     assert np.array_equal(again.partner, symmetry.partner)
     with pytest.raises(intrinsym.ArgumentError, match="3398"):
         quadruped.restore(symmetry.kind, np.full(3398, 3398), *stored[2:])
+    with pytest.raises(intrinsym.ArgumentError, match="vertex 0 has the partner -2; there are 3398"):
+        quadruped.restore(symmetry.kind, np.full(3398, -2), *stored[2:])
 
 
 def test_a_deformed_shape_keeps_its_map_and_another_shape_does_not(quadruped, detection, symmetry):

@@ -25,6 +25,7 @@ FACES = np.array([[0, 1, 2], [0, 2, 3]])
         (np.zeros((0, 3)), np.zeros((0, 3), int), MeshError, "no vertices"),
         (POINTS[:, :2], FACES, ArgumentError, r"vertices has the shape \(4, 2\)"),
         (POINTS, FACES[:, :2], ArgumentError, r"faces has the shape \(2, 2\)"),
+        (POINTS, [[0, 1, 2], [0, 2, 3, 1]], ArgumentError, "face is no array: .*inhomogeneous"),
         (POINTS, FACES.astype(float), ArgumentError, "float64; whole numbers"),
         (POINTS.astype(complex), FACES, ArgumentError, "complex128; real numbers"),
         (POINTS, intrinsym.Polygons([0, 3, 2], [0, 1, 2]), MeshError, "face offsets decrease after face 1"),
@@ -51,7 +52,7 @@ def test_meshes(vertices, faces, error, text):
         ({"effort": "hard"}, OptionError, "one of fast, default, thorough"),
         ({"known_signs": [1, 2]}, OptionError, "known_signs"),
         ({"known_signs": [1, 300]}, ArgumentError, "known_signs"),
-        ({"model": "no/such.onnx"}, (ModelError, MeshFileError), "no/such.onnx"),
+        ({"model": "no/such.onnx"}, ModelError, "no/such.onnx: cannot be read"),
     ],
 )
 def test_options(quadruped, arguments, error, text):
@@ -90,6 +91,8 @@ def test_tools(symmetry):
         symmetry.mirror_selection(np.zeros(3398), minimum_confidence=2)
     with pytest.raises(ArgumentError, match="ISYM_MERGE_"):
         symmetry.mirror_values(np.zeros(3398), 9)
+    with pytest.raises(ArgumentError, match="merge is 'swap', which is no Merge"):
+        symmetry.mirror_values(np.zeros(3398), "swap")
 
 
 @pytest.mark.parametrize("count", [0, -1, 1001])

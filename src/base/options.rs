@@ -178,12 +178,12 @@ impl Options {
     /// Refuses the first option outside its range, and a model that cannot be read, whether or not the mesh needs one.
     ///
     /// # Errors
-    /// [`Error::Option`], [`Error::File`].
+    /// [`Error::Option`], [`Error::Model`].
     pub fn validate(&self) -> Result<()> {
         OPTIONS.iter().zip(self.values()).try_for_each(|(spec, value)| spec.check(value))?;
         if let Some(path) = self.model.as_ref().filter(|_| self.network) {
             let failed =
-                |fault: std::io::Error| Error::File { path: path.clone(), message: fault.to_string() };
+                |fault: std::io::Error| Error::Model(format!("{}: cannot be read: {fault}", path.display()));
             std::fs::File::open(path).map_err(failed)?;
         }
         match self.known_signs.iter().find(|sign| !(-1..=1).contains(*sign)) {

@@ -73,7 +73,7 @@ impl PreparedShell {
 /// Empty if the caller wants no network and knows nothing.
 ///
 /// # Errors
-/// [`crate::Error::Model`] or [`crate::Error::File`] if a model of the caller's own cannot be used.
+/// [`crate::Error::Model`] if a model of the caller's own cannot be used.
 pub fn signs(
     surface: &IntrinsicSurface,
     basis: &Eigenbasis,

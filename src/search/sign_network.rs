@@ -97,11 +97,15 @@ impl SignNetwork {
     /// variable `ORT_DYLIB_PATH` names, or that the system finds; it is chosen once a process.
     ///
     /// # Errors
-    /// [`Error::File`] if the file cannot be read, [`Error::Limit`] if it is too large, [`Error::Model`] if it is no
-    /// such model, there is no ONNX Runtime, or this library was built without the feature `onnx`.
+    /// [`Error::Limit`] if the file is too large, [`Error::Model`] if it cannot be read or is no such model, there is no
+    /// ONNX Runtime, or this library was built without the feature `onnx`.
     pub fn from_file(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let model = own_model(&read_limited(path, &Limits::default())?);
+        let bytes = read_limited(path, &Limits::default()).map_err(|error| match error {
+            Error::File { .. } => Error::Model(error.to_string()),
+            other => other,
+        })?;
+        let model = own_model(&bytes);
         model.map(Self).map_err(|message| Error::Model(format!("{}: {message}", path.display())))
     }
 

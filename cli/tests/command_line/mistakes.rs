@@ -56,6 +56,13 @@ fn a_missing_file_is_named() {
 }
 
 #[test]
+fn a_model_that_cannot_be_read_is_named() {
+    let input = example("quadruped.ply");
+    let arguments = ["detect", input.to_str().unwrap(), "--model", "no/such.onnx"];
+    refused(&arguments, "the sign network's model cannot be used: no/such.onnx: cannot be read");
+}
+
+#[test]
 #[cfg(feature = "onnx")]
 fn a_model_of_ones_own_needs_onnx_runtime() {
     let model = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/signnet.onnx");

@@ -30,7 +30,10 @@ def plain(values: ArrayLike, name: str) -> NDArray[Any]:
     if masked > 0:
         text = f"{name} has {masked} masked entries; fill or remove them, for instance with filled()"
         raise ArgumentError(text, ERROR_VALUE)
-    return np.asarray(values)
+    try:
+        return np.asarray(values)
+    except ValueError as fault:
+        raise ArgumentError(f"{name} is no array: {fault}", ERROR_LENGTH) from None
 
 
 def points(values: ArrayLike, name: str) -> NDArray[Any]:
@@ -84,6 +87,14 @@ def count(value: int, name: str) -> int:
     if not 0 <= number <= _LARGEST_INDEX:
         raise ArgumentError(f"{name} is {number}, which is no count", ERROR_INDEX)
     return number
+
+
+def constant(value: int, name: str) -> int:
+    """The number of a constant of the library, which checks whether it has such a one."""
+    try:
+        return operator.index(value)
+    except TypeError:
+        raise ArgumentError(f"{name} is {value!r}, which is no {name.capitalize()}", ERROR_VALUE) from None
 
 
 def exactly(values: ArrayLike, shape: tuple[int, ...], kind: type[Number], name: str) -> NDArray[Number]:

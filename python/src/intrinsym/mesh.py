@@ -252,7 +252,7 @@ class Mesh:
             _arrays.exactly(surface_points.barycentrics, (count, 3), np.float32, "barycentrics"),
         ]
         restore = LIBRARY.isym_result_restore
-        result = new_handle("result", restore, self._handle.pointer, int(kind), *arrays, count)
+        result = new_handle("result", restore, self._handle.pointer, _arrays.constant(kind, "kind"), *arrays, count)
         return Symmetry(result, 0, self)
 
 

@@ -303,4 +303,4 @@ class Symmetry:
 
 
 def _mirroring(merge: Merge, minimum_confidence: float, weight_by_confidence: bool) -> Mirroring:
-    return Mirroring(int(merge), minimum_confidence, int(weight_by_confidence))
+    return Mirroring(_arrays.constant(merge, "merge"), minimum_confidence, int(weight_by_confidence))
