@@ -262,6 +262,15 @@ pub(crate) fn read_limited(path: &Path, limits: &Limits) -> Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// The note of how many attributes of which kind a reader has skipped, if any.
+fn skipped_attributes(counts: &[(usize, &str)]) -> Option<String> {
+    let plural = |count: usize| if count == 1 { "" } else { "s" };
+    let skipped = counts.iter().filter(|&&(count, _)| count > 0);
+    let named: Vec<String> =
+        skipped.map(|&(count, what)| format!("{count} {what}{}", plural(count))).collect();
+    (!named.is_empty()).then(|| format!("Skipped, and not in what is written: {}.", named.join(", ")))
+}
+
 /// Ends a face after the corners pushed so far.
 fn close_face(polygons: &mut PolygonMesh) -> Result<(), Fault> {
     let corners = polygons.face_vertices.len() as u64;

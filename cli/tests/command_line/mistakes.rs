@@ -89,6 +89,12 @@ fn a_bad_mesh_names_the_file_and_the_element() {
 fn limits_can_be_set_and_say_what_was_found() {
     let path = example("blob.ply");
     refused(&["info", path.to_str().unwrap(), "--max-vertices", "100"], "3174 exceeds the limit of 100");
+    let path = folder("limits").join("a.obj");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nf 1 2 3\nv 0 1 0\n v 0 0 1\nvn 0 0 1\nf 1 2 4\nf 1 3 4\n")
+        .unwrap();
+    let path = path.to_str().unwrap();
+    refused(&["info", path, "--max-vertices", "1"], "the number of vertices 4 exceeds the limit of 1");
+    refused(&["info", path, "--max-faces", "1"], "the number of faces 3 exceeds the limit of 1");
 }
 
 #[test]

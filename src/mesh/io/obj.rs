@@ -1,7 +1,7 @@
-//! OBJ (Wavefront): vertices and polygons; groups, materials, normals and texture coordinates are skipped.
+//! OBJ (Wavefront): vertices and polygons; groups are skipped, and materials, normals, texture coordinates and colours with a note.
 
 use super::scanner::{Fault, Scanner, parse_integer, quote};
-use super::{Format, MeshFile, PolygonMesh, close_face};
+use super::{Format, MeshFile, PolygonMesh, close_face, skipped_attributes};
 use crate::base::limits::Limits;
 
 /// Whether a statement says nothing of the surface, or of how it looks.
@@ -9,8 +9,7 @@ use crate::base::limits::Limits;
 fn is_skipped(word: &[u8]) -> bool {
     matches!(
         word,
-        b"vt" | b"vn" | b"vp" | b"g" | b"o" | b"s" | b"mg" | b"mtllib" | b"usemtl"
-            | b"maplib" | b"usemap" | b"cstype" | b"deg" | b"bmat" | b"step" | b"parm" | b"trim" | b"hole"
+        b"vp" | b"g" | b"o" | b"s" | b"mg" | b"mtllib" | b"maplib" | b"usemap" | b"cstype" | b"deg" | b"bmat" | b"step" | b"parm" | b"trim" | b"hole"
             | b"scrv" | b"sp" | b"end" | b"con" | b"bevel" | b"c_interp" | b"d_interp" | b"lod" | b"shadow_obj"
             | b"trace_obj" | b"ctech" | b"stech" | b"call"
     )
@@ -28,6 +27,10 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<MeshFile, Fault> {
     let mut reader = Reader {
         polygons: PolygonMesh { face_offsets: vec![0], ..PolygonMesh::default() },
         furthest: None,
+        colours: 0,
+        textures: 0,
+        normals: 0,
+        materials: 0,
         lines: 0,
         curved: 0,
         unknown: 0,
@@ -51,6 +54,10 @@ struct Reader<'a> {
     polygons: PolygonMesh,
     /// Highest vertex that a face refers to, and where: a face may stand before its vertices.
     furthest: Option<(u32, Scanner<'a>)>,
+    colours: usize,
+    textures: usize,
+    normals: usize,
+    materials: usize,
     lines: usize,
     curved: usize,
     unknown: usize,
@@ -62,12 +69,30 @@ impl<'a> Reader<'a> {
     fn statement(&mut self, scanner: &mut Scanner<'a>, limits: &Limits) -> Result<(), Fault> {
         match scanner.token_in_line() {
             Some(b"v") => {
-                limits.check_vertices(self.polygons.positions.len() as u64 + 1)?;
+                let found = self.polygons.positions.len() as u64 + 1;
+                if found > limits.vertices {
+                    limits.check_vertices(found + statements(scanner, &[b"v"]))?;
+                }
                 self.vertex(scanner)
             }
             Some(b"f" | b"fo") => {
-                limits.check_faces(self.polygons.face_offsets.len() as u64)?;
+                let found = self.polygons.face_offsets.len() as u64;
+                if found > limits.faces {
+                    limits.check_faces(found + statements(scanner, &[b"f", b"fo"]))?;
+                }
                 self.face(scanner)
+            }
+            Some(b"vt") => {
+                self.textures += 1;
+                Ok(())
+            }
+            Some(b"vn") => {
+                self.normals += 1;
+                Ok(())
+            }
+            Some(b"usemtl") => {
+                self.materials += 1;
+                Ok(())
             }
             Some(b"l" | b"p") => {
                 self.lines += 1;
@@ -102,6 +127,8 @@ impl<'a> Reader<'a> {
             };
         }
         self.polygons.positions.push(position);
+        // One number more is a weight.
+        self.colours += usize::from(word(scanner).is_some() && word(scanner).is_some());
         Ok(())
     }
 
@@ -148,7 +175,12 @@ impl<'a> Reader<'a> {
     }
 
     fn notes(&self) -> Vec<String> {
-        let mut notes = Vec::new();
+        let mut notes = Vec::from_iter(skipped_attributes(&[
+            (self.colours, "vertex colour"),
+            (self.textures, "texture coordinate"),
+            (self.normals, "normal"),
+            (self.materials, "change of material"),
+        ]));
         if self.lines > 0 {
             notes.push(format!("{} lines and points without a surface were skipped.", self.lines));
         }
@@ -166,6 +198,16 @@ impl<'a> Reader<'a> {
         }
         notes
     }
+}
+
+/// How many of the lines after this one are statements with one of these words.
+fn statements(scanner: &Scanner, words: &[&[u8]]) -> u64 {
+    let mut scanner = scanner.clone();
+    let mut count = 0;
+    while scanner.skip_line() {
+        count += u64::from(scanner.clone().token_in_line().is_some_and(|word| words.contains(&word)));
+    }
+    count
 }
 
 /// The next word of the statement, which a backslash continues on the next line.
@@ -201,7 +243,8 @@ mod tests {
         assert_eq!(file.polygons.positions, [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]);
         assert_eq!(file.polygons.face_offsets, [0, 3, 6, 9, 13]);
         assert_eq!(file.polygons.face_vertices, [0, 1, 2, 0, 1, 2, 0, 1, 2, 0, 1, 2, 3]);
-        assert_eq!(file.notes, ["1 lines and points without a surface were skipped."]);
+        let skipped = "Skipped, and not in what is written: 1 vertex colour, 1 texture coordinate, 1 normal.";
+        assert_eq!(file.notes, [skipped, "1 lines and points without a surface were skipped."]);
     }
 
     #[test]
@@ -211,6 +254,15 @@ mod tests {
             "2 lines begin with a word that is not known and were skipped, the first with \"F\" in line 4.";
         assert_eq!((file.polygons.face_offsets.len(), file.notes), (2, vec![expected.to_string()]));
         assert!(read("v 0 0 0\nf 1 1 1").notes[0].starts_with("The last line has no end"));
+    }
+
+    #[test]
+    fn attributes_that_are_skipped_are_said() {
+        let body =
+            "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 1\nvt 0 0\nusemtl red\ns 1\ng a\nf 1 2 3\n";
+        let expected = "Skipped, and not in what is written: 1 vertex colour, 1 texture coordinate, 2 normals, 1 change of material.";
+        assert_eq!(read(body).notes, [expected]);
+        assert!(read("v 0 0 0 1.0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").notes.is_empty());
     }
 
     #[test]

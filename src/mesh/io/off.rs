@@ -1,7 +1,7 @@
-//! OFF (Geomview): plain and with the prefixes ST, C and N, whose extra columns are skipped.
+//! OFF (Geomview): plain and with the prefixes ST, C and N, whose extra columns are skipped with a note.
 
 use super::scanner::{Fault, Scanner, parse_integer};
-use super::{Format, MeshFile, PolygonMesh, close_face};
+use super::{Format, MeshFile, PolygonMesh, close_face, skipped_attributes};
 use crate::base::limits::Limits;
 
 /// Whether the text begins with an OFF keyword.
@@ -20,15 +20,18 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<MeshFile, Fault> {
     polygons.positions.reserve((vertices as usize).min(bytes.len() / 6 + 1));
     polygons.face_offsets.reserve((faces as usize).min(bytes.len() / 2 + 1));
     polygons.face_vertices.reserve((3 * faces as usize).min(bytes.len() / 2 + 1));
+    let (mut with_more, mut coloured) = (0, 0);
     for vertex in 0..vertices {
         let what = format_args!("vertex {vertex} of {vertices}");
         polygons.positions.push([scanner.number(what)?, scanner.number(what)?, scanner.number(what)?]);
+        with_more += usize::from(scanner.token_in_line().is_some());
         scanner.skip_line();
     }
     for face in 0..faces {
-        parse_face(&mut scanner, face, faces, &mut polygons)?;
+        coloured += usize::from(parse_face(&mut scanner, face, faces, &mut polygons)?);
     }
-    let mut notes = Vec::new();
+    let mut notes =
+        Vec::from_iter(skipped_attributes(&[(with_more, "vertex attribute"), (coloured, "face colour")]));
     if scanner.token().is_some() {
         notes.push(format!(
             "What follows the last face, from line {} on, was ignored.",
@@ -38,7 +41,13 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<MeshFile, Fault> {
     Ok(MeshFile::new(polygons, Format::Off, notes))
 }
 
-fn parse_face(scanner: &mut Scanner, face: u64, faces: u64, polygons: &mut PolygonMesh) -> Result<(), Fault> {
+/// Reads a face; whether it has a colour.
+fn parse_face(
+    scanner: &mut Scanner,
+    face: u64,
+    faces: u64,
+    polygons: &mut PolygonMesh,
+) -> Result<bool, Fault> {
     let what = format_args!("face {face} of {faces}");
     let corners = scanner.count(what)?;
     if corners > scanner.remaining().len() as u64 {
@@ -49,8 +58,9 @@ fn parse_face(scanner: &mut Scanner, face: u64, faces: u64, polygons: &mut Polyg
     for _ in 0..corners {
         polygons.face_vertices.push(scanner.index(what)?);
     }
+    let is_coloured = scanner.token_in_line().is_some();
     scanner.skip_line();
-    close_face(polygons)
+    close_face(polygons).map(|()| is_coloured)
 }
 
 /// Numbers of vertices and faces.
@@ -134,7 +144,9 @@ mod tests {
 
     #[test]
     fn columns_after_the_position_are_skipped() {
-        let mesh = read("NOFF\n2 1 0\n0 1 2 0 0 1\n3 4 5 1 0 0\n2 0 1\n");
-        assert_eq!(mesh.positions, [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
+        let text = "NOFF\n2 2 0\n0 1 2 0 0 1\n3 4 5 1 0 0\n2 0 1 # of no colour\n2 0 1 255 0 0\n";
+        let file = parse(text.as_bytes(), &Limits::default()).expect("a readable file");
+        assert_eq!(file.polygons.positions, [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]]);
+        assert_eq!(file.notes, ["Skipped, and not in what is written: 2 vertex attributes, 1 face colour."]);
     }
 }
