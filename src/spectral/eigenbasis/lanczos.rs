@@ -18,7 +18,7 @@ pub const ROUGH: f64 = 1e-2;
 
 /// The block Krylov basis and the projected operator, which grow step by step.
 struct Krylov {
-    /// size x capacity; the first `filled` columns are orthonormal.
+    /// size x `filled`, orthonormal. Room for all steps, which memory backs as they are taken: many are not.
     vectors: Mat<f64>,
     filled: usize,
     /// The operator projected on `vectors`, capacity x capacity.
@@ -104,14 +104,15 @@ impl Krylov {
         orthonormalise(&mut next)?;
         let projected = Mat::zeros(capacity, capacity);
         let coupling = Mat::zeros(BLOCK, BLOCK);
-        Ok(Krylov { vectors: Mat::zeros(size, capacity), filled: 0, projected, coupling, next })
+        Ok(Krylov { vectors: Mat::with_capacity(size, capacity), filled: 0, projected, coupling, next })
     }
 
     /// Appends `next` to the basis and makes the block after it.
     fn step(&mut self, operator: &ShiftInvert<f64>) -> Result<()> {
         let start = self.filled;
         self.filled += BLOCK;
-        self.vectors.subcols_mut(start, BLOCK).copy_from(&self.next);
+        let next = &self.next;
+        self.vectors.resize_with(next.nrows(), self.filled, |i, j| next[(i, j - start)]);
         if start > 0 {
             self.projected.submatrix_mut(start, start - BLOCK, BLOCK, BLOCK).copy_from(&self.coupling);
         }
