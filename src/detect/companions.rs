@@ -82,7 +82,8 @@ pub fn find(
     primary: &Primary,
     progress: &Progress,
 ) -> Result<Vec<Option<Companion>>> {
-    paired(mesh, shells, &Places::new(mesh, shells, anchors, primary), primary.index, progress)
+    let places = Places::new(mesh, shells, anchors, primary, progress)?;
+    paired(mesh, shells, &places, primary.index, progress)
 }
 
 /// The same of all shells, for a mesh with a mirror plane in space.
@@ -129,7 +130,13 @@ struct Places {
 }
 
 impl Places {
-    fn new(mesh: &Mesh, shells: &[Shell], anchors: &[Vec<u32>], primary: &Primary) -> Places {
+    fn new(
+        mesh: &Mesh,
+        shells: &[Shell],
+        anchors: &[Vec<u32>],
+        primary: &Primary,
+        progress: &Progress,
+    ) -> Result<Places> {
         let shell = primary.shell;
         let origin = mesh.positions[shell.points[0] as usize];
         let place = |&point: &u32| -> Vector {
@@ -142,8 +149,8 @@ impl Places {
         let own: Vec<Vec<Vector>> = shells.iter().zip(anchors).map(of_shell).collect();
         let carried = |(points, anchors): (&Vec<Vector>, &Vec<u32>)| primary.carrier.carried(points, anchors);
         let mut mirrored: Vec<Vec<Vector>> = own.iter().zip(anchors).map(carried).collect();
-        cluster_motion::settle(&mut mirrored, &own, primary.carrier.kind);
-        Places { mirrored, own }
+        cluster_motion::settle(&mut mirrored, &own, primary.carrier.kind, progress)?;
+        Ok(Places { mirrored, own })
     }
 
     /// Mean distance from where points of `source` should be to the nearest points of `target`.

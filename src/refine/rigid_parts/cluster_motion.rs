@@ -5,6 +5,8 @@
 //! many turns, since each next card is a fit of its own: roughly their middles, then their points.
 
 use super::motion::{Motion, Place, Spread};
+use crate::base::error::Result;
+use crate::base::progress::Progress;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::mesh::rotation::{principal_axes, rotation, turned};
 use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
@@ -34,7 +36,15 @@ const LIES_ON: f64 = 0.006;
 const GAIN: f64 = 0.001;
 
 /// Moves where shells should be, `mirrored` by a map of a `kind`, to where they fit on what there is, `own`; both are points by shell, in one unit. O(shells log shells).
-pub fn settle(mirrored: &mut [Vec<Vector>], own: &[Vec<Vector>], kind: SymmetryKind) {
+///
+/// # Errors
+/// [`crate::Error::Cancelled`].
+pub fn settle(
+    mirrored: &mut [Vec<Vector>],
+    own: &[Vec<Vector>],
+    kind: SymmetryKind,
+    progress: &Progress,
+) -> Result<()> {
     let middles = own.iter().filter(|points| !points.is_empty()).map(|points| mean(points.iter().copied()));
     let is_mirrored = kind == SymmetryKind::Reflection;
     let [middles, points] = [middles.collect(), own.iter().flatten().copied().collect()]
@@ -49,12 +59,13 @@ pub fn settle(mirrored: &mut [Vec<Vector>], own: &[Vec<Vector>], kind: SymmetryK
             goes.map(|(from, to)| Place::unoriented(from, to, 1.0))
         };
         let places = [cluster.iter().map(middle).collect(), cluster.iter().flat_map(of_shell).collect()];
-        if let Some(motion) = best([&middles, &points], places) {
+        if let Some(motion) = best([&middles, &points], places, progress)? {
             for shell in cluster {
                 mirrored[shell] = own[shell].iter().map(|&at| motion.of(at)).collect();
             }
         }
     }
+    Ok(())
 }
 
 /// Some of a list, from all over it.
@@ -85,24 +96,29 @@ fn clusters(shells: &[Vec<Vector>]) -> Vec<Vec<usize>> {
 }
 
 /// The motion of a cluster's middles and points that lies best on those of all shells; `None` if none is much better than their map.
-fn best([middles, points]: [&Shells; 2], [few, many]: [Vec<Place>; 2]) -> Option<Motion> {
+fn best(
+    [middles, points]: [&Shells; 2],
+    [few, many]: [Vec<Place>; 2],
+    progress: &Progress,
+) -> Result<Option<Motion>> {
     let (few, many) = (Vec::from_iter(some(&few, MIDDLES)), Vec::from_iter(some(&many, MOST_POINTS)));
     let spread = Spread::of(&many);
     let map = Motion::between(&many, middles.is_mirrored);
     let about = map.of(spread.middle);
-    let angles = || (-TURNS..=TURNS).map(|turn| STEP * f64::from(turn));
-    let start = |(axis, angle)| map.then_turned(&rotation(turned(&map.turn, axis), angle), about);
-    let starts =
-        principal_axes(spread.moments).into_iter().flat_map(|axis| angles().map(move |angle| (axis, angle)));
-    let mut roughly: Vec<(f64, Motion)> =
-        starts.map(|turn| middles.registered(start(turn), &few, MIDDLE_ROUNDS)).collect();
+    let mut roughly: Vec<(f64, Motion)> = Vec::new();
+    for axis in principal_axes(spread.moments) {
+        progress.goes_on()?;
+        let start = |turn| map.then_turned(&rotation(turned(&map.turn, axis), STEP * f64::from(turn)), about);
+        roughly.extend((-TURNS..=TURNS).map(|turn| middles.registered(start(turn), &few, MIDDLE_ROUNDS)));
+    }
+    progress.goes_on()?;
     roughly.sort_by(|a, b| a.0.total_cmp(&b.0));
     let finely =
         roughly.into_iter().take(FOLLOWED).map(|(_, motion)| points.registered(motion, &many, ROUNDS));
-    let turned = finely.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let turned = finely.min_by(|a, b| a.0.total_cmp(&b.0)).expect("some turns");
     let near = points.registered(map, &many, ROUNDS);
     let (left, motion) = if turned.0 < LIES_ON.min(near.0 - GAIN) { turned } else { near };
-    (left < BETTER * points.left(&many, |place| place.image)).then_some(motion)
+    Ok((left < BETTER * points.left(&many, |place| place.image)).then_some(motion))
 }
 
 /// Points of all shells, or their middles.
@@ -171,7 +187,7 @@ mod tests {
             let mut cards = cards(angle);
             assert!(farthest(&cards) > 0.03);
             let [own, mirrored] = &mut cards;
-            settle(mirrored, own, SymmetryKind::Reflection);
+            settle(mirrored, own, SymmetryKind::Reflection, &Progress::default()).unwrap();
             assert!(farthest(&cards) < 1e-3, "{angle}: {}", farthest(&cards));
         }
     }
@@ -180,8 +196,8 @@ mod tests {
     fn what_lies_well_or_is_of_few_shells_stays() {
         let ([own, mut well], [few, mut turned]) = (cards(0.0), cards(0.35).map(|cards| cards[..3].to_vec()));
         let before = (well.clone(), turned.clone());
-        settle(&mut well, &own, SymmetryKind::Reflection);
-        settle(&mut turned, &few, SymmetryKind::Reflection);
+        settle(&mut well, &own, SymmetryKind::Reflection, &Progress::default()).unwrap();
+        settle(&mut turned, &few, SymmetryKind::Reflection, &Progress::default()).unwrap();
         assert!((well, turned) == before);
     }
 }
