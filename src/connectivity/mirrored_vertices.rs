@@ -48,7 +48,7 @@ const WELL: f64 = 0.55;
 /// that has to give.
 const APART: f64 = 0.6;
 const BETTER: f64 = 1.3;
-/// On a shell of more vertices than are looked at, each so manieth region is tried first, as loosely: without a good start there, nothing is mirrored.
+/// On a shell of more vertices than are looked at, each so manieth region is tried first, with pairs that keep fewer edges: without a good start there, nothing is mirrored.
 const SAMPLED: usize = 4;
 /// Shells with at least this part of a mesh's points are tried on several threads: each takes a copy of the pairing, so that there must
 /// not be many such shells.

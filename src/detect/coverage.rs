@@ -42,7 +42,7 @@ impl Coverage {
     /// One sentence, without a full stop.
     pub fn in_words(&self) -> String {
         let Coverage { paired_share, shells_paired, shells_self_mirrored, shells_alone } = *self;
-        // Only all is 100 %.
+        // What leaves a shell alone is not 100 %, however small that is.
         let percent = if shells_alone > 0 { (100.0 * paired_share).min(99.0) } else { 100.0 * paired_share };
         let share = format!("{percent:.0} % of the surface has a partner");
         let shells = shells_paired + shells_self_mirrored + shells_alone;

@@ -159,7 +159,7 @@ fn of_parts(
 }
 
 /// The answer of one of the `rests` of the first of some shells, which takes its place there, and the rests of that, if it is much more plausible
-/// than the `best` yet, and more so than what it leaves out is large, or leaves no doubts where there is none.
+/// than the `best` yet, also times the share of the surface that it answers, or leaves no doubts where there is none.
 fn of_rest(
     question: &Question,
     joined: &mut JoinedShells,
