@@ -8,6 +8,7 @@ use crate::base::progress::Progress;
 use crate::detect::attempt::attempt;
 use crate::detect::clock::Clock;
 use crate::detect::correspondence::Symmetry;
+use crate::detect::coverage::partner_point;
 use crate::detect::detection::Detection;
 use crate::detect::domain::Domain;
 use crate::detect::excess::{Excess, paired_rest};
@@ -15,7 +16,7 @@ use crate::detect::finishing::Found;
 use crate::detect::joined_shells::JoinedShells;
 use crate::detect::question::Question;
 use crate::detect::spectrum::Spectrum;
-use crate::mesh::vector::{squared_norm, subtract};
+use crate::mesh::vector::{point_areas, squared_norm, subtract};
 use crate::mesh::{Mesh, Shell};
 use crate::search::sign_network::SignNetwork;
 use crate::verify::outcome::{CONFIDENT, Outcome};
@@ -94,13 +95,15 @@ fn answer(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Dete
     }
 }
 
-/// Mean square distance in space of vertices from their partners, in area.
+/// Mean square distance in space of points from their partners over the surface, in area; a point without a partner does not move.
 fn moved(mesh: &Mesh, found: &Detection) -> f64 {
-    let place = |vertex: usize| mesh.positions[mesh.point_of_vertex[vertex] as usize];
-    let partners = found.symmetries[0].partner.iter().enumerate().filter(|&(_, &partner)| partner >= 0);
-    let squares = partners.map(|(own, &partner)| squared_norm(subtract(place(own), place(partner as usize))));
-    let (sum, count) = squares.fold((0.0, 0.0), |(sum, count), square| (sum + square, count + 1.0));
-    sum / f64::max(count, 1.0)
+    let square = |(point, area): (usize, f64)| {
+        let vertex = mesh.vertex_of_point[point] as usize;
+        let partner = partner_point(mesh, found.symmetries[0].partner[vertex]);
+        let image = mesh.positions.get(partner as usize).unwrap_or(&mesh.positions[point]);
+        area * squared_norm(subtract(*image, mesh.positions[point]))
+    };
+    point_areas(&mesh.positions, &mesh.triangles).into_iter().enumerate().map(square).sum()
 }
 
 /// The answer of the largest shell's connectivity, if it says nearly all; or of the joined shells; if that is not found that of the largest one alone, if that is worth more.
