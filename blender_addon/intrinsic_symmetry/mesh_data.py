@@ -76,6 +76,8 @@ def object_mode(context):
     if mode == "OBJECT":
         yield object
         return
+    if mode != "EDIT":
+        _mend_selection(object.data)
     passing = True
     try:
         bpy.ops.object.mode_set(mode="OBJECT")
@@ -85,6 +87,14 @@ def object_mode(context):
             bpy.ops.object.mode_set(mode=mode)
     finally:
         passing = False
+
+
+def _mend_selection(mesh):
+    """Removes a selection of edges that are no flags. Blender 5.0.1 makes such a one where it computes the edges itself, as
+    in `from_pydata`, and crashes when a paint mode is left with a paint mask on."""
+    chosen = mesh.attributes.get(".select_edge")
+    if chosen is not None and chosen.data_type != "BOOLEAN":
+        remove_attribute(mesh, ".select_edge")
 
 
 def polygons(mesh):
