@@ -36,7 +36,8 @@ def one_sided(names, amounts, symmetry, merge):
     """Names of groups without a side in their name that lie on one side: those that may not be mirrored in place, and
     those that may."""
     where = balance(amounts, symmetry.side)
-    sided = [column for column, name in enumerate(names) if abs(where[column]) > _ON_ONE and not side_names.side(name)]
+    alone = [column for column in range(len(names)) if abs(where[column]) > _ON_ONE]
+    sided = [column for column in alone if not side_names.side(names[column], names)]
     if not sided:
         return [], []
     sign = np.sign(where[sided])

@@ -49,15 +49,17 @@ def _keys(object, side):
 
 def _votes(names, side, amounts):
     """One vote, -1..1, of each name; 0 where it has no side."""
-    named = np.array([side_names.side(name) for name in names])
+    named = np.array([side_names.side(name, names) for name in names])
     return named * balance(amounts(), side) if named.any() else []
 
 
 def _bones(object, side):
     """Of each bone with a side in its name: the side of the nearest vertex."""
     armature = object.find_armature()
-    bones = [bone for bone in armature.data.bones if side_names.side(bone.name)] if armature else []
-    if not bones:
+    bones = list(armature.data.bones) if armature else []
+    names = [bone.name for bone in bones]
+    named = [side_names.side(name, names) for name in names]
+    if not any(named):
         return []
     tree = KDTree(len(side))
     for index, point in enumerate(mesh_data.positions(object.data)):
@@ -65,7 +67,7 @@ def _bones(object, side):
     tree.balance()
     to_object = object.matrix_world.inverted() @ armature.matrix_world
     middles = [to_object @ ((bone.head_local + bone.tail_local) / 2) for bone in bones]
-    return [side_names.side(bone.name) * side[tree.find(middle)[1]] for bone, middle in zip(bones, middles)]
+    return [sign * side[tree.find(middle)[1]] for sign, middle in zip(named, middles) if sign]
 
 
 def _toward_x(positions, side):

@@ -23,7 +23,8 @@ def make(object, symmetry, name, like):
     key = object.shape_key_add(name=name, from_mix=False)
     undo.note_made(object, key)
     keys = object.data.shape_keys
-    key.relative_key = keys.key_blocks.get(side_names.flip(like.relative_key.name), like.relative_key)
+    base = side_names.counterpart(like.relative_key.name, keys.key_blocks.keys())
+    key.relative_key = keys.key_blocks.get(base, like.relative_key)
     _copy_numbers(key, like)
     key.vertex_group = group
     mesh_data.set_key_positions(key, mesh_data.key_positions(key.relative_key))
@@ -41,11 +42,11 @@ def like_another(object, like, moved, objects):
     _copy_numbers(key, like)
     key.vertex_group = like.vertex_group
     mesh_data.set_key_positions(key, mesh_data.key_positions(key.relative_key) + moved)
-    other = side_names.flip(like.name)
-    owners = (each.data.shape_keys for each in objects if each.data.shape_keys)
-    keys = next((keys for keys in owners if other in keys.key_blocks), None)
-    if keys is not None and other != like.name:
-        _copy_drivers(keys, keys.key_blocks[other], key)
+    for keys in (each.data.shape_keys for each in objects if each.data.shape_keys):
+        other = side_names.counterpart(like.name, keys.key_blocks.keys())
+        if other != like.name and other in keys.key_blocks:
+            _copy_drivers(keys, keys.key_blocks[other], key)
+            return
 
 
 def _copy_numbers(key, like):
@@ -117,10 +118,12 @@ def _negate(driver, names):
 
 def _flip(target):
     """Turns a driver's target to the bone or the property of the other side, where there is one."""
-    pose, other = getattr(target.id, "pose", None), side_names.flip(target.bone_target)
-    if pose is not None and other in pose.bones:
+    pose = getattr(target.id, "pose", None)
+    bones = pose.bones.keys() if pose is not None else []
+    other = side_names.counterpart(target.bone_target, bones)
+    if other in bones:
         target.bone_target = other
-    path = _NAMED.sub(lambda match: side_names.flip(match[0]), target.data_path)
+    path = _NAMED.sub(lambda match: side_names.counterpart(match[0], bones), target.data_path)
     if path != target.data_path and target.id is not None and _leads_somewhere(target.id, path):
         target.data_path = path
 

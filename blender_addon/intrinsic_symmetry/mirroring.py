@@ -102,9 +102,9 @@ class NamedMirrorProperties(MirrorProperties):
 
     direction: bpy.props.EnumProperty(**_DIRECTION, options={"SKIP_SAVE"})
 
-    def let_win(self, name):
-        """Sets the direction, where none was chosen, to carry what is on the side that a name says."""
-        side = side_names.side(name)
+    def let_win(self, name, names):
+        """Sets the direction, where none was chosen, to carry what is on the side that one of the names says."""
+        side = side_names.side(name, names)
         if side and not self.properties.is_property_set("direction"):
             self.direction = "LEFT_TO_RIGHT" if side > 0 else "RIGHT_TO_LEFT"
 

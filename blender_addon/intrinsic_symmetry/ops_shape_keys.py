@@ -38,7 +38,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
         symmetry = left_side.agreed(self, object, symmetry)
         keys, active = object.data.shape_keys, object.active_shape_key.name
         if not self.all_keys:
-            self.let_win(active)
+            self.let_win(active, keys.key_blocks.keys())
         free = self.may_change(object, mode, symmetry)
         count = 0
         for pair in self._chosen(object, symmetry):
@@ -117,7 +117,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
 
 def _pair(name, names):
     """A name and its counterpart, that of the left first; the name alone, if it has no side."""
-    side = side_names.side(name)
+    side = side_names.side(name, names)
     return (name,) if side == 0 else (name, side_names.counterpart(name, names))[::side]
 
 

@@ -31,7 +31,7 @@ class INTRINSIC_SYMMETRY_OT_split_shape_key(MapOperator, bpy.types.Operator):
         lines = stored_map.fixed_lines(mesh)
         if not lines:
             raise mesh_data.MeshProblem("This symmetry has no line between left and right")
-        if side_names.side(key.name):
+        if side_names.side(key.name, mesh.shape_keys.key_blocks.keys()):
             raise mesh_data.MeshProblem(f'"{key.name}" has a side in its name already')
         _must_be_free(mesh.shape_keys, f"{key.name}.L", f"{key.name}.R")
         base = mesh_data.key_positions(key.relative_key).astype(float)
@@ -59,9 +59,10 @@ class INTRINSIC_SYMMETRY_OT_join_shape_keys(MeshOperator, bpy.types.Operator):
 
     def run(self, _context, object, _mode):
         keys, key = object.data.shape_keys, object.active_shape_key
-        name, other = _without_side(key.name), keys.key_blocks.get(side_names.flip(key.name))
+        other = keys.key_blocks.get(side_names.counterpart(key.name, keys.key_blocks.keys()))
         if other is None or other == key:
             raise mesh_data.MeshProblem(f'"{key.name}" has no key of the other side')
+        name = _without_side(key.name, other.name)
         _must_be_free(keys, name)
         same_mask = key.vertex_group == other.vertex_group
         moved = [_moved(object, one, with_mask=not same_mask) for one in (key, other)]
@@ -105,11 +106,11 @@ def _must_be_free(keys, *names):
             raise mesh_data.MeshProblem(f'"{name}" is there already: rename or delete it first')
 
 
-def _without_side(name):
+def _without_side(name, other):
     """The name without the word in which it differs from that of the other side, nor the separator before it."""
-    other = side_names.flip(name)
     begin = next((place for place, (one, two) in enumerate(zip(name, other)) if one != two), len(name))
-    for word, flipped in (("left", "right"), ("right", "left"), ("l", "r"), ("r", "l"), ("左", "右"), ("右", "左")):
+    words = side_names.LEFT + side_names.RIGHT, side_names.RIGHT + side_names.LEFT
+    for word, flipped in zip(*words):
         if name[begin:].lower().startswith(word) and other[begin:].lower().startswith(flipped):
             before, after = name[:begin], name[begin + len(word) :]
             return before.rstrip(" ._-") + after if before else after.lstrip(" ._-")

@@ -40,7 +40,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
         if not self.all_groups:
             if object.vertex_groups.active is None:
                 raise mesh_data.MeshProblem("No vertex group is active: choose one")
-            self.let_win(object.vertex_groups.active.name)
+            self.let_win(object.vertex_groups.active.name, object.vertex_groups.keys())
         self.shares(symmetry)  # refuses a half turn
         before = read_weights(object)
         names = self._understood(object, symmetry, before)

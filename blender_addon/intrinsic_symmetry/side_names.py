@@ -13,7 +13,8 @@ from .mesh_data import MeshProblem
 #: Bytes of the longest name that Blender keeps; what is longer is cut off.
 _MOST_BYTES = 63
 #: The words of the left, and those of the right in the same place.
-_LEFT, _RIGHT = ("left", "lft", "l", "左"), ("right", "rgt", "r", "右")
+LEFT = "left", "lft", "l", "左", "ひだり", "ヒダリ", "ﾋﾀﾞﾘ"
+RIGHT = "right", "rgt", "r", "右", "みぎ", "ミギ", "ﾐｷﾞ"
 
 #: How each convention writes a side; what surrounds the word tells it from the same letters elsewhere.
 _CONVENTIONS = (
@@ -33,15 +34,17 @@ _CONVENTIONS = (
     r"(?<=[a-z])[LR](?![A-Za-z])",
     # A capital after a number, where an exporter took the dot away or spelt it. three.js: Palm1L. FBX: LegFBXASC046L.
     r"(?<=\d)[LR](?![^\W_])",
-    # Japanese, as in MMD, and Chinese: 左腕, ウィンク右.
-    r"[左右]",
+    # Japanese, as in MMD, and Chinese: 左腕, ウィンク右, ひだり腕.
+    r"左|右|ひだり|みぎ|ヒダリ|ミギ|ﾋﾀﾞﾘ|ﾐｷﾞ",
 )
 _ANY = re.compile("|".join(_CONVENTIONS))
+#: A capital before a small letter, at the beginning of a word: Lhand. Lip and Roll begin so, too, and have no side.
+_CAPITAL = re.compile(r"(?<![^\W_])[LR](?=[a-z])")
 
 
-def side(name):
-    """1 for a name of the left, -1 for one of the right, 0 for one without a side."""
-    return _read(name)[0]
+def side(name, names=()):
+    """1 for a name of the left, -1 for one of the right, 0 for one without a side. Lhand has one if Rhand is among `names`."""
+    return _read(name)[0] or _read_beside(name, names)[0]
 
 
 def flip(name):
@@ -54,7 +57,9 @@ def counterpart(name, names):
     last one alone (Hair_R_end.R and Hair_R_end.L). Exporters number every name (Leg_L_019 and Leg_R_022), so one that
     differs in the last number will do, if it is the only one."""
     last, other = _read(name, last_only=True)[1], flip(name)
-    if other == name or last in names:
+    if other == name:
+        return _read_beside(name, names)[1]
+    if last in names:
         return last
     if other in names:
         return other
@@ -90,7 +95,17 @@ def _read(name, last_only=False):
     if left and right:
         own = re.compile(f"{re.escape(left)}|{re.escape(right)}")
         found = _flipped(own, (left,), (right,), name, last_only)
-    return found if found[0] else _flipped(_ANY, _LEFT, _RIGHT, name, last_only)
+    return found if found[0] else _flipped(_ANY, LEFT, RIGHT, name, last_only)
+
+
+def _read_beside(name, names):
+    """(side, flipped name) of a name that begins a word as Lhand does, if the other one is among `names` and has no side
+    of its own, as Right beside Light; else 0 and the name."""
+    for match in reversed(list(_CAPITAL.finditer(name))):
+        other = name[: match.start()] + ("R" if match[0] == "L" else "L") + name[match.end() :]
+        if other in names and not _read(other)[0]:
+            return 1 if match[0] == "L" else -1, other
+    return 0, name
 
 
 def _flipped(pattern, lefts, rights, name, last_only):

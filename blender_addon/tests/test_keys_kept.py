@@ -125,13 +125,13 @@ def test_keys_without_a_known_side_are_left_alone(human, swelling, capfd):
     assert np.abs(_moved(human, "Sonrisa_der") - swelling).max() < 1e-6
 
 
-def _rig():
+def _rig(left="jaw.L", right="jaw.R"):
     rig = bpy.data.objects.new("rig", bpy.data.armatures.new("rig"))
     bpy.context.scene.collection.objects.link(rig)
     active = bpy.context.view_layer.objects.active
     bpy.context.view_layer.objects.active = rig
     bpy.ops.object.mode_set(mode="EDIT")
-    for name in ("jaw.L", "jaw.R"):
+    for name in (left, right):
         rig.data.edit_bones.new(name).tail = (0, 0, 1)
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.context.view_layer.objects.active = active
@@ -194,6 +194,29 @@ def test_a_made_key_has_the_settings_of_its_model(human, swelling, truth):
     assert driver.variables["bone"].targets[0].bone_target == "jaw.R"
     assert driver.variables["own"].targets[0].data_path == '["smile_R"]'
     assert _size(human, "Smile.R") > 0.005
+
+
+def test_names_that_say_their_side_only_as_a_pair(human, swelling, truth):
+    """Of keys, of the key that one is relative to, and of the bones of its drivers."""
+    _key(human, "Lpuff", swelling)
+    _key(human, "Rpuff", 0.5 * swelling[truth])
+    ops.mirror_shape_keys()
+    assert _size(human, "Rpuff") == pytest.approx(0.5 * np.abs(swelling).max(), rel=0.3), "the active one wins"
+    assert _size(human, "Lpuff") == pytest.approx(_size(human, "Rpuff"), rel=0.3)
+    key = _key(human, "Smile.L", swelling, relative_to="Lpuff")
+    driver = key.driver_add("value").driver
+    for name, kind in (("x", "TRANSFORMS"), ("y", "SINGLE_PROP")):
+        driver.variables.new().name = name
+        driver.variables[name].type = kind
+    rig = _rig("Ljaw", "Rjaw")
+    turned, read = driver.variables["x"].targets[0], driver.variables["y"].targets[0]
+    turned.id, turned.bone_target = rig, "Ljaw"
+    read.id, read.data_path = rig, 'pose.bones["Ljaw"].scale[0]'
+    ops.mirror_shape_keys()
+    assert human.data.shape_keys.key_blocks["Smile.R"].relative_key.name == "Rpuff"
+    curve = human.data.shape_keys.animation_data.drivers.find('key_blocks["Smile.R"].value')
+    targets = [variable.targets[0] for variable in curve.driver.variables]
+    assert targets[0].bone_target == "Rjaw" and targets[1].data_path == 'pose.bones["Rjaw"].scale[0]'
 
 
 def test_a_made_key_has_the_value_of_its_model(human, swelling):

@@ -45,6 +45,8 @@ def arms(human, truth):
         ("左腕", "右腕"),
         ("b_LeftArm_09", "b_RightArm_012"),
         ("lShldr", "rShldr"),
+        ("Lhand", "Rhand"),
+        ("ひだり腕", "みぎ腕"),
     ],
 )
 def test_names_of_other_programs(human, truth, arms, names):
@@ -201,30 +203,33 @@ def _left_at_minus_x(object):
 
 
 @pytest.mark.parametrize("what", ["vertex groups", "bones", "shape keys"])
-def test_left_is_where_names_say(facing_away, what):
+@pytest.mark.parametrize("left, right", [("Arm.L", "Arm.R"), ("Larm", "Rarm")])
+def test_left_is_where_names_say(facing_away, what, left, right):
     object, weights = facing_away
     if what == "vertex groups":
-        _add(object, "Arm.L", weights)
+        _add(object, left, weights)
+        object.vertex_groups.new(name=right)
     elif what == "shape keys":
-        object.shape_key_add(name="Basis")
-        object.shape_key_add(name="Swell.L")
+        for name in ("Basis", left, right):
+            object.shape_key_add(name=name)
         moved = positions(object.data) + 0.01 * weights[:, None]
-        module("mesh_data").set_key_positions(object.data.shape_keys.key_blocks["Swell.L"], moved)
+        module("mesh_data").set_key_positions(object.data.shape_keys.key_blocks[left], moved)
     else:
-        _armature(object, weights)
+        _armature(object, weights, left, right)
     ops.detect()
     assert _left_at_minus_x(object)
     assert object.data["intrinsic_symmetry"]["left_from"] == f"names of {what}"
 
 
-def _armature(object, weights):
+def _armature(object, weights, left, right):
     armature = bpy.data.objects.new("rig", bpy.data.armatures.new("rig"))
     bpy.context.scene.collection.objects.link(armature)
     bpy.context.view_layer.objects.active = armature
     bpy.ops.object.mode_set(mode="EDIT")
-    bone = armature.data.edit_bones.new("Arm.L")
-    bone.head = positions(object.data)[weights == 1].mean(axis=0)
-    bone.tail = bone.head + bone.head.normalized() * 0.01
+    for name, sign in ((left, 1), (right, -1)):
+        bone = armature.data.edit_bones.new(name)
+        bone.head = positions(object.data)[weights == 1].mean(axis=0) * (sign, 1, 1)
+        bone.tail = bone.head + bone.head.normalized() * 0.01
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.context.view_layer.objects.active = object
     object.modifiers.new("rig", "ARMATURE").object = armature

@@ -18,12 +18,12 @@ PAIRS = {
                ("DEF-lid.B.L", "DEF-lid.B.R")],
     "Auto-Rig Pro": [("arm_stretch.l", "arm_stretch.r"), ("c_index1_base.l", "c_index1_base.r")],
     "MMD": [("左腕", "右腕"), ("左足ＩＫ", "右足ＩＫ"), ("腕.L", "腕.R"), ("左ひじ.L", "右ひじ.R"),
-            ("まばたき左", "まばたき右")],
+            ("まばたき左", "まばたき右"), ("ひだり腕", "みぎ腕"), ("ウィンクヒダリ", "ウィンクミギ"), ("ﾋﾀﾞﾘ足", "ﾐｷﾞ足")],
     "others": [("eyeBlinkLeft", "eyeBlinkRight"), ("EyeBlinkL", "EyeBlinkR"), ("LArm", "RArm"), ("left", "right"),
                ("Arm_Lft", "Arm_Rgt"), ("lft_arm.001", "rgt_arm.001"), ("ARM LFT", "ARM RGT"), ("armLft01", "armRgt01"),
                ("Palm1L", "Palm1R"), ("f_indexFBXASC04601FBXASC046L", "f_indexFBXASC04601FBXASC046R")],
 }
-WITHOUT = ["Spine", "Eyes_L_R", "LeftRight", "左右", "chin_cleft", "Bright", "upright", "Control", "RGB", "LOD0",
+WITHOUT = ["Spine", "Eyes_L_R", "LeftRight", "左右", "ひだりみぎ", "chin_cleft", "Bright", "upright", "Control", "RGB", "LOD0",
            "IKLeg", "root.x", "roll", "RealLife", "lip", "Tail", "ball", "L1", "Fur", "Lftarm", "Rgta"]
 
 
@@ -47,6 +47,14 @@ def test_names_without_a_side():
 
 def test_words_that_only_hold_a_side():
     assert [module("side_names").side(name) for name in ("Copyright", "leftover", "Leftover_1")] == [0, 0, 0]
+
+
+def test_a_capital_before_a_small_letter_is_a_side_where_both_names_are_there():
+    side_names = module("side_names")
+    names = ["Lhand", "Rhand", "Rig_Lfoot", "Rig_Rfoot", "Lip", "Roll", "Light", "Right", "Left", "Lfoot"]
+    wanted = ["Rhand", "Lhand", "Rig_Rfoot", "Rig_Lfoot", "Lip", "Roll", "Light", "Left", "Right", "Lfoot"]
+    assert [side_names.counterpart(name, names) for name in names] == wanted
+    assert [side_names.side(name, names) for name in names] == [1, -1, 1, -1, 0, 0, 0, -1, 1, 0]
 
 
 def test_words_of_one_s_own():

@@ -79,7 +79,8 @@ def test_a_hard_line(human, smile):
 
 @pytest.mark.parametrize("left, right, whole", [
     ("Smile.L", "Smile.R", "Smile"), ("L_Smile", "R_Smile", "Smile"), ("brow.L.up", "brow.R.up", "brow.up"),
-    ("smile_left", "smile_right", "smile"),
+    ("smile_left", "smile_right", "smile"), ("smile_lft", "smile_rgt", "smile"), ("Lsmile", "Rsmile", "smile"),
+    ("えがおひだり", "えがおみぎ", "えがお"),
 ])
 def test_joining(human, smile, left, right, whole, mode):
     human.shape_key_remove(human.active_shape_key)
