@@ -115,6 +115,7 @@ def joined(members, edited=None):
         if record is not None:
             body.data[RECORD] = (record["whole"] if "whole" in record else record).to_dict()
         _choose_as(body, bpy.context.active_object)
+        _lock_as(body, members)
         yield body
     finally:
         for object in [object for object in bpy.data.objects if object.data in meshes]:
@@ -154,6 +155,19 @@ def _choose_as(body, active):
         body.vertex_groups.active_index = body.vertex_groups[group.name].index
     if attribute is not None and attribute.name in body.data.attributes:
         body.data.attributes.active = body.data.attributes[attribute.name]
+
+
+def _lock_as(body, members):
+    """Locks on the joined object the groups and shape keys that are locked on one of the members."""
+    groups, keys = body.vertex_groups, body.data.shape_keys
+    for member in members:
+        for group in member.vertex_groups:
+            if group.lock_weight and group.name in groups:
+                groups[group.name].lock_weight = True
+        own = member.data.shape_keys
+        for key in own.key_blocks if own and keys else []:
+            if key.lock_shape and key.name in keys.key_blocks:
+                keys.key_blocks[key.name].lock_shape = True
 
 
 def of_members(body, members, shapes):

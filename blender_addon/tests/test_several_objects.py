@@ -185,6 +185,18 @@ def _outward(object, name):
     return np.einsum("vx,vx->v", moved, _normals(object))
 
 
+def test_what_is_locked_on_one_object_stays(parts, capfd):
+    _, left, right, partner = parts
+    _swell(right, "Swell.R", partner[:100], 0).lock_shape = True
+    _swell(left, "Swell.L", np.arange(100), 0.1 * np.ptp(positions(left.data)[:100], axis=0).max())
+    left.vertex_groups.new(name="Arm.L").add(range(100), 1, "ADD")
+    left.vertex_groups.new(name="Arm.R")
+    right.vertex_groups.new(name="Arm.R").lock_weight = True
+    assert '"Swell.R" (locked)' in said(capfd, ops.mirror_shape_keys)
+    assert '"Arm.R" (locked)' in said(capfd, ops.mirror_vertex_groups, direction="LEFT_TO_RIGHT")
+    assert np.abs(_outward(right, "Swell.R")).max() == 0 and not module("weights").read_weights(right).any()
+
+
 def test_keys_go_across_objects_both_ways(parts):
     body, left, right, partner = parts
     before, size = positions(right.data), 0.1 * np.ptp(positions(left.data)[:100], axis=0).max()
