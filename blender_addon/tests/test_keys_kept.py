@@ -234,6 +234,34 @@ def test_locked_keys_stay(human, swelling, capfd):
         ops.symmetrize()
 
 
+@pytest.mark.parametrize("base", ["Basis", "Smile"])
+def test_a_locked_key_goes_with_its_relative_key_as_in_blender(human, swelling, base):
+    """Blender's edit mode moves it along, so that its displacement stays; the tools do the same."""
+    _key(human, "Smile", swelling)
+    kept = 0.01 * np.random.default_rng(0).normal(size=swelling.shape)
+    for name, relative_to in (("More", base), ("Most", "More")):
+        _key(human, name, kept, relative_to=relative_to).lock_shape = True
+    human.active_shape_key_index = human.data.shape_keys.key_blocks.find(base)
+
+    def places():
+        return [module("mesh_data").key_positions(human.data.shape_keys.key_blocks[name]) for name in (base, "More", "Most")]
+
+    for change in (_grab_in_edit_mode, ops.mirror_shape_keys if base == "Smile" else ops.symmetrize):
+        before = places()
+        change()
+        moves = [after - earlier for after, earlier in zip(places(), before)]
+        assert np.abs(moves[0]).max() > 0.005
+        assert np.abs(moves[1] - moves[0]).max() < 2e-6 and np.abs(moves[2] - moves[0]).max() < 2e-6
+        assert all(np.abs(_moved(human, name) - kept).max() < 2e-6 for name in ("More", "Most"))
+
+
+def _grab_in_edit_mode():
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.transform.translate(value=(0.01, 0, 0))
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
 @pytest.mark.parametrize("locked", ["Smile.L", "Smile.R"])
 def test_an_exchange_with_a_locked_key_changes_neither(human, swelling, truth, locked, capfd):
     _key(human, "Smile.L", swelling)
