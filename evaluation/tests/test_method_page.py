@@ -63,8 +63,8 @@ def test_a_count_of_the_plans_is_in_its_file(name, value):
 
 
 def test_the_tables_are_read():
-    assert len(stated()) > 100 and len(stated_of_plans()) >= 20
-    assert ("verify/acceptance.rs", "SURE", "0.8") in stated() and ("passes", "[200, 400]") in stated_of_plans()
+    assert len(stated()) > 100 and len(stated_of_plans()) >= 11
+    assert ("verify/acceptance.rs", "SURE", "0.8") in stated() and ("base/effort.rs", "passes", "[150, 300]") in stated() and ("proxy_vertices", "6000") in stated_of_plans()
 
 
 def test_another_value_is_noticed():

@@ -27,10 +27,8 @@ pub struct Plan {
 pub struct Search {
     /// Starts that the sign network proposes.
     pub network_starts: usize,
-    /// Width of the beam search over parities; 0 for none, unless there is no network.
+    /// Width of the beam search over parities, and how many starts of each length it proposes; 0 for none, unless there is no network.
     pub beam_width: usize,
-    /// Starts that the beam search proposes, of each length.
-    pub beam_starts: usize,
     /// Whether the ends of limbs are paired.
     pub limbs: bool,
     /// Whether half turns that fit better than all reflections are turned over.
@@ -75,13 +73,7 @@ impl Plan {
             eigenfunctions: 80,
             samples: 500,
             schedule: vec![25, 35, 45, 55, 65, 80, 80],
-            search: Search {
-                network_starts: 20,
-                beam_width: 0,
-                beam_starts: 8,
-                limbs: false,
-                turned_over: false,
-            },
+            search: Search { network_starts: 20, beam_width: 0, limbs: false, turned_over: false },
             parts: PartsEffort::default(),
         }
     }
@@ -89,18 +81,12 @@ impl Plan {
     /// The small plan with a wider search, on what is solved already.
     pub fn wide() -> Plan {
         let small = Plan::small();
-        Plan { search: Search { beam_width: 16, limbs: true, turned_over: true, ..small.search }, ..small }
+        Plan { search: Search { beam_width: 8, limbs: true, turned_over: true, ..small.search }, ..small }
     }
 
     /// The plan for shapes whose answers by the others leave doubts.
     pub fn large() -> Plan {
-        let wide = Plan::wide();
-        Plan {
-            proxy_vertices: 6000,
-            search: Search { beam_starts: 16, ..wide.search },
-            parts: PartsEffort::thorough(),
-            ..wide
-        }
+        Plan { proxy_vertices: 6000, ..Plan::wide() }
     }
 
     /// The plans to follow in turn until an answer leaves no doubts.
@@ -166,12 +152,6 @@ pub struct TurnedEffort {
 }
 
 impl PartsEffort {
-    /// Slower and a little more exact than the default.
-    pub fn thorough() -> PartsEffort {
-        let turned = TurnedEffort { parts: 70, points: 100, turns: 12, small: 300, fitted: 4, most: 100 };
-        PartsEffort { passes: [200, 400], rounds: 3, turned: Some(turned) }
-    }
-
     /// The same without turned parts.
     pub fn without_turned(self) -> PartsEffort {
         PartsEffort { turned: None, ..self }

@@ -105,7 +105,7 @@ pub fn find(
     let beam_width = search.beam_width.max(least);
     let few = if beam_width > 0 { usize::MAX } else { FEW };
     if beam_width > 0 {
-        starts.extend(propose(samples, eigenvalues, search.beam_starts, beam_width));
+        starts.extend(propose(samples, eigenvalues, beam_width));
     }
     if options.symmetries > 1 {
         starts.extend(involutions_of_three(eigenvalues));
@@ -209,14 +209,12 @@ fn try_start(
     Ok(Some(Candidate::scored(scorer, map, partners)?).filter(|found| !found.score.is_identity()))
 }
 
-/// The starts of the beam search, `most` of each length.
-fn propose(samples: &Samples, eigenvalues: &[f64], most: usize, beam_width: usize) -> Vec<Mat<f64>> {
+/// The starts of the beam search, as many of each length as it is wide.
+fn propose(samples: &Samples, eigenvalues: &[f64], beam_width: usize) -> Vec<Mat<f64>> {
     // A small mesh has fewer eigenfunctions than the shortest proposal.
     let lengths = LENGTHS.map(|length| length.min(samples.rows.ncols()));
     let found = beam_search(samples, eigenvalues, &lengths, beam_width);
-    let of_length =
-        |starts: Vec<Mat<f64>>| starts.into_iter().filter(|start| mean_trace(start) < 1.0).take(most);
-    found.into_iter().flat_map(of_length).collect()
+    found.into_iter().flatten().filter(|start| mean_trace(start) < 1.0).collect()
 }
 
 /// The network's signs, and those with the least certain of them flipped, most likely first.
