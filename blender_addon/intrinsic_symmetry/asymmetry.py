@@ -21,6 +21,8 @@ ABOUT = (
 )
 #: A body is posed if more than this share of its surface is farther from its place than this share of its size.
 _POSED_SHARE, _POSED_DISTANCE = 0.05, 0.05
+#: The pairs are not those of a plane if it brings the images elsewhere than the one that fits by this share of the size.
+_BESIDE = 0.05
 #: A vertex has a mirrored one if that is off by less than this share of the size, as numbers in files are.
 _EXACT = 1e-5
 _ROUNDS = 20
@@ -91,6 +93,22 @@ def reference(about, symmetry, mesh, positions):
     far = np.linalg.norm(points - plane.reflect(images), axis=1) > _POSED_DISTANCE * size(positions)
     posed = areas[far].sum() > _POSED_SHARE * areas.sum()
     return Reference(None if about == "AUTO" and posed else plane)
+
+
+def refuse_beside_x(symmetry, mesh, positions):
+    """Raises MeshProblem where the pairs are those of another plane than X = 0: about that, half of the shape would land
+    elsewhere."""
+    points, images, areas = _paired(symmetry, mesh, positions)
+    plane, x = fitted_plane(points, images, areas), Plane(np.array((1.0, 0.0, 0.0)), 0.0)
+    away = np.linalg.norm(x.reflect(images) - plane.reflect(images), axis=1)
+    if np.average(away, weights=areas) <= _BESIDE * size(positions):
+        return
+    turn = np.degrees(np.arccos(min(abs(plane.normal[0]), 1)))
+    middle = abs(np.average(points + images, axis=0, weights=areas)[0]) / 2 / size(positions)
+    raise mesh_data.MeshProblem(
+        f"The mirror plane of the pairs is not own X = 0: it is turned by {turn:.0f}\N{DEGREE SIGN}, and {middle:.0%} of the size away. "
+        "Choose Automatic, Fitted Plane or another symmetry, or set the object's origin in that plane, with X across it"
+    )
 
 
 def _paired(symmetry, mesh, positions):

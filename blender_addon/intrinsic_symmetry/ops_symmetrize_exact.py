@@ -36,6 +36,8 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_exactly(MirrorProperties, MapOperator, bp
         symmetry = left_side.agreed(self, object, symmetry)
         before = mesh_data.shown_positions(object).astype(float)
         reference = asymmetry.reference(self.about, symmetry, object.data, before)
+        if self.about == "X":
+            asymmetry.refuse_beside_x(symmetry, object.data, before)
         inside = self.may_change(object, mode, symmetry)
         posed = reference.plane is None
         once = self._in_pose(symmetry, object.data, before, inside) if posed else self._about(symmetry, reference)

@@ -94,6 +94,19 @@ def test_about_the_object_s_own_axis(head, capfd):
     assert np.abs(points[partner] * (-1, 1, 1) - points).max() < 1e-6
 
 
+def test_the_object_s_own_axis_far_from_the_mirror_plane_is_refused(head):
+    """Moved, or turned, half of the shape would land on the other side of X = 0."""
+    straight = (positions(head.data) - (1, 2, 3)) @ TURN
+    turned = np.stack([straight[:, 1], straight[:, 0], straight[:, 2]], axis=1)
+    for points, words in ((straight + (10, 0, 0), "turned by 0°, and 366% of"), (turned, "turned by 90°, and")):
+        _set(head, points)
+        with pytest.raises(RuntimeError, match=f"not own X = 0: it is {words} .*Choose Automatic"):
+            ops.symmetrize_exactly(about="X")
+        assert np.abs(positions(head.data) - points).max() < 1e-6
+    _set(head, straight + (0.02, 0, 0))
+    assert ops.symmetrize_exactly(about="X") == {"FINISHED"}
+
+
 def test_a_posed_body_keeps_its_pose(human):
     symmetry, before = module("stored_map").load(human.data), positions(human.data)
     assert module("asymmetry").reference("AUTO", symmetry, human.data, before).plane is None
