@@ -14,6 +14,7 @@ from .weights import read_weights, write_weights
 #: Channels of bones that Blender negates in a mirrored pose; as types of driver variables, and as the ends of paths.
 _NEGATED = {"LOC_X", "ROT_Y", "ROT_Z"}
 _NEGATED_PATH = re.compile(r"\.(location\[0\]|rotation_euler\[[12]\]|rotation_quaternion\[[23]\])$")
+_BONE = re.compile(r'pose\.bones\["([^"]+)"\]')
 _NAMED = re.compile(r'(?<=\[")[^"]+(?="\])')
 
 
@@ -94,15 +95,23 @@ def _copy_drivers(keys, like, key):
 def _flip_all(variable):
     """Turns the targets of a driver's variable to the other side. Whether it has the other sign there, in the mirrored
     pose."""
-    before = [(target.bone_target, target.data_path) for target in variable.targets]
-    for target in variable.targets:
-        _flip(target)
     target = variable.targets[0]
-    changed = before[0] != (target.bone_target, target.data_path)
+    before = target.bone_target, target.data_path
+    for each in variable.targets:
+        _flip(each)
+    if before == (target.bone_target, target.data_path) and not _is_central(target):
+        return False
     if variable.type == "SINGLE_PROP":
-        return changed and "pose.bones[" in target.data_path and bool(_NEGATED_PATH.search(target.data_path))
+        return bool(_BONE.search(target.data_path) and _NEGATED_PATH.search(target.data_path))
     local = variable.type == "TRANSFORMS" and target.transform_space == "LOCAL_SPACE"
-    return changed and local and target.transform_type in _NEGATED
+    return local and target.transform_type in _NEGATED
+
+
+def _is_central(target):
+    """Whether a driver's target is a bone in the middle, which a mirrored pose mirrors in itself."""
+    name = target.bone_target or "".join(_BONE.findall(target.data_path)[:1])
+    bones = _bones(target)
+    return name in bones and side_names.side(name, bones) == 0
 
 
 def _negate(driver, names):
@@ -118,14 +127,19 @@ def _negate(driver, names):
 
 def _flip(target):
     """Turns a driver's target to the bone or the property of the other side, where there is one."""
-    pose = getattr(target.id, "pose", None)
-    bones = pose.bones.keys() if pose is not None else []
+    bones = _bones(target)
     other = side_names.counterpart(target.bone_target, bones)
     if other in bones:
         target.bone_target = other
     path = _NAMED.sub(lambda match: side_names.counterpart(match[0], bones), target.data_path)
     if path != target.data_path and target.id is not None and _leads_somewhere(target.id, path):
         target.data_path = path
+
+
+def _bones(target):
+    """Names of the bones of a driver's target."""
+    pose = getattr(target.id, "pose", None)
+    return pose.bones.keys() if pose is not None else []
 
 
 def _leads_somewhere(owner, path):

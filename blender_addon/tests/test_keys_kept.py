@@ -125,13 +125,13 @@ def test_keys_without_a_known_side_are_left_alone(human, swelling, capfd):
     assert np.abs(_moved(human, "Sonrisa_der") - swelling).max() < 1e-6
 
 
-def _rig(left="jaw.L", right="jaw.R"):
+def _rig(*names):
     rig = bpy.data.objects.new("rig", bpy.data.armatures.new("rig"))
     bpy.context.scene.collection.objects.link(rig)
     active = bpy.context.view_layer.objects.active
     bpy.context.view_layer.objects.active = rig
     bpy.ops.object.mode_set(mode="EDIT")
-    for name in (left, right):
+    for name in names or ("jaw.L", "jaw.R"):
         rig.data.edit_bones.new(name).tail = (0, 0, 1)
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.context.view_layer.objects.active = active
@@ -149,26 +149,52 @@ def _drive(key, rig):
     own.name, own.targets[0].id, own.targets[0].data_path = "own", rig, '["smile_L"]'
 
 
+def _read_bone(driver, rig, bone, channel, space="LOCAL_SPACE"):
+    """Makes a driver read a bone: a channel of a type of variable, or the end of a path."""
+    variable, driver.expression = driver.variables.new(), "x"
+    variable.name, target = "x", variable.targets[0]
+    if channel.isupper():
+        variable.type = "TRANSFORMS"
+        target.bone_target, target.transform_type, target.transform_space = bone, channel, space
+        target.id = rig
+    else:
+        target.id, target.data_path = rig, f'pose.bones["{bone}"].{channel}'
+
+
+def _driven(object, rig, posed):
+    """Values of Smile.L and Smile.R in a pose, mirrored on bones with the sign -1."""
+    for bone, sign in posed.items():
+        rig.pose.bones[bone].rotation_mode = "XYZ"
+        rig.pose.bones[bone].location = sign * 0.1, 0.2, 0.3
+        rig.pose.bones[bone].rotation_euler = 0.1, sign * 0.2, sign * 0.3
+    bpy.context.view_layer.update()
+    keys = object.data.shape_keys.evaluated_get(bpy.context.evaluated_depsgraph_get()).key_blocks
+    return keys["Smile.L"].value, keys["Smile.R"].value
+
+
 @pytest.mark.parametrize("kind", ["SCRIPTED", "SUM", "AVERAGE"])
 @pytest.mark.parametrize("channel", ["LOC_X", "LOC_Y", "LOC_Z", "ROT_X", "ROT_Y", "ROT_Z", "SCALE_X"])
 def test_a_driver_has_the_sign_of_the_mirrored_pose(human, swelling, channel, kind):
     """As Blender's own flipped poses: the right bone's X and its turns about Y and Z are negated."""
     rig, key = _rig(), _key(human, "Smile.L", swelling)
     driver = key.driver_add("value").driver
-    variable = driver.variables.new()
-    variable.name, variable.type, driver.type = "x", "TRANSFORMS", kind
-    target = variable.targets[0]
-    target.id, target.bone_target, target.transform_type, target.transform_space = rig, "jaw.L", channel, "LOCAL_SPACE"
+    _read_bone(driver, rig, "jaw.L", channel)
+    driver.type = kind
     if kind == "SCRIPTED":
         driver.expression = "max(x, 0)"
     ops.mirror_shape_keys()
-    for bone, sign in (("jaw.L", 1), ("jaw.R", -1)):
-        rig.pose.bones[bone].rotation_mode = "XYZ"
-        rig.pose.bones[bone].location = sign * 0.1, 0.2, 0.3
-        rig.pose.bones[bone].rotation_euler = 0.1, sign * 0.2, sign * 0.3
-    bpy.context.view_layer.update()
-    keys = human.data.shape_keys.evaluated_get(bpy.context.evaluated_depsgraph_get()).key_blocks
-    assert keys["Smile.L"].value > 0.05 and abs(keys["Smile.L"].value - keys["Smile.R"].value) < 1e-5
+    left, right = _driven(human, rig, {"jaw.L": 1, "jaw.R": -1})
+    assert left > 0.05 and right == pytest.approx(left, abs=1e-5)
+
+
+@pytest.mark.parametrize("channel", ["LOC_X", "LOC_Y", "ROT_X", "ROT_Y", "ROT_Z", "rotation_euler[2]", "location[1]"])
+def test_a_driver_by_a_bone_in_the_middle_has_the_sign_of_the_mirrored_pose(human, swelling, channel):
+    rig, key = _rig("head"), _key(human, "Smile.L", swelling)
+    _read_bone(key.driver_add("value").driver, rig, "head", channel)
+    ops.mirror_shape_keys()
+    left, _ = _driven(human, rig, {"head": 1})
+    assert left > 0.05
+    assert _driven(human, rig, {"head": -1})[1] == pytest.approx(left, abs=1e-5)
 
 
 def test_a_made_key_has_the_settings_of_its_model(human, swelling, truth):
