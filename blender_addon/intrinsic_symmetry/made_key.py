@@ -13,13 +13,15 @@ from .weights import read_weights, write_weights
 
 #: Channels of bones that Blender negates in a mirrored pose; as types of driver variables, and as the ends of paths.
 _NEGATED = {"LOC_X", "ROT_Y", "ROT_Z"}
-_NEGATED_PATH = re.compile(r"\.(location\[0\]|rotation_euler\[[12]\]|rotation_quaternion\[[23]\])$")
+_NEGATED_PATH = re.compile(r"\.(location(\[0\]|\.x)|rotation_(euler(\[[12]\]|\.[yz])|quaternion(\[[23]\]|\.[yz])))$")
 _BONE = re.compile(r'pose\.bones\["([^"]+)"\]')
+#: How far the axes of an armature may be off those of the world.
+_STRAIGHT = 1e-4
 _NAMED = re.compile(r'(?<=\[")[^"]+(?="\])')
 
 
 def make(object, symmetry, name, like):
-    """The key at rest, with the settings of `like`."""
+    """Makes the key at rest, with the settings of `like`. Names of its drivers' variables whose sign cannot be told."""
     group = _group(object, symmetry, like.vertex_group, side_names.side(name))
     key = object.shape_key_add(name=name, from_mix=False)
     undo.note_made(object, key)
@@ -29,8 +31,7 @@ def make(object, symmetry, name, like):
     _copy_numbers(key, like)
     key.vertex_group = group
     mesh_data.set_key_positions(key, mesh_data.key_positions(key.relative_key))
-    _copy_drivers(keys, like, key)
-    return key
+    return _copy_drivers(keys, like, key)
 
 
 def like_another(object, like, moved, objects):
@@ -82,19 +83,22 @@ def _group(object, symmetry, name, side):
 
 
 def _copy_drivers(keys, like, key):
-    data, owner = keys.animation_data, key.id_data
+    """Names of the variables whose sign cannot be told."""
+    data, owner, unsure = keys.animation_data, key.id_data, []
     old, new = (f'key_blocks["{bpy.utils.escape_identifier(block.name)}"].' for block in (like, key))
     for curve in [curve for curve in data.drivers if curve.data_path.startswith(old)] if data else []:
         made = (owner.animation_data or owner.animation_data_create()).drivers.from_existing(src_driver=curve)
         made.data_path = curve.data_path.replace(old, new, 1)
-        negated = [variable.name for variable in made.driver.variables if _flip_all(variable)]
-        if negated:
-            _negate(made.driver, negated)
+        negated = {variable.name: _flip_all(variable) for variable in made.driver.variables}
+        unsure += [name for name, is_so in negated.items() if is_so is None]
+        if any(negated.values()):
+            _negate(made.driver, [name for name, is_so in negated.items() if is_so])
+    return unsure
 
 
 def _flip_all(variable):
     """Turns the targets of a driver's variable to the other side. Whether it has the other sign there, in the mirrored
-    pose."""
+    pose; None where that cannot be told."""
     target = variable.targets[0]
     before = target.bone_target, target.data_path
     for each in variable.targets:
@@ -103,8 +107,17 @@ def _flip_all(variable):
         return False
     if variable.type == "SINGLE_PROP":
         return bool(_BONE.search(target.data_path) and _NEGATED_PATH.search(target.data_path))
-    local = variable.type == "TRANSFORMS" and target.transform_space == "LOCAL_SPACE"
-    return local and target.transform_type in _NEGATED
+    if variable.type != "TRANSFORMS" or target.transform_type.startswith("SCALE"):
+        return False
+    if target.transform_space == "WORLD_SPACE" and not _mirrors_world_x(target.id):
+        return None
+    return target.transform_type in _NEGATED
+
+
+def _mirrors_world_x(object):
+    """Whether the mirror plane of an armature, its own X = 0, is that of the world."""
+    matrix = np.array(object.matrix_world)
+    return not (np.abs([*matrix[0, 1:], *matrix[1:3, 0]]) > _STRAIGHT).any()
 
 
 def _is_central(target):
