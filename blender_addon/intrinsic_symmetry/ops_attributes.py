@@ -62,6 +62,12 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
         changed &= assembly.shown(object, self.members, mesh.attributes[attribute.name].domain)
         return f"{attribute.name}: {changed.sum()} of {len(values)} values changed"
 
+    def may_change(self, object, mode, symmetry):
+        """Of the mask itself, all that is not hidden."""
+        if mode == "SCULPT" and self._name(object.data) == ".sculpt_mask":
+            return mesh_data.open_elements(object.data, mode, "POINT").astype(float)
+        return super().may_change(object, mode, symmetry)
+
     def _name(self, mesh):
         active = getattr(mesh.attributes.active, "name", "")
         return self.name or ("" if stored_map.is_own(active) else active)

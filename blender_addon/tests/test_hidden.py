@@ -94,6 +94,21 @@ def test_it_says_how_many_are_hidden_or_masked(human, tool, hides, capfd):
     assert f"{losing.sum()} vertices are hidden, masked or outside the paint selection, and stay" in said(capfd, tool)
 
 
+@pytest.mark.parametrize("direction, left, right", [("LEFT_TO_RIGHT", 0, 0), ("SWAP", 1, 0), ("AVERAGE", 0.5, 0.5)])
+def test_a_mask_does_not_protect_itself(human, direction, left, right):
+    """But hidden vertices keep theirs."""
+    mesh, side = human.data, attribute(human.data, "sym_side")
+    hidden = (side == -1) & (np.arange(len(side)) % 3 == 0)
+    for name, kind, values in ((".sculpt_mask", "FLOAT", side == -1), (".hide_vert", "BOOLEAN", hidden)):
+        module("mesh_data").write_attribute(mesh, name, kind, values)
+    enter("SCULPT")
+    assert ops.mirror_attribute(name=".sculpt_mask", direction=direction) == {"FINISHED"}
+    enter("OBJECT")
+    mask = attribute(mesh, ".sculpt_mask")
+    assert np.abs(mask[side == 1] - left).max() < 1e-5 and np.abs(mask[(side == -1) & ~hidden] - right).max() < 1e-5
+    assert (mask[hidden] == 1).all()
+
+
 def _with_creases(object):
     ends = np.array([edge.vertices for edge in object.data.edges])
     values = _one_sided(object.data)[ends].mean(axis=1)
