@@ -30,6 +30,8 @@ class INTRINSIC_SYMMETRY_OT_export_pairs(ExportHelper, MapOperator, bpy.types.Op
 
     def run_with(self, symmetry, _context, object, _mode):
         path = bpy.path.abspath(self.filepath)
+        if bpy.path.basename(path) and not path.lower().endswith((".csv", ".json")):
+            path += self.file_type
         try:
             pairs_file.write(path, _columns(symmetry), _about(symmetry, object.data))
         except OSError as problem:

@@ -7,7 +7,7 @@ import json
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, positions
+from conftest import attribute, enter, module, positions, said
 
 ops = bpy.ops.intrinsic_symmetry
 
@@ -220,3 +220,17 @@ def test_a_file_of_bytes_is_refused(human, tmp_path):
     (tmp_path / "pairs.csv").write_bytes(b"vertex,partner\n0,\x000\n\r\r")
     with pytest.raises(RuntimeError, match="The file pairs.csv holds no pairs"):
         ops.import_pairs(filepath=str(tmp_path / "pairs.csv"))
+
+
+@pytest.mark.parametrize("kind", ["csv", "json"])
+@pytest.mark.parametrize("name", ["pairs", "pairs.v2"])
+def test_a_file_without_an_extension_gets_that_of_its_format(human, tmp_path, name, kind, capfd):
+    said_so = said(capfd, ops.export_pairs, filepath=str(tmp_path / name), file_type=f".{kind}")
+    assert [file.name for file in tmp_path.iterdir()] == [f"{name}.{kind}"] and f"{name}.{kind}" in said_so
+    assert ops.import_pairs(filepath=str(tmp_path / f"{name}.{kind}")) == {"FINISHED"}
+
+
+def test_a_folder_is_no_file(human, tmp_path):
+    with pytest.raises(RuntimeError, match="cannot be written"):
+        ops.export_pairs(filepath=f"{tmp_path}/")
+    assert not list(tmp_path.iterdir())
