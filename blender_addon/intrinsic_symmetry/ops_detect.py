@@ -133,6 +133,8 @@ class INTRINSIC_SYMMETRY_OT_detect(preferences.DetectOptions, MeshOperator, bpy.
 
     def _start(self, context):
         self._members = assembly.selected(context) if self.together else [context.active_object]
+        for member in self._members:
+            stored_map.refuse_taken(member.data)
         arguments = self.arguments(context)
         alone = len(self._members) == 1
         signs = labels.known_signs(self._members[0].data) if self.use_labels and alone else []

@@ -52,7 +52,8 @@ def renew(object, changed):
 def forget(mesh):
     """Removes what is remembered."""
     for name in [name for name in mesh.attributes.keys() if name.startswith(stored_map.REMEMBERED)]:
-        mesh_data.remove_attribute(mesh, name)
+        if stored_map.is_of_vertices(mesh.attributes[name], "FLOAT_VECTOR"):
+            mesh_data.remove_attribute(mesh, name)
 
 
 class INTRINSIC_SYMMETRY_OT_symmetrize(MirrorProperties, MapOperator, bpy.types.Operator):
@@ -90,6 +91,7 @@ class INTRINSIC_SYMMETRY_OT_remember(MeshOperator, bpy.types.Operator):
     on_shown_shape = True
 
     def run(self, _context, object, _mode):
+        stored_map.refuse_name(object.data, remembered_name(object), "FLOAT_VECTOR")
         forget(object.data)
         shown = mesh_data.shown_positions(object)
         mesh_data.write_attribute(object.data, remembered_name(object), "FLOAT_VECTOR", shown)

@@ -49,6 +49,8 @@ EDIT = "sym_edit"
 MADE, LOST, REFACED = 1, 2, 3
 #: FLOAT_VECTOR: how far an edit has moved old vertices, and duplicates from their originals, after `carry`.
 MOVED = "sym_moved"
+#: What `carry` adds.
+_CARRIED = {LIFT: "FLOAT_VECTOR", EDIT: "INT", MOVED: "FLOAT_VECTOR"}
 #: FLOAT_VECTOR: positions of the shape that is being edited, when they were remembered. That of a shape key ends in a
 #: number made of the key's name, so that what was edited on one is not mirrored on another.
 REMEMBERED = "sym_remembered"
@@ -64,6 +66,26 @@ LEAST = 1e-6
 def is_own(name):
     """Whether an attribute of this name belongs to the map, or is what was remembered."""
     return name.startswith("sym_")
+
+
+def is_of_vertices(attribute, kind):
+    """Whether an attribute may be what the map writes as a `kind`; a PLY file gives all numbers as floats. Others of the
+    same name are the user's."""
+    return attribute.domain == "POINT" and attribute.data_type in (kind, "FLOAT")
+
+
+def refuse_taken(mesh):
+    """Raises MeshProblem where something of the user's has a name that the map needs."""
+    for name, kind in {**KINDS, **_TRACES, **_CARRIED}.items():
+        refuse_name(mesh, name, kind)
+
+
+def refuse_name(mesh, name, kind):
+    """Raises MeshProblem where something of the user's has the name."""
+    attribute = mesh.attributes.get(name)
+    if attribute is not None and not is_of_vertices(attribute, kind):
+        what = "UV map" if name in mesh.uv_layers else "attribute"
+        raise mesh_data.MeshProblem(f'The name of the {what} "{name}" is needed for the symmetry: rename it')
 
 
 def read_edit(mesh):
@@ -156,9 +178,10 @@ def store(mesh, core_mesh, symmetry, is_doubtful=False, left=(1, BY_X), exact_sh
         BARY: points.barycentrics,
     }
     values.update(zip(CORNERS, points.corners.T.astype(np.int64)))
+    refuse_taken(mesh)
     undo.remember(mesh)
     _remove_further(mesh)
-    for name in {LIFT, EDIT, MOVED} & set(mesh.attributes.keys()):
+    for name in _CARRIED.keys() & set(mesh.attributes.keys()):
         mesh_data.remove_attribute(mesh, name)
     for name, array in values.items():
         given = np.where(array == _NONE, -1, array) if KINDS[name] == "INT" else array
@@ -331,8 +354,8 @@ def clear(mesh):
     """Removes the map and its record."""
     undo.remember(mesh)
     _remove_further(mesh)
-    for name in (*KINDS, *_TRACES, LIFT, EDIT, MOVED):
-        if name in mesh.attributes:
+    for name, kind in {**KINDS, **_TRACES, **_CARRIED}.items():
+        if name in mesh.attributes and is_of_vertices(mesh.attributes[name], kind):
             mesh_data.remove_attribute(mesh, name)
     if RECORD in mesh:
         del mesh[RECORD]
@@ -340,4 +363,5 @@ def clear(mesh):
 
 def _remove_further(mesh):
     for name in filter(_FURTHER.fullmatch, mesh.attributes.keys()):
-        mesh_data.remove_attribute(mesh, name)
+        if is_of_vertices(mesh.attributes[name], "INT"):
+            mesh_data.remove_attribute(mesh, name)

@@ -34,6 +34,45 @@ def test_further_symmetries_of_an_imported_file_go(quadruped, tool):
     assert not left & set(others) and left >= set(own) and ("sym_corner_2" in left) is (tool == "detect")
 
 
+#: Layers of a user's that have names of the map.
+TAKEN = {"sym_side": ("FLOAT_COLOR", "CORNER"), "sym_index": ("FLOAT", "FACE"), "sym_edit": ("FLOAT_COLOR", "POINT")}
+
+
+@pytest.mark.parametrize("name", [*TAKEN, "sym_image"])
+def test_a_layer_that_has_a_name_of_the_map_stays(name):
+    bpy.ops.mesh.primitive_monkey_add()
+    mesh = bpy.context.object.data
+    if name in TAKEN:
+        mesh.attributes.new(name, *TAKEN[name])
+    else:
+        mesh.uv_layers.new(name=name)
+    kind = mesh.attributes[name].data_type, mesh.attributes[name].domain
+    with pytest.raises(RuntimeError, match=f'"{name}" is needed for the symmetry: rename it'):
+        bpy.ops.intrinsic_symmetry.detect()
+    assert (mesh.attributes[name].data_type, mesh.attributes[name].domain) == kind
+    assert not [other for other in mesh.attributes.keys() if other.startswith("sym_") and other != name]
+    mesh.attributes[name].name = "mine"
+    assert bpy.ops.intrinsic_symmetry.detect() == {"FINISHED"} and "mine" in mesh.attributes
+
+
+@pytest.mark.parametrize("name", ["sym_edit", "sym_side_2", "sym_remembered"])
+def test_remove_symmetry_leaves_layers_of_the_user(human, name):
+    human.data.uv_layers.new(name=name)
+    if name == "sym_remembered":
+        with pytest.raises(RuntimeError, match='UV map "sym_remembered" is needed'):
+            bpy.ops.intrinsic_symmetry.remember()
+    assert bpy.ops.intrinsic_symmetry.clear() == {"FINISHED"}
+    assert [other for other in human.data.attributes.keys() if other.startswith("sym_")] == [name]
+
+
+def test_numbers_of_an_imported_ply_file_are_replaced(human):
+    """Blender reads them all as floats."""
+    bpy.ops.intrinsic_symmetry.clear()
+    for name in ("sym_vertex", "sym_confidence", "sym_side"):
+        human.data.attributes.new(name, "FLOAT", "POINT")
+    assert bpy.ops.intrinsic_symmetry.detect() == {"FINISHED"}
+
+
 def test_undo_in_edit_mode(human):
     side = attribute(human.data, "sym_side")
     left = np.flatnonzero(side == 1)[:20]
