@@ -6,6 +6,7 @@ import numpy as np
 from intrinsym import Merge, SymmetryKind
 
 from . import mesh_data, side_names, stored_map
+from .counterparts import listed
 
 DIRECTIONS = (
     ("LEFT_TO_RIGHT", "Left to Right", "The left side stays, the right one becomes its mirror image", Merge.POSITIVE_WINS),
@@ -107,6 +108,13 @@ class NamedMirrorProperties(MirrorProperties):
         side = side_names.side(name, names)
         if side and not self.properties.is_property_set("direction"):
             self.direction = "LEFT_TO_RIGHT" if side > 0 else "RIGHT_TO_LEFT"
+
+    def with_made(self, said, before, names):
+        """The sentence for the user, with those of the names that were not there before."""
+        made = [name for name in names if name not in before]
+        if twice := side_names.written_otherwise(made, before):
+            self.warn(f"Made, though it is there in other letters: {listed(twice)}. Write a pair alike, but for the side")
+        return f"{said}. Made: {listed(made)}" if made else said
 
     def without_too_long(self, names, every):
         """The names but those whose twin's is too long, which are left alone."""

@@ -37,6 +37,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
     def run_with(self, symmetry, _context, object, mode):
         symmetry = left_side.agreed(self, object, symmetry)
         keys, active = object.data.shape_keys, object.active_shape_key.name
+        there = keys.key_blocks.keys()
         if not self.all_keys:
             self.let_win(active, keys.key_blocks.keys())
         free = self.may_change(object, mode, symmetry)
@@ -48,7 +49,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
                 count += self._across(symmetry, object, pair, free)
         object.active_shape_key_index = keys.key_blocks.find(active)
         object.data.update()
-        return f"{count} shape key{'' if count == 1 else 's'} changed"
+        return self.with_made(f"{count} shape key{'' if count == 1 else 's'} changed", there, keys.key_blocks.keys())
 
     def _chosen(self, object, symmetry):
         """Names of the keys to mirror: pairs, the left one first, and single ones that are mirrored in place."""

@@ -43,6 +43,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
             self.let_win(object.vertex_groups.active.name, object.vertex_groups.keys())
         self.shares(symmetry)  # refuses a half turn
         before = read_weights(object)
+        there = object.vertex_groups.keys()
         names = self._understood(object, symmetry, before)
         other = self._counterparts(object, names)
         before = np.pad(before, ((0, 0), (0, len(other) - before.shape[1])))
@@ -55,7 +56,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
                 self.warn(f"On {stuck} vertices the weights do not sum to 1: groups that stay leave no room")
         write_weights(object, before, after)
         object.data.update()
-        return f"{assembly.shown(object, self.members)[rows].sum()} vertices changed"
+        said = f"{assembly.shown(object, self.members)[rows].sum()} vertices changed"
+        return self.with_made(said, there, object.vertex_groups.keys())
 
     def _chosen(self, object):
         """Names of the groups that are there to mirror."""

@@ -73,6 +73,13 @@ def counterpart_columns(names):
     return [number.get(counterpart(name, names), -1) for name in names]
 
 
+def written_otherwise(made, names):
+    """Those of the `made` names that one of `names` without a counterpart differs from in capitals, separators, the place of
+    the side or a last number alone: arm.R beside Arm.R, where there is no Arm.L."""
+    lone = {(side(name), _bare(name)) for name in names if counterpart(name, names) not in names} if made else set()
+    return [name for name in made if (side(name), _bare(name)) in lone]
+
+
 def is_too_long(name):
     """Whether Blender would cut a name."""
     return len(name.encode()) > _MOST_BYTES
@@ -82,6 +89,11 @@ def refuse_too_long(names):
     """Raises MeshProblem where Blender would cut one of the names."""
     for name in filter(is_too_long, names):
         raise MeshProblem(f'"{name}" is too long for Blender: shorten the name')
+
+
+def _bare(name):
+    """A name without its side, capitals, separators and a last number."""
+    return re.sub(r"[\W_]", "", _ANY.sub("", re.sub(r"[._ ]\d+$", "", name))).casefold()
 
 
 def _plain(name):

@@ -3,7 +3,7 @@
 
 import bpy
 import pytest
-from conftest import module
+from conftest import module, said
 
 PAIRS = {
     "Blender": [("Arm.L", "Arm.R"), ("l_arm", "r_arm"), ("arm-Left.001", "arm-Right.001"), ("leftarm", "rightarm"),
@@ -84,3 +84,23 @@ def test_the_last_of_two_sides_decides():
     assert [side_names.counterpart(name, names) for name in names] == [names[1], names[0], names[3], names[2]]
     pair = ["Hair_R_end.L", "Hair_R_end.R"]
     assert [side_names.counterpart(name, pair) for name in pair] == pair[::-1]
+
+
+def test_names_that_are_written_otherwise():
+    written_otherwise = module("side_names").written_otherwise
+    alike = [("arm.R", "Arm.R"), ("arm.R", "arm.r"), ("Right Arm", "RightArm"), ("R.arm", "arm.R"), ("arm.R.001", "arm.R")]
+    assert [written_otherwise([made], ["Spine", there]) for made, there in alike] == [[made] for made, _ in alike]
+    assert written_otherwise(["arm.R.001"], ["arm.L.001", "arm.L", "arm.R"]) == [], "that is of another pair"
+    assert written_otherwise(["Finger1.R"], ["Finger1.L", "Finger2.R", "Finger1", "Arm.R"]) == []
+
+
+@pytest.mark.parametrize("what", ["vertex_groups", "shape_keys"])
+def test_what_is_made_beside_a_name_that_is_written_otherwise_is_named(human, what, capfd):
+    for name in ("Basis", "arm.L", "Arm.R"):
+        if what == "vertex_groups":
+            human.vertex_groups.new(name=name)
+        else:
+            human.shape_key_add(name=name)
+    human.active_shape_key_index = 1
+    text = said(capfd, getattr(bpy.ops.intrinsic_symmetry, f"mirror_{what}"))
+    assert 'Made: "arm.R"' in text and 'though it is there in other letters: "arm.R"' in text
