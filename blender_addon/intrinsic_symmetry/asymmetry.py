@@ -106,8 +106,8 @@ def refuse_beside_x(symmetry, mesh, positions):
     turn = np.degrees(np.arccos(min(abs(plane.normal[0]), 1)))
     middle = abs(np.average(points + images, axis=0, weights=areas)[0]) / 2 / size(positions)
     raise mesh_data.MeshProblem(
-        f"The mirror plane of the pairs is not own X = 0: it is turned by {turn:.0f}\N{DEGREE SIGN}, and {middle:.0%} of the size away. "
-        "Choose Automatic, Fitted Plane or another symmetry, or set the object's origin in that plane, with X across it"
+        f"The mirror plane of the pairs is not own X = 0: it is turned by {turn:.0f}\N{DEGREE SIGN}, and {middle:.0%} of the size "
+        "away. Choose Automatic, Fitted Plane or another symmetry, or set the object's origin in that plane, with X across it"
     )
 
 
