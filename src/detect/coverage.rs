@@ -42,8 +42,9 @@ impl Coverage {
     /// One sentence, without a full stop.
     pub fn in_words(&self) -> String {
         let Coverage { paired_share, shells_paired, shells_self_mirrored, shells_alone } = *self;
-        // What leaves a shell alone is not 100 %, however small that is.
-        let percent = if shells_alone > 0 { (100.0 * paired_share).min(99.0) } else { 100.0 * paired_share };
+        // What leaves anything alone is not 100 %, however small that is.
+        let is_all = shells_alone == 0 && paired_share > 1.0 - 1e-9;
+        let percent = if is_all { 100.0 } else { (100.0 * paired_share).min(99.0) };
         let share = format!("{percent:.0} % of the surface has a partner");
         let shells = shells_paired + shells_self_mirrored + shells_alone;
         if shells < 2 {
@@ -113,14 +114,12 @@ mod tests {
     }
 
     #[test]
-    fn what_leaves_a_shell_alone_is_not_all_of_the_surface() {
-        let of = |shells_alone| Coverage {
-            paired_share: 0.996,
-            shells_paired: 2,
-            shells_self_mirrored: 0,
-            shells_alone,
+    fn what_leaves_anything_alone_is_not_all_of_the_surface() {
+        let words = |paired_share, shells_alone| {
+            Coverage { paired_share, shells_paired: 2, shells_self_mirrored: 0, shells_alone }.in_words()
         };
-        assert!(of(1).in_words().starts_with("99 %") && of(0).in_words().starts_with("100 %"));
+        assert!(words(1.0, 1).starts_with("99 %") && words(0.996, 0).starts_with("99 %"));
+        assert!(words(1.0, 0).starts_with("100 %"));
     }
 
     #[test]
