@@ -4,7 +4,7 @@
 //!     cargo bench --profile release --bench stages -- MESH [--repeats 5] [--eigenfunctions 150] [--threads 1]
 //!         [--proxy-vertices 6000] [--write PREFIX]
 //!
-//! MESH is a file, or a number f: the creature of the tests on a geodesic sphere of `10 f^2 + 2` vertices, its left
+//! MESH is a file, or a number f: the creature of the tests on a geodesic sphere of `10 f^2 + 2` vertices, twisted, its left
 //! and right triangulated differently. The first run is the process's first (cold). Then as many times `detect_again` on a
 //! stretched mesh of the same connectivity: `again_stored` from symmetries alone, `again` from the detection. `--write` also leaves the mesh as
 //! raw little-endian arrays for `compare.py`: PREFIX.positions (f64) and PREFIX.triangles (u32).
@@ -23,6 +23,8 @@ use std::path::Path;
 
 /// The creature's turn, in radians: no vertex has its mirror image among the vertices.
 const TURN: f64 = 0.4;
+/// How far it is twisted, in radians over a unit of length: no plane mirrors it.
+const TWIST: f64 = 0.8;
 
 struct Arguments {
     mesh: String,
@@ -105,9 +107,14 @@ fn arguments() -> Option<Arguments> {
 
 fn polygon_mesh(name: &str) -> PolygonMesh {
     match name.parse() {
-        Ok(frequency) => support::creature_from(support::geodesic_sphere(frequency), TURN),
+        Ok(frequency) => twisted(support::creature_from(support::geodesic_sphere(frequency), TURN)),
         Err(_) => io::read(Path::new(name), &Limits::default()).expect("a readable mesh").polygons,
     }
+}
+
+fn twisted(mut polygons: PolygonMesh) -> PolygonMesh {
+    polygons.positions.iter_mut().for_each(|at| *at = support::rotated(*at, [0.0, 1.0, 0.0], TWIST * at[1]));
+    polygons
 }
 
 /// A shape of the same connectivity, as after an edit.
