@@ -24,7 +24,7 @@ use std::path::Path;
 /// The creature's turn, in radians: no vertex has its mirror image among the vertices.
 const TURN: f64 = 0.4;
 /// How far it is twisted, in radians over a unit of length: no plane mirrors it.
-const TWIST: f64 = 0.8;
+const TWIST: f64 = 0.1;
 
 struct Arguments {
     mesh: String,
