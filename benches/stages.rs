@@ -21,11 +21,6 @@ use intrinsym::{
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// The creature's turn, in radians: no vertex has its mirror image among the vertices.
-const TURN: f64 = 0.4;
-/// How far it is twisted, in radians over a unit of length: no plane mirrors it.
-const TWIST: f64 = 0.1;
-
 struct Arguments {
     mesh: String,
     repeats: usize,
@@ -107,14 +102,9 @@ fn arguments() -> Option<Arguments> {
 
 fn polygon_mesh(name: &str) -> PolygonMesh {
     match name.parse() {
-        Ok(frequency) => twisted(support::creature_from(support::geodesic_sphere(frequency), TURN)),
+        Ok(frequency) => support::twisted_creature(frequency),
         Err(_) => io::read(Path::new(name), &Limits::default()).expect("a readable mesh").polygons,
     }
-}
-
-fn twisted(mut polygons: PolygonMesh) -> PolygonMesh {
-    polygons.positions.iter_mut().for_each(|at| *at = support::rotated(*at, [0.0, 1.0, 0.0], TWIST * at[1]));
-    polygons
 }
 
 /// A shape of the same connectivity, as after an edit.

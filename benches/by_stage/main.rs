@@ -39,8 +39,6 @@ use intrinsym::internals::verify::hypothesis::Hypothesis;
 use intrinsym::{Limits, Mesh, Options, Progress, SymmetryKind, detect};
 use std::time::Duration;
 
-/// The creature's turn, in radians, as in `benches/stages.rs`.
-const TURN: f64 = 0.4;
 /// The size whose distance to the floor is counted.
 const COUNTED: usize = 12_252;
 
@@ -83,7 +81,7 @@ impl Timer<'_> {
 fn measure(criterion: &mut Criterion, frequency: u32) {
     let (options, plan) = (Options { threads: 1, ..Options::default() }, Plan::small());
     let (limits, quiet) = (Limits::default(), Progress::default());
-    let polygons = support::creature_from(support::geodesic_sphere(frequency), TURN);
+    let polygons = support::twisted_creature(frequency);
     let mut timer = Timer { criterion, vertices: polygons.positions.len() };
     timer.time("mesh", || Mesh::new(&polygons, &limits));
     let mesh = Mesh::new(&polygons, &limits).expect("a usable mesh");

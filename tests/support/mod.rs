@@ -157,6 +157,13 @@ pub fn creature_from(sphere: PolygonMesh, turn: f64) -> PolygonMesh {
     mesh
 }
 
+/// A creature for benchmarks, of `10 frequency^2 + 2` vertices: none has its mirror image among them, and no plane mirrors it, as it is twisted.
+pub fn twisted_creature(frequency: u32) -> PolygonMesh {
+    let mut mesh = creature_from(geodesic_sphere(frequency), 0.4);
+    mesh.positions.iter_mut().for_each(|at| *at = rotated(*at, [0.0, 1.0, 0.0], 0.1 * at[1]));
+    mesh
+}
+
 /// The vertex nearest to the mirror image of each vertex of [`creature`].
 pub fn creature_truth(mesh: &PolygonMesh) -> Vec<u32> {
     let nearest = |&[x, y, z]: &Vector| {
