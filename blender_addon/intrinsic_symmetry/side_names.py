@@ -38,8 +38,8 @@ _CONVENTIONS = (
     r"左|右|ひだり|みぎ|ヒダリ|ミギ|ﾋﾀﾞﾘ|ﾐｷﾞ",
 )
 _ANY = re.compile("|".join(_CONVENTIONS))
-#: A capital before a small letter, at the beginning of a word: Lhand. Lip and Roll begin so, too, and have no side.
-_CAPITAL = re.compile(r"(?<![^\W_])[LR](?=[a-z])")
+#: A capital before a small letter, at the beginning of a word: Lhand, HandLfinger. Lip and Roll begin so, too, and have no side.
+_CAPITAL = re.compile(r"(?<![A-Z])[LR](?=[a-z])")
 
 
 def side(name, names=()):

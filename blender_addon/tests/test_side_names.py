@@ -57,6 +57,16 @@ def test_a_capital_before_a_small_letter_is_a_side_where_both_names_are_there():
     assert [side_names.side(name, names) for name in names] == [1, -1, 1, -1, 0, 0, 0, -1, 1, 0]
 
 
+def test_a_capital_in_the_middle_is_a_side_where_both_names_are_there():
+    side_names = module("side_names")
+    names = ["HandLfinger", "HandRfinger", "Arm2Rlower", "Arm2Llower", "LipRupperLip", "LipLupperLip", "HandLthumb",
+             "ToeRoll", "HeadLight", "HeadRight", "IKLeg", "IKReg"]
+    wanted = ["HandRfinger", "HandLfinger", "Arm2Llower", "Arm2Rlower", "LipLupperLip", "LipRupperLip", "HandLthumb",
+              "ToeRoll", "HeadLight", "HeadLeft", "IKLeg", "IKReg"]
+    assert [side_names.counterpart(name, names) for name in names] == wanted
+    assert [side_names.side(name, names) for name in names] == [1, -1, -1, 1, -1, 1, 0, 0, 0, -1, 0, 0]
+
+
 def test_words_of_one_s_own():
     side_names = module("side_names")
     preferences = bpy.context.preferences.addons[module("preferences").__package__].preferences
