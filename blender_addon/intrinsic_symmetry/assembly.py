@@ -15,8 +15,9 @@ from . import made_key, mesh_data, stored_map
 from .stored_map import RECORD
 from .weights import SMALLEST, read_weights, write_weights
 
-#: INT attribute of each domain of the joined mesh: number of the element, counted through all objects.
-_NUMBER = "sym_number"
+#: INT attribute of each domain of the joined mesh, hidden as Blender's own are: number of the element, counted through all
+#: objects.
+_NUMBER = ".sym_number"
 _DOMAINS = {"POINT": "vertices", "EDGE": "edges", "FACE": "polygons", "CORNER": "loops"}
 #: Displacement below which a key does not move a vertex, as a share of the size.
 _STILL = 1e-6

@@ -12,9 +12,9 @@ import numpy as np
 from .half_faces import turned, without_images
 from .half_labels import LINE, LOSES, STAYS, WINS
 
-#: INT layers of vertices and faces; the second says which faces are copies.
-SOURCE, COPIED = "sym_source", "sym_copied"
-_LABEL = "sym_label"
+#: INT layers of vertices and faces, hidden as Blender's own are; the second says which faces are copies.
+SOURCE, COPIED = ".sym_source", ".sym_copied"
+_LABEL = ".sym_label"
 
 
 def rebuild(bm, halves):

@@ -31,7 +31,7 @@ def _name_for(object, key):
 def _another_is(object):
     """In words, that the shape of another shape key is remembered, or nothing."""
     keys, names = object.data.shape_keys, object.data.attributes.keys()
-    if remembered_name(object) in names or not any(name.startswith(stored_map.REMEMBERED) for name in names):
+    if remembered_name(object) in names or not any(map(stored_map.is_remembered, names)):
         return None
     there = [key.name for key in keys.key_blocks if _name_for(object, key) in names] if keys else []
     what = f'The shape key "{there[0]}" is remembered' if there else "A shape key that is gone is remembered"
@@ -42,7 +42,7 @@ def renew(object, changed):
     """What is remembered becomes the shape of now at the `changed` vertices, (vertices,) bool."""
     keys = object.data.shape_keys
     shapes = {_name_for(object, key): key for key in (keys.key_blocks if keys else [])}
-    for name in [name for name in object.data.attributes.keys() if name.startswith(stored_map.REMEMBERED)]:
+    for name in filter(stored_map.is_remembered, object.data.attributes.keys()):
         key = shapes.get(name)
         now = mesh_data.positions(object.data) if name == stored_map.REMEMBERED or key is None else mesh_data.key_positions(key)
         values = mesh_data.read_attribute(object.data.attributes[name])
@@ -51,7 +51,7 @@ def renew(object, changed):
 
 def forget(mesh):
     """Removes what is remembered."""
-    for name in [name for name in mesh.attributes.keys() if name.startswith(stored_map.REMEMBERED)]:
+    for name in filter(stored_map.is_remembered, mesh.attributes.keys()):
         if stored_map.is_of_vertices(mesh.attributes[name], "FLOAT_VECTOR"):
             mesh_data.remove_attribute(mesh, name)
 

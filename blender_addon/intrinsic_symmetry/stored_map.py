@@ -51,9 +51,12 @@ MADE, LOST, REFACED = 1, 2, 3
 MOVED = "sym_moved"
 #: What `carry` adds.
 _CARRIED = {LIFT: "FLOAT_VECTOR", EDIT: "INT", MOVED: "FLOAT_VECTOR"}
+#: All of these.
+_OF_MAP = {**KINDS, **_TRACES, **_CARRIED}
 #: FLOAT_VECTOR: positions of the shape that is being edited, when they were remembered. That of a shape key ends in a
 #: number made of the key's name, so that what was edited on one is not mirrored on another.
 REMEMBERED = "sym_remembered"
+_REMEMBERED = re.compile(rf"{REMEMBERED}(_[0-9a-f]{{8}})?")
 #: What an imported PLY or glTF file says of its further symmetries. It does not belong to the map that is kept.
 _FURTHER = re.compile(r"(sym_(vertex|confidence|side)|_SYM_(VERTEX|CONFIDENCE|SIDE))_\d+")
 _NONE = 2**32 - 1
@@ -65,7 +68,12 @@ LEAST = 1e-6
 
 def is_own(name):
     """Whether an attribute of this name belongs to the map, or is what was remembered."""
-    return name.startswith("sym_")
+    return name in _OF_MAP or is_remembered(name)
+
+
+def is_remembered(name):
+    """Whether an attribute of this name is a shape that was remembered."""
+    return _REMEMBERED.fullmatch(name) is not None
 
 
 def is_of_vertices(attribute, kind):
@@ -76,7 +84,7 @@ def is_of_vertices(attribute, kind):
 
 def refuse_taken(mesh):
     """Raises MeshProblem where something of the user's has a name that the map needs."""
-    for name, kind in {**KINDS, **_TRACES, **_CARRIED}.items():
+    for name, kind in _OF_MAP.items():
         refuse_name(mesh, name, kind)
 
 
@@ -354,7 +362,7 @@ def clear(mesh):
     """Removes the map and its record."""
     undo.remember(mesh)
     _remove_further(mesh)
-    for name, kind in {**KINDS, **_TRACES, **_CARRIED}.items():
+    for name, kind in _OF_MAP.items():
         if name in mesh.attributes and is_of_vertices(mesh.attributes[name], kind):
             mesh_data.remove_attribute(mesh, name)
     if RECORD in mesh:

@@ -359,6 +359,15 @@ def test_attributes_that_cannot_be_mirrored(human):
             ops.mirror_attribute(name=name)
 
 
+def test_an_attribute_of_the_user_s_that_begins_as_ours_is_mirrored(human, truth, bump):
+    for name in ("sym_wear", "sym_remembered_pose", "sym_vertex_2b"):
+        human.data.attributes.new(name, "FLOAT", "POINT")
+        human.data.attributes.active = human.data.attributes[name]
+        module("mesh_data").update_attribute(human.data.attributes[name], bump)
+        assert ops.mirror_attribute(direction="LEFT_TO_RIGHT") == {"FINISHED"}
+        assert np.allclose(attribute(human.data, name), np.maximum(bump, bump[truth]), atol=1e-6)
+
+
 LONG = 59 * "x" + "Left"
 
 

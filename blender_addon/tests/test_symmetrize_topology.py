@@ -822,3 +822,15 @@ def test_all_objects_in_edit_mode(human):
     assert len(human.data.vertices) == len(other.data.vertices)
     for object in (human, other):
         _assert_mirrored(object.data)
+
+
+@pytest.mark.parametrize("name", ["sym_wear", "sym_source", "sym_label", "sym_remembered_pose"])
+def test_attributes_of_the_user_s_that_begin_as_ours_are_those_of_the_surface(quadruped, name):
+    mesh = quadruped.data
+    mesh.attributes.new(name, "FLOAT_VECTOR", "POINT")
+    module("mesh_data").update_attribute(mesh.attributes[name], positions(mesh))
+    before = set(mesh.attributes.keys())
+    assert ops.remember() == ops.symmetrize_topology(direction="LEFT_TO_RIGHT") == {"FINISHED"}
+    assert set(mesh.attributes.keys()) >= before and not {f"{name}.001", ".sym_source", ".sym_label"} & set(mesh.attributes.keys())
+    off = np.linalg.norm(attribute(mesh, name) - positions(mesh), axis=1)
+    assert np.quantile(off, 0.9) < 0.01
