@@ -11,9 +11,9 @@ from intrinsym import Merge
 from . import counterparts, mesh_data, side_names, undo
 from .weights import read_weights, write_weights
 
-#: Channels of bones that Blender negates in a mirrored pose; as types of driver variables, and as the ends of paths.
+#: Channels that Blender negates in a mirrored pose; as types of driver variables, and as the ends of paths.
 _NEGATED = {"LOC_X", "ROT_Y", "ROT_Z"}
-_NEGATED_PATH = re.compile(r"\.(location(\[0\]|\.x)|rotation_(euler(\[[12]\]|\.[yz])|quaternion(\[[23]\]|\.[yz])))$")
+_NEGATED_PATH = re.compile(r"(^|\.)(location(\[0\]|\.x)|rotation_(euler(\[[12]\]|\.[yz])|quaternion(\[[23]\]|\.[yz])))$")
 _BONE = re.compile(r'pose\.bones\["([^"]+)"\]')
 #: How far the axes of an armature may be off those of the world.
 _STRAIGHT = 1e-4
@@ -100,18 +100,20 @@ def _flip_all(variable):
     """Turns the targets of a driver's variable to the other side. Whether it has the other sign there, in the mirrored
     pose; None where that cannot be told."""
     target = variable.targets[0]
-    before = target.bone_target, target.data_path
+    before = target.id, target.bone_target, target.data_path
     for each in variable.targets:
         _flip(each)
-    if before == (target.bone_target, target.data_path) and not _is_central(target):
+    if before == (target.id, target.bone_target, target.data_path) and not _is_central(target):
         return False
     if variable.type == "SINGLE_PROP":
-        return bool(_BONE.search(target.data_path) and _NEGATED_PATH.search(target.data_path))
-    if variable.type != "TRANSFORMS" or target.transform_type.startswith("SCALE"):
+        negated = bool(_NEGATED_PATH.search(target.data_path))
+    elif variable.type == "TRANSFORMS" and not target.transform_type.startswith("SCALE"):
+        negated = target.transform_type in _NEGATED
+        if target.transform_space == "WORLD_SPACE" and _bone(target) and not _mirrors_world_x(target.id):
+            return None
+    else:
         return False
-    if target.transform_space == "WORLD_SPACE" and not _mirrors_world_x(target.id):
-        return None
-    return target.transform_type in _NEGATED
+    return negated if _bone(target) or not negated else None  # nothing says how the axes of other objects lie
 
 
 def _mirrors_world_x(object):
@@ -121,10 +123,11 @@ def _mirrors_world_x(object):
 
 
 def _is_central(target):
-    """Whether a driver's target is a bone in the middle, which a mirrored pose mirrors in itself."""
-    name = target.bone_target or "".join(_BONE.findall(target.data_path)[:1])
-    bones = _bones(target)
-    return name in bones and side_names.side(name, bones) == 0
+    """Whether a driver's target is a bone or an object in the middle, which a mirrored pose mirrors in itself."""
+    if name := _bone(target):
+        bones = _bones(target)
+        return name in bones and side_names.side(name, bones) == 0
+    return isinstance(target.id, bpy.types.Object) and side_names.side(target.id.name, bpy.data.objects.keys()) == 0
 
 
 def _negate(driver, names):
@@ -139,7 +142,7 @@ def _negate(driver, names):
 
 
 def _flip(target):
-    """Turns a driver's target to the bone or the property of the other side, where there is one."""
+    """Turns a driver's target to the bone, the property or the object of the other side, where there is one."""
     bones = _bones(target)
     other = side_names.counterpart(target.bone_target, bones)
     if other in bones:
@@ -147,6 +150,15 @@ def _flip(target):
     path = _NAMED.sub(lambda match: side_names.counterpart(match[0], bones), target.data_path)
     if path != target.data_path and target.id is not None and _leads_somewhere(target.id, path):
         target.data_path = path
+    elif isinstance(target.id, bpy.types.Object) and not _bone(target):
+        other = bpy.data.objects.get(side_names.counterpart(target.id.name, bpy.data.objects.keys()))
+        if other and _leads_somewhere(other, target.data_path) >= _leads_somewhere(target.id, target.data_path):
+            target.id = other
+
+
+def _bone(target):
+    """Name of the bone that a driver's target reads, or nothing."""
+    return target.bone_target or "".join(_BONE.findall(target.data_path)[:1])
 
 
 def _bones(target):

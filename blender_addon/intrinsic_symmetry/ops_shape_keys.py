@@ -105,7 +105,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
         if not object.data.shape_keys.use_relative:
             self.warn(f'The shape keys are absolute: "{name}" is one more shape in time')
         if unsure := made_key.make(object, symmetry, name, like):
-            self.warn(f'Check the driver of "{name}": in world space the sign of {counterparts.listed(unsure)} cannot be told')
+            self.warn(f'Check the driver of "{name}": the sign of {counterparts.listed(unsure)} cannot be told')
 
     def _write(self, keys, key, values):
         """Whether the key could be written and changes."""

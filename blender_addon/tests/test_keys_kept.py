@@ -225,7 +225,29 @@ def test_a_driver_whose_sign_cannot_be_told_is_named(human, swelling, capfd):
     rig.location.x = 1
     bpy.context.view_layer.update()
     _read_bone(key.driver_add("value").driver, rig, "jaw.L", "LOC_X", "WORLD_SPACE")
-    assert 'Check the driver of "Smile.R": in world space the sign of "x"' in said(capfd, ops.mirror_shape_keys)
+    assert 'Check the driver of "Smile.R": the sign of "x"' in said(capfd, ops.mirror_shape_keys)
+
+
+@pytest.mark.parametrize("channel, is_unsure", [("LOC_X", True), ("LOC_Z", False), ("SCALE_X", False), ("location[0]", True),
+                                                ("location.z", False), ('["smile"]', False)])
+@pytest.mark.parametrize("names", [("jaw.L", "jaw.R"), ("jaw",), ("jaw.L",)])
+def test_a_driver_by_an_object_reads_that_of_the_other_side(human, swelling, names, channel, is_unsure, capfd):
+    """How its axes lie is not known: where the mirrored pose may have the other sign, the driver is named."""
+    for name in names:
+        bpy.data.objects.new(name, None)["smile"] = 0.5
+    driver = _key(human, "Smile.L", swelling).driver_add("value").driver
+    variable = driver.variables.new()
+    variable.type = "TRANSFORMS" if channel.isupper() else "SINGLE_PROP"
+    target = variable.targets[0]
+    target.id = bpy.data.objects[names[0]]
+    if channel.isupper():
+        target.transform_type = channel
+    else:
+        target.data_path = channel
+    text = said(capfd, ops.mirror_shape_keys)
+    assert ('Check the driver of "Smile.R": the sign of "var" cannot be told' in text) is (is_unsure and names != ("jaw.L",))
+    made = human.data.shape_keys.animation_data.drivers.find('key_blocks["Smile.R"].value').driver.variables[0]
+    assert made.targets[0].id.name == names[-1] and target.id.name == names[0]
 
 
 def test_a_made_key_has_the_settings_of_its_model(human, swelling, truth):
