@@ -138,8 +138,12 @@ class MapOperator(MeshOperator):
     def run(self, context, object, mode):
         symmetry, carried = carry.loaded(object.data)
         said = self.run_with(symmetry, context, object, mode)
-        held = _held(object, mode) if self.on_shown_shape or _NOTHING.match(said) else ""
-        return ". ".join(filter(None, [said, held, self._untouched(symmetry), carried]))
+        staying = self.staying(object, mode) if self.on_shown_shape or _NOTHING.match(said) else ""
+        return ". ".join(filter(None, [said, staying, self._untouched(symmetry), carried]))
+
+    def staying(self, object, mode):
+        """Which vertices do not change or are not selected, and why, in words."""
+        return stay(mesh_data.changeable(object.data, mode), "hidden, masked or outside the paint selection")
 
     def _untouched(self, symmetry):
         """What share of the vertices a tool that trusts some and others not has not touched."""
@@ -151,10 +155,10 @@ class MapOperator(MeshOperator):
         return f"{share:.1%} of the vertices have no mirror image{certain} and are not touched" if share else ""
 
 
-def _held(object, mode):
-    """Why vertices do not change or are not selected, in words."""
-    count = int((mesh_data.changeable(object.data, mode) == 0).sum())
-    return f"{count} vertices are hidden, masked or outside the paint selection, and stay" if count else ""
+def stay(free, why):
+    """How many vertices stay, of which `free`, (vertices,), says how far each may change, in words."""
+    count = int((free == 0).sum())
+    return f"{count} vertices are {why}, and stay" if count else ""
 
 
 def in_words(problem):

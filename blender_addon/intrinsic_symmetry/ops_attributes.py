@@ -11,11 +11,13 @@ from . import assembly, local_frames, mesh_data, stored_map
 from .counterparts import WINNER
 from .elements import corner_partners, edge_partners, face_partners
 from .mirroring import MirrorProperties, blend, shares
-from .operator_base import MapOperator
+from .operator_base import MapOperator, stay
 
 _NUMBERS = {"FLOAT", "FLOAT_VECTOR", "FLOAT2", "FLOAT_COLOR", "BYTE_COLOR"}
 #: Custom normals: Blender keeps them as angles from the automatic ones.
 _NORMALS = "custom_normal"
+#: The sculpt mask: how far sculpting leaves a vertex alone.
+_MASK = ".sculpt_mask"
 #: Whole numbers that are names.
 _NAMES = {".sculpt_face_set", "material_index"}
 #: Attributes that other operators mirror, or that make no sense mirrored.
@@ -60,20 +62,37 @@ class INTRINSIC_SYMMETRY_OT_mirror_attribute(MirrorProperties, MapOperator, bpy.
         mesh.update()
         changed = (new != values).reshape(len(values), -1).any(axis=1)
         changed &= assembly.shown(object, self.members, mesh.attributes[attribute.name].domain)
-        return f"{attribute.name}: {changed.sum()} of {len(values)} values changed"
+        name = "Mask" if attribute.name == _MASK else attribute.name
+        said = [f"{name}: {changed.sum()} of {len(values)} values changed"]
+        if not changed.any() and (how_far.taken * how_far.trust).any():
+            said.append("Both sides are alike where they may change")
+        if attribute.name == _MASK:
+            said.append(f"{np.count_nonzero(new)} vertices are masked now, {np.count_nonzero(values)} before")
+        return ". ".join(said)
 
     def may_change(self, object, mode, symmetry):
         """Of the mask itself, all that is not hidden."""
-        if mode == "SCULPT" and self._name(object.data) == ".sculpt_mask":
+        if self._is_mask(object, mode):
             return mesh_data.open_elements(object.data, mode, "POINT").astype(float)
         return super().may_change(object, mode, symmetry)
+
+    def staying(self, object, mode):
+        if self._is_mask(object, mode):
+            return stay(self.may_change(object, mode, None), "hidden")
+        return super().staying(object, mode)
+
+    def _is_mask(self, object, mode):
+        return mode == "SCULPT" and self._name(object.data) == _MASK
 
     def _name(self, mesh):
         active = getattr(mesh.attributes.active, "name", "")
         return self.name or ("" if stored_map.is_own(active) else active)
 
     def _attribute(self, mesh):
-        attribute = mesh.attributes.get(self._name(mesh))
+        name = self._name(mesh)
+        attribute = mesh.attributes.get(name)
+        if name == _MASK and not (attribute and mesh_data.read_attribute(attribute).any()):
+            raise mesh_data.MeshProblem("Nothing is masked: mask something first")
         if attribute is None:
             text = f'There is no attribute "{self.name}"' if self.name else "No attribute is active: choose one"
             raise mesh_data.MeshProblem(text)

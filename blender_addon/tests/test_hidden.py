@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, positions, said
+from conftest import attribute, enter, module, positions, said, select
 
 ops = bpy.ops.intrinsic_symmetry
 
@@ -107,6 +107,47 @@ def test_a_mask_does_not_protect_itself(human, direction, left, right):
     mask = attribute(mesh, ".sculpt_mask")
     assert np.abs(mask[side == 1] - left).max() < 1e-5 and np.abs(mask[(side == -1) & ~hidden] - right).max() < 1e-5
     assert (mask[hidden] == 1).all()
+
+
+def _mirror_mask(object, capfd, mask, hidden=(), **settings):
+    """What Mirror Mask says in sculpt mode."""
+    enter("OBJECT")
+    flags = np.isin(np.arange(len(mask)), np.flatnonzero(hidden))
+    for name, kind, values in ((".sculpt_mask", "FLOAT", mask), (".hide_vert", "BOOLEAN", flags)):
+        module("mesh_data").write_attribute(object.data, name, kind, values)
+    enter("SCULPT")
+    return said(capfd, ops.mirror_attribute, name=".sculpt_mask", **settings).strip()
+
+
+def test_mirror_mask_says_what_happened(human, capfd):
+    side = attribute(human.data, "sym_side")
+    left, right, count = side == 1, side == -1, np.count_nonzero(side == 1)
+    assert _mirror_mask(human, capfd, left, direction="LEFT_TO_RIGHT") == (
+        f"Info: Mask: {count} of {len(side)} values changed. {2 * count} vertices are masked now, {count} before")
+    assert f"changed. 0 vertices are masked now, {count} before" in _mirror_mask(human, capfd, right, direction="LEFT_TO_RIGHT")
+    alike = f"Info: Mask: 0 of {len(side)} values changed. Both sides are alike where they may change. "
+    assert _mirror_mask(human, capfd, side < 2) == f"{alike}{len(side)} vertices are masked now, {len(side)} before"
+    assert _mirror_mask(human, capfd, left, right, direction="LEFT_TO_RIGHT") == (
+        f"Info: Mask: 0 of {len(side)} values changed. {count} vertices are masked now, {count} before. "
+        f"{count} vertices are hidden, and stay")
+
+
+def test_mirror_mask_says_that_nothing_is_masked(human, capfd):
+    with pytest.raises(RuntimeError, match="Nothing is masked"):
+        ops.mirror_attribute(name=".sculpt_mask")
+    with pytest.raises(RuntimeError, match="Nothing is masked"):
+        _mirror_mask(human, capfd, np.zeros(len(human.data.vertices)))
+
+
+def test_mirror_mask_says_what_has_no_mirror_image(human, capfd):
+    """Where that is all that is masked, nothing changes."""
+    side = attribute(human.data, "sym_side")
+    select(human, np.flatnonzero(side == -1))
+    enter("EDIT")
+    bpy.ops.mesh.delete(type="VERT")
+    enter("OBJECT")
+    text = _mirror_mask(human, capfd, attribute(human.data, "sym_side") == 1)
+    assert "Mask: 0 of" in text and "of the vertices have no mirror image and are not touched" in text
 
 
 def _with_creases(object):
