@@ -7,6 +7,7 @@ from intrinsym import Merge, SymmetryKind
 
 from . import mesh_data, side_names, stored_map
 from .counterparts import listed
+from .places import Places
 
 DIRECTIONS = (
     ("LEFT_TO_RIGHT", "Left to Right", "The left side stays, the right one becomes its mirror image", Merge.POSITIVE_WINS),
@@ -142,3 +143,16 @@ def blend(own, image, share):
     """Own values where the share is 0, the mirror image's where it is 1; rows are vertices."""
     share = share.reshape(-1, *[1] * (own.ndim - 1))
     return np.where(share >= 1, image, (1 - share) * own + share * image)
+
+
+def carried_together(symmetry, positions, displacement, merge, **how):
+    """(vertices, 3) `carry_displacement`, but vertices at one place, as of shells that touch, go to one place if they did and
+    so did their mirror images: each shell has local frames of its own."""
+    carried = symmetry.carry_displacement(positions, displacement, merge, **how)
+    line = (positions.astype(float) * np.sqrt([2, 3, 5])).sum(axis=1)  # where two places hardly ever meet
+    _, of, counts = np.unique(line, return_inverse=True, return_counts=True)
+    near = np.flatnonzero(counts[of] > 1)
+    taken = shares(symmetry, merge, **how) > 0
+    alike = Places(np.column_stack([values[near] for values in (positions, displacement, displacement[symmetry.partner], taken)]))
+    carried[near] = alike.means(carried[near])[alike.of]
+    return carried

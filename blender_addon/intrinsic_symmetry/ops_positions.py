@@ -9,7 +9,7 @@ from intrinsym import Merge
 
 from . import assembly, entered, mesh_data, stored_map
 from .asymmetry import reference, size
-from .mirroring import DIRECTIONS, MERGE, ConfidenceProperties, MirrorProperties, blend
+from .mirroring import DIRECTIONS, MERGE, ConfidenceProperties, MirrorProperties, blend, carried_together
 from .operator_base import MapOperator, MeshOperator
 from .places import kept_together
 
@@ -134,7 +134,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_edit(ConfidenceProperties, MapOperator, bpy.t
         before = self._remembered(object)
         edit = mesh_data.shown_positions(object).astype(float) - before
         merge = MERGE.get(self.direction, Merge.SWAP)
-        carried = symmetry.carry_displacement(before, edit, merge, **self.how())
+        carried = carried_together(symmetry, before, edit, merge, **self.how())
         if self.direction == "EDITED":
             farther = np.linalg.norm(carried, axis=1) > np.linalg.norm(edit, axis=1)
             self._say_what_was_replaced(symmetry.side, edit, carried, farther)

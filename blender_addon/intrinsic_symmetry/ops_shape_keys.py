@@ -6,7 +6,7 @@ import numpy as np
 from intrinsym import Merge
 
 from . import counterparts, left_side, made_key, mesh_data, side_names
-from .mirroring import NamedMirrorProperties, blend
+from .mirroring import NamedMirrorProperties, blend, carried_together
 from .operator_base import MapOperator
 
 
@@ -70,7 +70,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
     def _in_place(self, symmetry, keys, name, free):
         key = keys.key_blocks[name]
         base, moved = _displacement(key)
-        carried = symmetry.carry_displacement(_at_rest(keys), moved, self.merge, **self.how())
+        carried = carried_together(symmetry, _at_rest(keys), moved, self.merge, **self.how())
         return self._write(keys, key, base + blend(moved, carried, free))
 
     def _across(self, symmetry, object, pair, free):
@@ -95,7 +95,7 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
         new = []
         for target in targets:
             _, moved = _displacement(present[1 - target])
-            carried = symmetry.carry_displacement(_at_rest(object.data.shape_keys), moved, Merge.SWAP)
+            carried = carried_together(symmetry, _at_rest(object.data.shape_keys), moved, Merge.SWAP)
             key = present[target]
             base, own = _displacement(key)
             new.append((key, base + blend(own, carried, share)))

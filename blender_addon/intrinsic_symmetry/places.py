@@ -15,11 +15,14 @@ class Places:
         """(places,) bool: those whose vertices may all move, by (vertices,) bool."""
         return np.bincount(self.of, ~may_move, len(self.all)) == 0
 
+    def means(self, values):
+        """(places, columns) of the values of their vertices."""
+        sums = [np.bincount(self.of, column, len(self.all)) for column in values.T]
+        return np.stack(sums, axis=1) / np.bincount(self.of)[:, None]
+
     def moved(self, positions, free):
         """(places, 3) where they go, if the vertices go to the positions: the mean of theirs; those that are not free stay."""
-        sums = [np.bincount(self.of, column, len(self.all)) for column in positions.T]
-        means = np.stack(sums, axis=1) / np.bincount(self.of)[:, None]
-        return np.where(free[:, None], means, self.all)
+        return np.where(free[:, None], self.means(positions), self.all)
 
 
 def kept_together(before, after, may_move):

@@ -139,6 +139,58 @@ def test_doubled_vertices_stay_together():
         assert np.abs(after - after[np.unique(of, return_index=True)[1]][of]).max() < 1e-5
 
 
+def _with_touching_shells(truth):
+    """The human with an uneven ball at the farthest left vertex and the mirrored one at its image; their poles touch it. The
+    vertices of each side that touch."""
+    mesh, data = read_example("human"), bmesh.new()
+    points = positions(mesh)
+    hand, count = int(points[:, 0].argmax()), len(points)
+    data.from_mesh(mesh)
+    for number, vertex in enumerate((hand, int(truth[hand]))):
+        new = bmesh.ops.create_icosphere(data, subdivisions=2, radius=0.05)["verts"]
+        uneven = np.array([each.co for each in new]) * (1, 2, 3) + np.random.default_rng(0).uniform(-0.005, 0.005, (len(new), 3))
+        uneven = (uneven - uneven[0]) * ((-1, 1, 1) if number else (1, 1, 1)) @ np.array(Matrix.Rotation(number, 3, (1, 2, 3)))
+        for each, place in zip(new, points[vertex] + uneven):
+            each.co = place
+        if number:
+            bmesh.ops.reverse_faces(data, faces=list({face for each in new for face in each.link_faces}))
+    data.to_mesh(mesh)
+    data.free()
+    size = (len(mesh.vertices) - count) // 2
+    return new_object(mesh), [(hand, count), (int(truth[hand]), count + size)]
+
+
+@pytest.mark.parametrize("tool", ["mirror_edit", "mirror_shape_keys"])
+def test_shells_that_touch_do_so_afterwards(truth, tool):
+    """Each has local frames of its own."""
+    object, ((left, its), (right, other)) = _with_touching_shells(truth)
+    before = positions(object.data)
+    assert np.array_equal(before[[left, right]], before[[its, other]]) and ops.detect() == {"FINISHED"}
+    assert attribute(object.data, "sym_vertex")[[left, its]].tolist() == [right, other]
+    edit = np.maximum(1 - np.linalg.norm(before - before[left], axis=1) / 0.2, 0)[:, None] * (0.1, 0.05, 0)
+    ops.remember()
+    if tool == "mirror_shape_keys":
+        object.shape_key_add(name="Basis")
+        key = object.shape_key_add(name="Puff.L")
+        object.active_shape_key_index = 1
+        module("mesh_data").set_key_positions(key, before + edit)
+        ops.mirror_shape_keys()
+        after = module("mesh_data").key_positions(object.data.shape_keys.key_blocks["Puff.R"])
+    else:
+        module("mesh_data").set_shown_positions(object, before + edit)
+        ops.mirror_edit()
+        after = positions(object.data)
+    assert np.linalg.norm(after[right] - before[right]) > 0.05 and np.abs(after[right] - after[other]).max() < 1e-6
+    if tool == "mirror_edit":  # what is torn apart on one side is so on the other
+        edit[its] = 0
+        ops.remember()
+        now = positions(object.data)
+        module("mesh_data").set_shown_positions(object, now + edit)
+        ops.mirror_edit()
+        gap = positions(object.data)
+        assert np.linalg.norm(gap[right] - gap[other]) > 0.05
+
+
 def test_an_edit_of_uncertain_vertices_is_not_carried(quadruped):
     """Above every confidence there is nothing to change; softly, less arrives than wholly."""
     before, dent = positions(quadruped.data), _dent(quadruped, 1)
