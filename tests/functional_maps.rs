@@ -5,12 +5,12 @@ mod support;
 use faer::Mat;
 use intrinsym::internals::base::effort::Plan;
 use intrinsym::internals::detect::fixed_curve::{odd_function, zero_set};
-use intrinsym::internals::geometry::embedded_triangles::Fans;
+use intrinsym::internals::geometry::embedded_triangles::{Fans, TrianglePoint};
 use intrinsym::internals::geometry::vertex_map::VertexMap;
 use intrinsym::internals::mesh::Shell;
 use intrinsym::internals::refine::full_refinement;
 use intrinsym::internals::refine::full_refinement::MatchTarget;
-use intrinsym::internals::refine::mesh_descent::{MeshDescent, Seeds};
+use intrinsym::internals::refine::mesh_descent::MeshDescent;
 use intrinsym::internals::refine::rigid_parts::Rigidity;
 use intrinsym::internals::refine::vertex_rows::Guide;
 use intrinsym::internals::search::candidate_score::{Score, ScoreTerms, Scorer};
@@ -226,7 +226,7 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
     let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
     let graph = &target.graph;
     let (triangles, fans) = (&shape.surface.triangles, shape.fans());
-    let run = |map: &Mat<f64>, seeds| {
+    let run = |map: &Mat<f64>, seeds: &[(u32, u32)]| {
         let descent = MeshDescent {
             graph,
             triangles,
@@ -246,14 +246,11 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
         .collect();
     let samples = Samples::farthest(&shape.basis, 1000).vertices;
     let (many, one) = (shape.seeds(&samples), shape.seeds(&samples[..1]));
-    let points: Vec<_> =
-        run(&shape.true_map(40), Seeds::Vertices(&many)).iter().map(|answer| answer.point).collect();
-    for (name, seeds) in [
-        ("1,000 vertices", Seeds::Vertices(&many)),
-        ("one vertex", Seeds::Vertices(&one)),
-        ("points of a coarser map", Seeds::Points(&points)),
-    ] {
-        let found = run(&map, seeds);
+    let coarser =
+        run(&shape.true_map(40), &many).iter().zip(0..).map(|(answer, i)| (i, answer.vertex)).collect();
+    for (name, seeds) in [("1,000 vertices", many), ("one vertex", one), ("images of a coarser map", coarser)]
+    {
+        let found = run(&map, &seeds);
         assert!(found.iter().all(|answer| answer.vertex != NONE));
         let reached: Vec<f64> = found.iter().enumerate().map(|(i, answer)| away(i, answer.vertex)).collect();
         let missed = (0..least.len()).filter(|&i| reached[i] > least[i] * 1.0001 + 1e-4).count();
@@ -266,6 +263,29 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
 }
 
 #[test]
+fn images_do_not_depend_on_how_triangles_are_written() {
+    let shape = Shape::quadruped();
+    let seeds = shape.seeds(&Samples::farthest(&shape.basis, 500).vertices);
+    let (map, progress) = (shape.true_map(50), Progress::default());
+    let images = |surface: &IntrinsicSurface| {
+        let target = MatchTarget::new(surface, &shape.basis, 1);
+        let spread = target.images(&map, &seeds, Guide::Eigenfunctions, progress.token()).unwrap();
+        let (_, images) =
+            full_refinement::refine(&target, spread, &[50, 60], Guide::Eigenfunctions, &progress).unwrap();
+        let place =
+            |point: &TrianglePoint| point.interpolate_vectors(&surface.triangles, &shape.shell.positions);
+        images.points.iter().map(place).collect::<Vec<_>>()
+    };
+    let mut other = shape.shell.clone();
+    other.triangles.reverse();
+    other.triangles.iter_mut().for_each(|triangle| triangle.rotate_left(1));
+    let pairs = images(&shape.surface).into_iter().zip(images(&IntrinsicSurface::new(&other)));
+    let moved = pairs.filter(|(a, b)| distance(*a, *b) > 1e-3).count();
+    println!("{moved} of {} images move", shape.truth.len());
+    assert!(moved * 1000 < shape.truth.len(), "{moved} images move");
+}
+
+#[test]
 fn descent_reaches_only_what_is_connected_to_a_seed() {
     let shape = Shape::creature(2, 0.0);
     let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
@@ -275,14 +295,14 @@ fn descent_reaches_only_what_is_connected_to_a_seed() {
     let descent =
         MeshDescent { graph, triangles, fans: &fans, queries: rows, targets: rows, columns, threads: 1 };
     let partners = |seeds: &[(u32, u32)]| -> Vec<u32> {
-        let found = descent.run(Seeds::Vertices(seeds), &CancelToken::default());
+        let found = descent.run(seeds, &CancelToken::default());
         found.unwrap().iter().map(|answer| answer.vertex).collect()
     };
     assert!(partners(&[]).iter().all(|partner| *partner == NONE));
     assert_eq!(partners(&[(5, 5)]), shape.all(), "the identity");
     let cancelled = CancelToken::default();
     cancelled.cancel();
-    assert!(matches!(descent.run(Seeds::Vertices(&[(5, 5)]), &cancelled), Err(intrinsym::Error::Cancelled)));
+    assert!(matches!(descent.run(&[(5, 5)], &cancelled), Err(intrinsym::Error::Cancelled)));
 }
 
 #[test]
@@ -306,7 +326,7 @@ fn refinement_leaves_the_true_map_in_place() {
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let seeds = shape.seeds(&samples.vertices);
         let (guide, progress) = (Guide::Eigenfunctions, Progress::default());
-        let images = target.images(&refined, Seeds::Vertices(&seeds), guide, progress.token()).unwrap();
+        let images = target.images(&refined, &seeds, guide, progress.token()).unwrap();
         let (_, images) = full_refinement::refine(&target, images, &[50, 60], guide, &progress).unwrap();
         let error = shape.mean_error(&shape.all(), &images.partners);
         println!("vertices: {error}");
@@ -519,8 +539,7 @@ fn the_fixed_curve_is_one_closed_loop_in_the_mirror_plane_and_sides_exchange() {
         let target = MatchTarget::new(&shape.surface, &shape.basis, 1);
         let seeds = shape.seeds(&shape.all());
         let (guide, progress) = (Guide::Eigenfunctions, Progress::default());
-        let images =
-            target.images(&shape.true_map(50), Seeds::Vertices(&seeds), guide, progress.token()).unwrap();
+        let images = target.images(&shape.true_map(50), &seeds, guide, progress.token()).unwrap();
         let (_, images) = full_refinement::refine(&target, images, &[50, 60], guide, &progress).unwrap();
         let odd = odd_function(&shape.surface, &shape.basis, &images);
         let edge = mean_edge_length(&shape.surface);

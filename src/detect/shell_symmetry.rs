@@ -7,7 +7,6 @@ use crate::base::progress::Progress;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::geometry::vertex_map::VertexMap;
 use crate::refine::full_refinement::{self, MatchTarget};
-use crate::refine::mesh_descent::Seeds;
 use crate::refine::vertex_rows::Guide;
 use crate::search::candidate_score::{Score, ScoreTerms, Scorer};
 use crate::search::candidates::{self, CANDIDATE_SIZE, Candidate, Hints, Tried, parities};
@@ -169,7 +168,7 @@ pub fn finish(
     let images = shell.refiner.partners(&map).into_iter().map(|sample| samples[sample as usize]);
     let seeds: Vec<(u32, u32)> = samples.iter().copied().zip(images).collect();
     progress.report("refining", 0.75)?;
-    let spread = target.images(&map, Seeds::Vertices(&seeds), Guide::Eigenfunctions, progress.token())?;
+    let spread = target.images(&map, &seeds, Guide::Eigenfunctions, progress.token())?;
     let (map, images) =
         full_refinement::refine(target, spread, &[COARSE_SIZE], Guide::Eigenfunctions, progress)?;
     let mismatch = signature_mismatch(shell, &images);

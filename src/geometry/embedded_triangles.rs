@@ -91,23 +91,19 @@ pub fn nearest_in_triangle(products: TriangleProducts) -> ([f32; 3], f32) {
     if determinant > 1e-12 * e11 * e22 {
         let (s, t) = ((e22 * d1 - e12 * d2) / determinant, (e11 * d2 - e12 * d1) / determinant);
         if s >= 0.0 && t >= 0.0 && s + t <= 1.0 {
-            return (weights(s, t), squared(s, t));
+            // Rounding makes no weight negative.
+            return ([(1.0 - s - t).max(0.0), s, t], squared(s, t));
         }
     }
     let ratio = |above: f32, below: f32| if below > 0.0 { (above / below).clamp(0.0, 1.0) } else { 0.0 };
     let along_b = ratio(d1, e11);
     let along_c = ratio(d2, e22);
     let across = ratio(d2 - d1 + e11 - e12, e11 - 2.0 * e12 + e22);
-    let edges = [(along_b, 0.0), (0.0, along_c), (1.0 - across, across)];
-    let (s, t) =
-        edges.into_iter().min_by(|x, y| squared(x.0, x.1).total_cmp(&squared(y.0, y.1))).expect("three");
-    (weights(s, t), squared(s, t))
-}
-
-/// Barycentric weights of `a + s (b - a) + t (c - a)`; rounding makes none of them negative.
-#[inline(always)]
-fn weights(s: f32, t: f32) -> [f32; 3] {
-    [(1.0 - s - t).max(0.0), s, t]
+    // On a side the weight of the corner that is not on it is 0, not what rounding leaves: by that it is known for a side.
+    let sides = [[1.0 - along_b, along_b, 0.0], [1.0 - along_c, 0.0, along_c], [0.0, 1.0 - across, across]];
+    let distances = sides.map(|[_, s, t]| squared(s, t));
+    let nearest = (0..3).min_by(|&i, &j| distances[i].total_cmp(&distances[j])).expect("three");
+    (sides[nearest], distances[nearest])
 }
 
 #[cfg(test)]
@@ -137,6 +133,17 @@ mod tests {
             let near = |(a, b): (f32, f32)| (a - b).abs() < 1e-5;
             assert!(found.into_iter().zip(weights).all(near), "{query:?}: {found:?}");
             assert!(near((distance, squared)), "{query:?}: {distance}");
+        }
+    }
+
+    #[test]
+    fn a_point_on_a_side_has_no_weight_of_the_other_corner() {
+        for step in 1..100 {
+            let s = step as f32 / 100.0;
+            // Beyond the side from (4, 0) to (1, 3), beyond that from (0, 0) to (1, 3), and below the first.
+            let beyond = [[4.0 - 3.0 * s + 2.0, 3.0 * s + 2.0], [s - 3.0, 3.0 * s + 1.0], [4.0 * s, -1.0]];
+            let weights = beyond.map(|query| nearest_in_triangle(products_of(query)).0);
+            assert_eq!([weights[0][0], weights[1][1], weights[2][2]], [0.0; 3], "{weights:?}");
         }
     }
 }

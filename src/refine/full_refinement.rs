@@ -10,7 +10,8 @@ use crate::base::threads;
 use crate::geometry::adjacency::Adjacency;
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
 use crate::geometry::vertex_map::VertexMap;
-use crate::refine::mesh_descent::{MeshDescent, Seeds};
+use crate::mesh::NONE;
+use crate::refine::mesh_descent::MeshDescent;
 use crate::refine::vertex_rows::{Guide, VertexRows};
 use crate::search::functional_map::nearest_involution;
 use crate::spectral::eigenbasis::Eigenbasis;
@@ -50,14 +51,14 @@ impl<'a> MatchTarget<'a> {
         MatchTarget { threads, ..self.clone() }
     }
 
-    /// The images of the vertices under `map` (square).
+    /// The images of the vertices under `map` (square), sought from `seeds`: vertices, and others near their images.
     ///
     /// # Errors
     /// Those of [`CancelToken::check`].
     pub fn images(
         &self,
         map: &Mat<f64>,
-        seeds: Seeds,
+        seeds: &[(u32, u32)],
         guide: Guide,
         token: &CancelToken,
     ) -> Result<VertexMap> {
@@ -132,7 +133,9 @@ pub fn refine(
     for &size in sizes {
         progress.goes_on()?;
         map = shell.map_of(&images.points, size.min(shell.basis.count()))?;
-        images = shell.images(&map, Seeds::Points(&images.points), guide, progress.token())?;
+        let seed = |(source, &partner): (u32, &u32)| (source, if partner == NONE { 0 } else { partner });
+        let seeds: Vec<(u32, u32)> = (0..).zip(&images.partners).map(seed).collect();
+        images = shell.images(&map, &seeds, guide, progress.token())?;
     }
     Ok((map, images))
 }

@@ -1,10 +1,10 @@
 //! Nearest points of a mesh in the spectral embedding, by descent along the mesh.
 //!
-//! Images of neighbouring vertices are near each other, so a vertex starts from its neighbour's
-//! answer and walks downhill along edges: linear in the vertices, where a search among all of them
-//! is quadratic. From there it walks on from triangle to triangle as long as their points get nearer; where a point
-//! is known from a similar map, the walk starts in its triangle. Either can stop in a local minimum; one sweep over the
-//! neighbours' answers repairs nearly all of those.
+//! Images of neighbouring vertices are near each other, so a vertex starts from its own image under a similar map, or
+//! from the best of its neighbours' answers, and walks downhill along edges: linear in the vertices, where a search among
+//! all of them is quadratic. From there it walks on from triangle to triangle as long as their points get nearer. It can
+//! stop in a local minimum; one sweep over the neighbours' answers repairs nearly all of those. Nothing depends on how
+//! vertices are numbered: a walk from the one triangle that holds the image would, where that lies on a side.
 
 use crate::base::error::Result;
 use crate::base::progress::CancelToken;
@@ -54,56 +54,32 @@ pub struct MeshDescent<'a> {
     pub threads: usize,
 }
 
-/// Where the search starts.
-#[derive(Clone, Copy)]
-pub enum Seeds<'a> {
-    /// Pairs (source, target vertex) near the truth, at least one per connected part.
-    Vertices(&'a [(u32, u32)]),
-    /// A point for every source, which is nearly the nearest.
-    Points(&'a [TrianglePoint]),
-}
-
 impl MeshDescent<'_> {
-    /// Searches from the seeds, then each source also tries its neighbours' answers.
+    /// Searches from seeds (source, target vertex near the truth), at least one per connected part, on to sources without a seed, breadth first. Then
+    /// each source also tries its neighbours' answers.
     ///
     /// Sources not reached from a seed keep [`NONE`].
     ///
     /// # Errors
     /// Those of [`CancelToken::check`].
-    pub fn run(&self, seeds: Seeds, token: &CancelToken) -> Result<Vec<Answer>> {
-        let answers = match seeds {
-            Seeds::Vertices(pairs) => self.spread(pairs, token)?,
-            Seeds::Points(points) => {
-                self.in_parallel(points.len(), token, |range| Task::Walk(range, points))?
-            }
-        };
-        self.in_parallel(answers.len(), token, |range| Task::Sweep(range, &answers))
-    }
-
-    /// From pairs (source, guess) breadth first over the sources.
-    fn spread(&self, seeds: &[(u32, u32)], token: &CancelToken) -> Result<Vec<Answer>> {
+    pub fn run(&self, seeds: &[(u32, u32)], token: &CancelToken) -> Result<Vec<Answer>> {
         let mut answers = vec![UNREACHED; self.graph.count()];
-        let mut front = Vec::with_capacity(seeds.len());
         let mut queued = vec![false; self.graph.count()];
-        for &(source, guess) in seeds {
-            if !std::mem::replace(&mut queued[source as usize], true) {
-                front.push((source, guess));
-            }
-        }
+        let mut front: Vec<u32> = seeds.iter().map(|seed| seed.0).collect();
+        front.iter().for_each(|&source| queued[source as usize] = true);
+        let mut found = self.in_parallel(seeds.len(), token, |range| Task::Descend(&seeds[range]))?;
         while !front.is_empty() {
-            let found = self.in_parallel(front.len(), token, |range| Task::Descend(&front[range]))?;
             let mut next = Vec::new();
-            for (&(source, _), answer) in front.iter().zip(found) {
+            for (&source, answer) in front.iter().zip(found) {
                 answers[source as usize] = answer;
-                for &to in self.graph.of(source as usize) {
-                    if !std::mem::replace(&mut queued[to as usize], true) {
-                        next.push((to, answer.vertex));
-                    }
-                }
+                let is_new = |to: &u32| !std::mem::replace(&mut queued[*to as usize], true);
+                next.extend(self.graph.of(source as usize).iter().copied().filter(is_new));
             }
+            found = self.in_parallel(next.len(), token, |range| Task::Sweep(&next[range], &answers))?;
             front = next;
         }
-        Ok(answers)
+        let all: Vec<u32> = (0..answers.len() as u32).collect();
+        self.in_parallel(all.len(), token, |range| Task::Sweep(&all[range], &answers))
     }
 
     /// The answers of `0..count` in order.
@@ -127,10 +103,8 @@ impl MeshDescent<'_> {
 enum Task<'a> {
     /// Descend from each pair (source, guess).
     Descend(&'a [(u32, u32)]),
-    /// Walk from the point of each source.
-    Walk(Range<usize>, &'a [TrianglePoint]),
     /// Try the neighbours' answers, as they were before, of some sources.
-    Sweep(Range<usize>, &'a [Answer]),
+    Sweep(&'a [u32], &'a [Answer]),
 }
 
 /// A task as an operation that is compiled for each instruction set and chosen at run time.
@@ -153,14 +127,9 @@ impl WithSimd for Work<'_> {
                     answers.push(search.near_vertex(source as usize, guess));
                 }
             }
-            Task::Walk(range, points) => {
-                for source in range {
-                    answers.push(search.near_triangle(source, points[source].triangle));
-                }
-            }
-            Task::Sweep(range, before) => {
-                for source in range {
-                    answers.push(search.best_of_neighbours(source, before));
+            Task::Sweep(sources, before) => {
+                for &source in sources {
+                    answers.push(search.best_of_neighbours(source as usize, before));
                 }
             }
         }
@@ -175,37 +144,26 @@ struct Descent<'a, S> {
 }
 
 impl<S: Simd> Descent<'_, S> {
-    /// The source's answer, or where its neighbours' answers lead if that is nearer.
+    /// The source's answer, or where the nearest of its neighbours' answers leads if that is nearer.
     ///
     /// An answer next to the source's own is not tried.
     #[inline(always)]
     fn best_of_neighbours(&self, source: usize, answers: &[Answer]) -> Answer {
-        let mut best = answers[source];
+        let own = answers[source];
+        let (mut nearest, mut distance) = (own.vertex, own.vertex_distance);
         for neighbour in some(self.of.graph.of(source)) {
             let guess = answers[neighbour as usize].vertex;
-            if guess == NONE || guess == best.vertex {
+            if guess == NONE || guess == nearest {
                 continue;
             }
             let next =
-                best.vertex != NONE && self.of.graph.of(best.vertex as usize).binary_search(&guess).is_ok();
-            if !next && self.distance(source, guess) < best.vertex_distance {
-                best = self.near_vertex(source, guess);
+                own.vertex != NONE && self.of.graph.of(own.vertex as usize).binary_search(&guess).is_ok();
+            if !next && guess != own.vertex {
+                let other = self.distance(source, guess);
+                (nearest, distance) = if other < distance { (guess, other) } else { (nearest, distance) };
             }
         }
-        best
-    }
-
-    /// Where the walk from a triangle ends, or the one from the vertex where the descent from there ends.
-    #[inline(always)]
-    fn near_triangle(&self, source: usize, triangle: u32) -> Answer {
-        let answer = self.walk(source, self.nearest_in(source, triangle));
-        let (vertex, distance) = self.descend(source, answer.vertex, answer.vertex_distance);
-        if vertex == answer.vertex {
-            return answer;
-        }
-        let other = self.around_vertex(source, vertex, distance);
-        let nearer = if other.distance < answer.distance { other } else { answer };
-        Answer { vertex: other.vertex, vertex_distance: other.vertex_distance, ..nearer }
+        if nearest == own.vertex { own } else { self.near_vertex(source, nearest) }
     }
 
     /// Where the walk from the vertex ends to which the descent from `guess` leads.
