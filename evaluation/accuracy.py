@@ -32,7 +32,7 @@ RECORDED = Path(__file__).with_suffix(".json")
 # Shapes by group and kind, each by its number. `assemblies` draws those of the last group, `training.generate` the others.
 GROUPS = {
     "people": {"person": (2, 3), "biped": (0, 2)},
-    "animals": {"quadruped": (2,), "bird": (1,), "insect": (5,), "sea-star": (2,)},
+    "animals": {"quadruped": (2,), "bird": (1,), "insect": (2,), "sea-star": (2,)},
     "trees": {"random": (5,)},
     "blobs": {"blob": (1, 3)},
     "plates": {"plate": (4, 6, 7)},
