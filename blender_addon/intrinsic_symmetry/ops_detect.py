@@ -135,6 +135,7 @@ class INTRINSIC_SYMMETRY_OT_detect(preferences.DetectOptions, MeshOperator, bpy.
         self._members = assembly.selected(context) if self.together else [context.active_object]
         for member in self._members:
             stored_map.refuse_taken(member.data)
+            stored_map.refuse_groups(member)
         arguments = self.arguments(context)
         alone = len(self._members) == 1
         signs = labels.known_signs(self._members[0].data) if self.use_labels and alone else []
@@ -236,6 +237,7 @@ class INTRINSIC_SYMMETRY_OT_clear(MeshOperator, bpy.types.Operator):
         return None if stored_map.RECORD in object.data else "No symmetry is stored on this mesh"
 
     def run(self, _context, object, _mode):
+        stored_map.refuse_groups(object)
         stored_map.clear(object.data)
         forget(object.data)
         return "The symmetry was removed"

@@ -34,7 +34,7 @@ def _another_is(object):
     if remembered_name(object) in names or not any(map(stored_map.is_remembered, names)):
         return None
     there = [key.name for key in keys.key_blocks if _name_for(object, key) in names] if keys else []
-    what = f'The shape key "{there[0]}" is remembered' if there else "A shape key that is gone is remembered"
+    what = f'The shape key "{there[0]}" is remembered' if there else "A shape key that is gone or has another name now is remembered"
     return f"{what}, and another shape is active: make it active, or Remember Shape again, then edit"
 
 
@@ -92,6 +92,7 @@ class INTRINSIC_SYMMETRY_OT_remember(MeshOperator, bpy.types.Operator):
 
     def run(self, _context, object, _mode):
         stored_map.refuse_name(object.data, remembered_name(object), "FLOAT_VECTOR")
+        stored_map.refuse_groups(object)
         forget(object.data)
         shown = mesh_data.shown_positions(object)
         mesh_data.write_attribute(object.data, remembered_name(object), "FLOAT_VECTOR", shown)

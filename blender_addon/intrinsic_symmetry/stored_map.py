@@ -88,6 +88,13 @@ def refuse_taken(mesh):
         refuse_name(mesh, name, kind)
 
 
+def refuse_groups(object):
+    """Raises MeshProblem where a vertex group has a name of the map: Blender takes it for the attribute, and removes it as that."""
+    taken = [group.name for group in object.vertex_groups if is_own(group.name)]
+    if taken:
+        raise mesh_data.MeshProblem(f'The name of the vertex group "{taken[0]}" is needed for the symmetry: rename it')
+
+
 def refuse_name(mesh, name, kind):
     """Raises MeshProblem where something of the user's has the name."""
     attribute = mesh.attributes.get(name)

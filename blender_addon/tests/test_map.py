@@ -55,6 +55,21 @@ def test_a_layer_that_has_a_name_of_the_map_stays(name):
     assert bpy.ops.intrinsic_symmetry.detect() == {"FINISHED"} and "mine" in mesh.attributes
 
 
+@pytest.mark.parametrize("name", ["sym_vertex", "sym_confidence", "sym_remembered"])
+def test_a_vertex_group_that_has_a_name_of_the_map_keeps_its_weights(human, name):
+    remembered = name == "sym_remembered"
+    if remembered:
+        assert bpy.ops.intrinsic_symmetry.remember() == {"FINISHED"}
+    human.vertex_groups.new(name=name).add([0, 7], 0.5, "REPLACE")
+    tools = bpy.ops.intrinsic_symmetry
+    for tool in (tools.detect, tools.clear, *([tools.remember] if remembered else [])):
+        with pytest.raises(RuntimeError, match=f'vertex group "{name}" is needed for the symmetry: rename it'):
+            tool()
+    assert human.vertex_groups[name].weight(7) == 0.5
+    human.vertex_groups[name].name = "mine"
+    assert tools.clear() == {"FINISHED"} and human.vertex_groups["mine"].weight(7) == 0.5
+
+
 @pytest.mark.parametrize("name", ["sym_edit", "sym_side_2", "sym_remembered"])
 def test_remove_symmetry_leaves_layers_of_the_user(human, name):
     human.data.uv_layers.new(name=name)

@@ -313,3 +313,12 @@ def test_an_edit_that_adds_vertices_is_said_to_be_another_tool_s(human, edit):
         ops.mirror_edit()
     bpy.ops.transform.translate(value=(0, 0, 0.01))
     assert ops.mirror_edit() == {"FINISHED"}, "what is moved after that is mirrored"
+
+
+@pytest.mark.parametrize("tool", ["symmetrize_exactly", "select_asymmetric"])
+def test_a_key_with_nan_is_refused_with_the_vertex(human, tool):
+    human.shape_key_add(name="Basis")
+    human.shape_key_add(name="bad").data[5].co.x = float("nan")
+    human.active_shape_key_index = 1
+    with pytest.raises(RuntimeError, match="Vertex 5 has NaN or infinity"):
+        getattr(bpy.ops.intrinsic_symmetry, tool)()

@@ -112,6 +112,16 @@ mod tests {
     use super::*;
 
     #[test]
+    fn of_triangles_as_near_the_first_is_the_answer() {
+        let positions = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]];
+        let triangles = [[0, 1, 2], [1, 0, 3]];
+        for order in [[0, 1], [1, 0]] {
+            let (point, squared) = nearest_of([0.25, 0.0, 2.0], &positions, &triangles, order.into_iter());
+            assert_eq!((point.triangle, squared), (order[0], 4.0));
+        }
+    }
+
+    #[test]
     fn a_walk_ends_at_the_nearest_point_of_a_plane() {
         let side = 12u32;
         let positions: Vec<Vector> =
