@@ -7,7 +7,7 @@ from intrinsym import Merge, SymmetryKind
 
 from . import mesh_data, side_names, stored_map
 from .counterparts import listed
-from .places import Places
+from .places import Places, means
 
 DIRECTIONS = (
     ("LEFT_TO_RIGHT", "Left to Right", "The left side stays, the right one becomes its mirror image", Merge.POSITIVE_WINS),
@@ -15,6 +15,8 @@ DIRECTIONS = (
     ("AVERAGE", "Average", "Both sides take the mean", Merge.AVERAGE),
     ("SWAP", "Exchange", "Both sides take the other's", Merge.SWAP),
 )
+#: Displacements that differ by less than this share of the largest are alike.
+_ALIKE = 1e-5
 MERGE = {identifier: merge for identifier, _, _, merge in DIRECTIONS}
 
 
@@ -149,10 +151,11 @@ def carried_together(symmetry, positions, displacement, merge, **how):
     """(vertices, 3) `carry_displacement`, but vertices at one place, as of shells that touch, go to one place if they did and
     so did their mirror images: each shell has local frames of its own."""
     carried = symmetry.carry_displacement(positions, displacement, merge, **how)
-    line = (positions.astype(float) * np.sqrt([2, 3, 5])).sum(axis=1)  # where two places hardly ever meet
-    _, of, counts = np.unique(line, return_inverse=True, return_counts=True)
-    near = np.flatnonzero(counts[of] > 1)
+    places = Places(positions)
+    near = np.flatnonzero(places.shared())
     taken = shares(symmetry, merge, **how) > 0
-    alike = Places(np.column_stack([values[near] for values in (positions, displacement, displacement[symmetry.partner], taken)]))
-    carried[near] = alike.means(carried[near])[alike.of]
+    moves = np.round(displacement / max(_ALIKE * np.abs(displacement).max(initial=0), 1e-300))
+    alike = np.column_stack([values[near] for values in (places.of, moves, moves[symmetry.partner], taken)])
+    _, alike = np.unique(alike, axis=0, return_inverse=True)
+    carried[near] = means(alike.ravel(), carried[near])[alike.ravel()] if len(near) else carried[near]
     return carried
