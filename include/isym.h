@@ -827,7 +827,7 @@ isym_status isym_result_mirror_values(const isym_result *result,
                                       size_t vertex_count);
 
 /// Carries a displacement field across the map in local frames, so that it is right in any pose: a shape key, or an edit since a
-/// remembered state.
+/// remembered state. It is turned and stretched with the surface.
 ///
 /// @param result The result.
 /// @param symmetry From 0, the best first.

@@ -291,6 +291,29 @@ fn a_displacement_is_carried_in_the_limb_s_own_frame() {
 }
 
 #[test]
+fn a_displacement_is_stretched_where_space_is_bent() {
+    let Lump { rest, mesh, symmetry, partners, .. } = lump();
+    let bent = |[x, y, z]: Vector| {
+        let (sine, cosine) = (0.15 * y).sin_cos();
+        [(x + 6.0) * cosine, (x + 6.0) * sine, z]
+    };
+    let push = |[x, y, z]: Vector| [x + 1e-4 * y.cos(), y + 1e-4 * (x + z).sin(), z + 1e-4 * x.cos()];
+    let moved = |from: Vector, to: Vector| [0, 1, 2].map(|axis| bent(to)[axis] - bent(from)[axis]);
+    let pose: Vec<Vector> = rest.positions.iter().map(|&place| bent(place)).collect();
+    let field: Vec<Vector> = rest.positions.iter().map(|&place| moved(place, push(place))).collect();
+    let found = carry_displacement(&mesh, &symmetry, &pose, &field, &Mirroring::whole(Merge::Swap)).unwrap();
+    let (mut off, mut whole) = (0.0, 0.0);
+    for (vertex, &partner) in partners.iter().enumerate() {
+        let expected = moved(rest.positions[vertex], mirrored(push(rest.positions[partner as usize])));
+        off += distance(found[vertex], expected).powi(2);
+        whole += dot(expected, expected);
+    }
+    let error = f64::sqrt(off / whole);
+    println!("bent: error {error}");
+    assert!(error < 0.08, "{error} of the displacement");
+}
+
+#[test]
 fn a_displacement_that_is_exchanged_twice_is_back() {
     let (human, partners) = (example("human"), example_truth("human"));
     let (mesh, symmetry) = (validated(&human), exact_symmetry(&human, &partners));

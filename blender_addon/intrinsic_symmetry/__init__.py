@@ -32,7 +32,7 @@ The mathematics is in the package `intrinsym`, the wheel beside this add-on. Her
     asymmetry       where the mirror image of each vertex should be
     neighbour_means values between known ones
     regions         what is connected
-    local_frames    how directions are turned there
+    local_frames    how directions are turned and stretched there
     posed_shape     the other side's lengths in the own pose; multilevel solves the equation for it
     live            what changes on one side happens on the other; live_carry says what, live_edit, live_paint,
                     live_texture and live_select read and write it

@@ -2,8 +2,8 @@
 """What live mirroring does to arrays: which vertices follow which, and where they go.
 
 Values are (vertices, components): positions, weights, colours; of a colour attribute of face corners, (corners,
-components). Of positions the change is carried, and turns on its way, by one matrix a vertex; those are three
-displacements of `intrinsym.Symmetry.carry_displacement`, one along each axis. Of all else the value is. No bpy here.
+components). Of positions the change is carried, and turned and stretched on its way, by one matrix a vertex; those are
+three displacements of `intrinsym.Symmetry.carry_displacement`, one along each axis. Of all else the value is. No bpy here.
 """
 
 import numpy as np

@@ -205,7 +205,8 @@ def _mirror_normals(symmetry, mesh, how_far, may_change):
     """Those of face corners that may change, (corners,) bool, turned with the surface."""
     own, vertex = normals(mesh), mesh_data.polygons(mesh).corners
     image, share = _corner_images(symmetry, mesh, own, how_far, True)
-    turn = local_frames.turns(symmetry, mesh_data.positions(mesh))[vertex]
+    turns = local_frames.turns(symmetry, mesh_data.positions(mesh))
+    turn = np.linalg.inv(turns).transpose(0, 2, 1)[vertex]  # what is stretched keeps its normals
     new = blend(own, np.einsum("nij,nj->ni", turn, image), share * may_change)
     new /= np.maximum(np.linalg.norm(new, axis=1, keepdims=True), 1e-12)
     mesh.normals_split_custom_set(new.tolist())

@@ -23,8 +23,8 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
         name="What",
         description="What the other objects are given",
         items=(
-            ("KEY", "Active Shape Key", "Turned with the surface, and scaled with its size"),
-            ("KEYS", "All Shape Keys", "Turned with the surface, and scaled with its size"),
+            ("KEY", "Active Shape Key", "Turned and stretched with the surface, and scaled with its size"),
+            ("KEYS", "All Shape Keys", "Turned and stretched with the surface, and scaled with its size"),
             ("WEIGHTS", "Weights", "All vertex groups"),
         ),
     )

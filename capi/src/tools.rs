@@ -206,7 +206,7 @@ pub unsafe extern "C" fn isym_result_mirror_values(
 }
 
 /// Carries a displacement field across the map in local frames, so that it is right in any pose: a shape key, or an edit since a
-/// remembered state.
+/// remembered state. It is turned and stretched with the surface.
 ///
 /// @param result The result.
 /// @param symmetry From 0, the best first.

@@ -1,12 +1,12 @@
 //! Rotations and other 3 x 3 matrices that take directions to directions.
 
-use super::vector::Vector;
+use super::vector::{Vector, cross, dot};
 
 /// A 3 x 3 matrix by rows.
 pub type Matrix = [[f64; 3]; 3];
 
-/// `matrix * factor`.
-pub fn scaled(matrix: Matrix, factor: f64) -> Matrix {
+/// `matrix * factor`, of any number of rows.
+pub fn scaled<const ROWS: usize>(matrix: [Vector; ROWS], factor: f64) -> [Vector; ROWS] {
     matrix.map(|row| row.map(|value| value * factor))
 }
 
@@ -23,6 +23,13 @@ pub fn product(first: &Matrix, second: &Matrix) -> Matrix {
 /// The transpose.
 pub fn transposed(matrix: &Matrix) -> Matrix {
     std::array::from_fn(|row| std::array::from_fn(|column| matrix[column][row]))
+}
+
+/// The inverse, by Cramer's rule; of a singular matrix, not finite.
+pub fn inverse(matrix: &Matrix) -> Matrix {
+    let [x, y, z] = *matrix;
+    let columns = [cross(y, z), cross(z, x), cross(x, y)];
+    scaled(transposed(&columns), 1.0 / dot(x, columns[0]))
 }
 
 /// Rotation about an axis through the origin by an angle in radians (Rodrigues' formula).
@@ -151,6 +158,16 @@ mod tests {
             assert!((turned - angle).abs() < 1e-9 && (back[2] + axis[2]).abs() < 1e-9, "{back:?} {turned}");
         }
         assert_eq!(axis_and_angle(&rotation([0.0, 0.0, 1.0], 0.0)).1, 0.0);
+    }
+
+    #[test]
+    fn a_matrix_times_its_inverse_is_the_identity() {
+        let matrix = [[1.0, 2.0, -1.0], [0.5, -3.0, 0.2], [0.0, 1.0, 4.0]];
+        let found = product(&matrix, &inverse(&matrix));
+        for (row, column) in (0..9).map(|k| (k / 3, k % 3)) {
+            let expected = f64::from(u8::from(row == column));
+            assert!((found[row][column] - expected).abs() < 1e-12, "{found:?}");
+        }
     }
 
     #[test]

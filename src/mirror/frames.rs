@@ -1,4 +1,4 @@
-//! How directions turn under a symmetry: one orthogonal matrix per point, and displacements carried by it.
+//! How directions turn under a symmetry: one orthogonal matrix per point. Displacements are carried by it, and stretched.
 //!
 //! The map itself says where the neighbours of a point go. The matrix that takes the edges around the
 //! image best to the edges around the point, in the least-squares sense, is the local frame's image
@@ -10,16 +10,24 @@
 //! and the other's transpose, and are added, as diagonals of faces need not be mirrored. On a small shell, as an eyelash,
 //! points without such a pair average over the largest shell beneath them, too: alone they would follow the map's noise.
 //!
-//! A matrix turns and does not stretch. A rig moves the skin of a joint apart, yet turns what is displaced there.
+//! A displacement is stretched with the surface, where one linear map explains most of the stretch. A bend of the space around a
+//! head stretches neighbouring edges alike, and what is displaced there with them. A rig stretches the skin of a joint unevenly,
+//! and turns what is displaced there. A ridge regression gives the difference of a turned edge and its image by their sum. Its
+//! matrix f is multiplied by `2 R^2 - 1`, the share of the difference that it explains less the share that it leaves, and left out
+//! where that is negative. The stretch is Cayley's transform, `(1 - f)^-1 (1 + f)` (A. Cayley, "Sur quelques propriétés des
+//! déterminants gauches", 1846): f is reversed where edges and images are exchanged, and that gives the inverse. Radius and
+//! rule were chosen on the heads and bumps of `docs/blender_table.md`.
 
 use super::{Mirroring, at};
 use crate::base::error::Result;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::detect::correspondence::Symmetry;
 use crate::geometry::adjacency::Adjacency;
-use crate::mesh::rotation::{Matrix, nearest_rotation, scaled, transposed, turned};
+use crate::mesh::rotation::{Matrix, inverse, nearest_rotation, product, scaled, transposed, turned};
 use crate::mesh::vector::{Vector, squared_norm, subtract};
-use crate::mesh::{Mesh, NONE, anchors};
+use crate::mesh::{Mesh, NONE};
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
 
 /// Radius of the neighbourhood over which the covariances are averaged, in sqrt(area).
 ///
@@ -27,12 +35,24 @@ use crate::mesh::{Mesh, NONE, anchors};
 /// side winning, 0.03 leaves 0.46 of dents 0.1 wide and moves the body without dents by 0.006 (root mean
 /// square, sqrt(area)), 0.06 leaves 0.35 and moves it by 0.008.
 const RADIUS: f64 = 0.03;
+/// The same for the stretch. A wider one tells joints better, and takes less of a bend. Near the mirror line of the posed human there
+/// is no stretch; with 0.03 there is.
+const STRETCH_RADIUS: f64 = 0.045;
+/// Ridge of the stretch's regression, as a share of the trace: a flat neighbourhood is not stretched across.
+const RIDGE: f64 = 0.01;
+/// The largest norm of the regression's matrix: it stretches to three times the length.
+const MOST_STRETCH: f64 = 0.5;
 /// Most rounds of averaging over neighbours; each widens the radius by about an edge in the root.
 const MOST_ROUNDS: f64 = 100.0;
 /// Terms of less than this share of the first are left out of the averaging's series.
 const LEAST_TERM: f64 = 1e-3;
 /// An image is a vertex if its weight is more than this.
 const WHOLE: f32 = 0.999;
+
+const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// Second moments of the sums s of turned edges and their images, and of the changes c: `s s^T`, `c s^T`, and c's squares.
+type Moments = [Vector; 7];
 
 /// How directions at the image of each point turn into directions at the point.
 #[derive(Debug, Clone)]
@@ -47,23 +67,110 @@ impl Frames {
     /// Time O(edges * sqrt(rounds)), at most 100 rounds. A point without image gets the identity (negated for a
     /// reflection).
     pub fn new(mesh: &Mesh, symmetry: &Symmetry, positions: &[Vector]) -> Frames {
-        let own: Vec<Vector> =
-            mesh.vertex_of_point.iter().map(|&vertex| positions[vertex as usize]).collect();
-        let image = images(mesh, symmetry, positions);
-        let around = Adjacency::triangles_around(own.len(), &mesh.triangles);
-        let graph = Adjacency::of_vertices(&mesh.triangles, &around);
-        let covariance =
-            (0..own.len()).map(|point| edges_covariance(point, graph.of(point), &own, &image)).collect();
-        let pairs = pairs(mesh, symmetry);
-        let covariance = averaged(&graph, &beneath(mesh, &pairs), covariance, rounds(mesh));
-        let covariance = mutual(&pairs, covariance);
-        let sign = if symmetry.kind == SymmetryKind::Reflection { -1.0 } else { 1.0 };
-        let fit = |matrix: Matrix| scaled(nearest_rotation(&scaled(matrix, sign)), sign);
-        Frames { turn: covariance.into_iter().map(fit).collect() }
+        Frames { turn: Neighbourhoods::new(mesh, symmetry, positions).turns(symmetry.kind) }
     }
 }
 
-/// Carries a displacement field across the map: what happens at the image happens here, in local frames.
+/// The edges around each point of a pose, and their images.
+struct Neighbourhoods<'a> {
+    mesh: &'a Mesh,
+    graph: Adjacency,
+    pairs: Vec<u32>,
+    beneath: Vec<u32>,
+    own: Vec<Vector>,
+    image: Vec<Option<Vector>>,
+}
+
+impl<'a> Neighbourhoods<'a> {
+    fn new(mesh: &'a Mesh, symmetry: &Symmetry, positions: &[Vector]) -> Self {
+        let own: Vec<Vector> =
+            mesh.vertex_of_point.iter().map(|&vertex| positions[vertex as usize]).collect();
+        let around = Adjacency::triangles_around(own.len(), &mesh.triangles);
+        let graph = Adjacency::of_vertices(&mesh.triangles, &around);
+        let pairs = pairs(mesh, symmetry);
+        let beneath = beneath(mesh, &pairs);
+        Neighbourhoods { mesh, graph, pairs, beneath, own, image: images(mesh, symmetry, positions) }
+    }
+
+    /// Orthogonal matrix of each point.
+    fn turns(&self, kind: SymmetryKind) -> Vec<Matrix> {
+        let sign = if kind == SymmetryKind::Reflection { -1.0 } else { 1.0 };
+        let covariance = self.averaged(RADIUS, |_, edge, image| edge.map(|x| image.map(|y| x * y)));
+        let turn = |(&own, &other): (&Matrix, &u32)| {
+            let mut both = own;
+            if other != NONE {
+                add(&mut both, &transposed(&covariance[other as usize]), 1.0);
+            }
+            scaled(nearest_rotation(&scaled(both, sign)), sign)
+        };
+        covariance.iter().zip(&self.pairs).map(turn).collect()
+    }
+
+    /// Matrix of each point that turns and stretches.
+    fn maps(&self, kind: SymmetryKind) -> Vec<Matrix> {
+        let turns = self.turns(kind);
+        let moments = self.averaged(STRETCH_RADIUS, |point, edge, image| {
+            let edge = turned(&transposed(&turns[point]), edge);
+            let (sum, change) = ([0, 1, 2].map(|axis| edge[axis] + image[axis]), subtract(edge, image));
+            let [[a, b, c], [d, e, f]] = [sum, change].map(|one| one.map(|x| sum.map(|y| x * y)));
+            [a, b, c, d, e, f, change.map(|x| x * x)]
+        });
+        let map = |(point, turn): (usize, &Matrix)| {
+            let (mut sums, mut changes, mut squares) = split(&moments[point]);
+            let other = self.pairs[point];
+            if other != NONE {
+                let other = split(&moments[other as usize]);
+                let here = |matrix: &Matrix| product(&product(&transposed(turn), matrix), turn);
+                add(&mut sums, &here(&other.0), 1.0);
+                add(&mut changes, &here(&other.1), -1.0);
+                squares += other.2;
+            }
+            product(turn, &stretch(&sums, &changes, squares))
+        };
+        turns.iter().enumerate().map(map).collect()
+    }
+
+    /// Sums of `value(point, edge, image)` over the edges around each point whose two ends have images, averaged over a neighbourhood.
+    fn averaged<const ROWS: usize>(
+        &self,
+        radius: f64,
+        value: impl Fn(usize, Vector, Vector) -> [Vector; ROWS],
+    ) -> Vec<[Vector; ROWS]> {
+        let sum = |point: usize| {
+            let mut sum = [Vector::default(); ROWS];
+            let Some(centre) = self.image[point] else { return sum };
+            for &next in self.graph.of(point) {
+                let Some(end) = self.image[next as usize] else { continue };
+                let edge = subtract(self.own[next as usize], self.own[point]);
+                add(&mut sum, &value(point, edge, subtract(end, centre)), 1.0);
+            }
+            sum
+        };
+        let sums = (0..self.own.len()).map(sum).collect();
+        averaged(&self.graph, &self.beneath, sums, rounds(self.mesh, radius))
+    }
+}
+
+/// The matrices `s s^T` and `c s^T`, and the sum of c's squares.
+fn split(&[a, b, c, d, e, f, squares]: &Moments) -> (Matrix, Matrix, f64) {
+    ([a, b, c], [d, e, f], squares.iter().sum())
+}
+
+/// The stretch that takes images of edges to turned edges, by the share of their change that it explains less the share that it leaves.
+fn stretch(sums: &Matrix, changes: &Matrix, squares: f64) -> Matrix {
+    let fitted = product(changes, &inverse(&plus(sums, RIDGE * trace(sums))));
+    let share = 2.0 * inner(&fitted, changes) / squares - 1.0;
+    if share > 0.0 {
+        let size = inner(&fitted, &fitted).sqrt();
+        let fitted = scaled(fitted, -share.min(MOST_STRETCH / size));
+        // (1 - f)^-1 (1 + f) = 2 (1 - f)^-1 - 1.
+        plus(&scaled(inverse(&plus(&fitted, 1.0)), 2.0), -1.0)
+    } else {
+        IDENTITY
+    }
+}
+
+/// Carries a displacement field across the map: what happens at the image happens here, turned and stretched with the surface.
 ///
 /// `displacements` has one vector per caller's vertex, in any unit; `positions` is the shape that is
 /// displaced, in the pose it is in. Values are merged with the old ones as `mirroring` says.
@@ -83,13 +190,13 @@ pub fn carry_displacement(
     assert_eq!(positions.len(), symmetry.partner.len());
     assert_eq!(displacements.len(), symmetry.partner.len());
     let shares = mirroring.shares(symmetry)?;
-    let frames = Frames::new(mesh, symmetry, positions);
+    let maps = Neighbourhoods::new(mesh, symmetry, positions).maps(symmetry.kind);
     let mut carried = displacements.to_vec();
     for (vertex, share) in shares.into_iter().enumerate().filter(|(_, share)| *share > 0.0) {
         let point = mesh.point_of_vertex[vertex];
         let Some(image) = symmetry.surface_point[vertex].filter(|_| point != NONE) else { continue };
         let there = [0, 1, 2].map(|axis| at(&image, displacements.as_flattened(), 3, axis));
-        let here = turned(&frames.turn[point as usize], there);
+        let here = turned(&maps[point as usize], there);
         carried[vertex] = [0, 1, 2].map(|axis| super::blend(carried[vertex][axis], here[axis], share));
     }
     Ok(carried)
@@ -103,22 +210,6 @@ pub(super) fn images(mesh: &Mesh, symmetry: &Symmetry, positions: &[Vector]) -> 
         Some([0, 1, 2].map(|axis| at(point, flat, 3, axis)))
     };
     mesh.vertex_of_point.iter().map(image).collect()
-}
-
-/// `sum of edge * (image edge)^T` over the edges whose two ends have images.
-fn edges_covariance(point: usize, around: &[u32], own: &[Vector], image: &[Option<Vector>]) -> Matrix {
-    let mut sum = Matrix::default();
-    let Some(centre) = image[point] else { return sum };
-    for &next in around {
-        let Some(end) = image[next as usize] else { continue };
-        let (edge, image_edge) = (subtract(own[next as usize], own[point]), subtract(end, centre));
-        for row in 0..3 {
-            for column in 0..3 {
-                sum[row][column] += edge[row] * image_edge[column];
-            }
-        }
-    }
-    sum
 }
 
 /// The image of each point, where it is a point whose image is this one; [`NONE`] elsewhere.
@@ -135,36 +226,26 @@ fn pairs(mesh: &Mesh, symmetry: &Symmetry) -> Vec<u32> {
 /// The nearest point of the largest shell beneath each point of another one without a pair, if it is within [`RADIUS`]; [`NONE`] elsewhere.
 fn beneath(mesh: &Mesh, pairs: &[u32]) -> Vec<u32> {
     let mut found = vec![NONE; pairs.len()];
-    if mesh.shell_count == 1 || !pairs.contains(&NONE) {
+    let (largest, others): (Vec<usize>, Vec<usize>) =
+        (0..pairs.len()).partition(|&point| mesh.shell_of_point[point] == 0);
+    let alone: Vec<usize> = others.into_iter().filter(|&point| pairs[point] == NONE).collect();
+    if alone.is_empty() {
         return found;
     }
-    let shells = mesh.shells();
-    for (shell, anchors) in shells.iter().zip(anchors(mesh, &shells, 0)) {
-        for (&point, anchor) in shell.points.iter().zip(anchors) {
-            let below = shells[0].points[anchor as usize];
-            let off = subtract(mesh.positions[point as usize], mesh.positions[below as usize]);
-            if pairs[point as usize] == NONE && squared_norm(off) < RADIUS * RADIUS {
-                found[point as usize] = below;
-            }
+    let leaf = |point: usize| GeomWithData::new(mesh.positions[point], point as u32);
+    let tree = RTree::bulk_load(largest.into_iter().map(leaf).collect());
+    for point in alone {
+        let place = mesh.positions[point];
+        let below = tree.nearest_neighbor(place).expect("the largest shell has points");
+        if squared_norm(subtract(place, *below.geom())) < RADIUS * RADIUS {
+            found[point] = below.data;
         }
     }
     found
 }
 
-/// The sums of each covariance and the transposed one of its image, where two points are each other's images.
-fn mutual(pairs: &[u32], covariance: Vec<Matrix>) -> Vec<Matrix> {
-    let both = |(&own, &other): (&Matrix, &u32)| {
-        let mut sum = own;
-        if other != NONE {
-            add(&mut sum, &transposed(&covariance[other as usize]), 1.0);
-        }
-        sum
-    };
-    covariance.iter().zip(pairs).map(both).collect()
-}
-
-/// Rounds of averaging that reach [`RADIUS`]: a random walk of n edges of length h goes `h sqrt(n)` far.
-fn rounds(mesh: &Mesh) -> usize {
+/// Rounds of averaging that reach a radius: a random walk of n edges of length h goes `h sqrt(n)` far.
+fn rounds(mesh: &Mesh, radius: f64) -> usize {
     let squared: f64 = mesh
         .triangles
         .iter()
@@ -174,17 +255,22 @@ fn rounds(mesh: &Mesh) -> usize {
         })
         .sum();
     let mean = squared / mesh.triangles.len() as f64;
-    if mean > 0.0 { (RADIUS * RADIUS / mean).ceil().min(MOST_ROUNDS) as usize } else { 0 }
+    if mean > 0.0 { (radius * radius / mean).ceil().min(MOST_ROUNDS) as usize } else { 0 }
 }
 
 /// The values after `rounds` rounds of averaging over each point, its neighbours and what is beneath it, up to some [`LEAST_TERM`].
 ///
 /// `x^n = sum over k of P(|Y| = k) T_k(x)`, where Y is the end of a walk of n steps of 1 or -1 and T_k a Chebyshev polynomial, of which those
 /// below about `4 sqrt(n)` count (S. Sachdeva, N. Vishnoi, "Faster Algorithms via Approximation Theory", 2014, section 3); x is the averaging.
-fn averaged(graph: &Adjacency, beneath: &[u32], values: Vec<Matrix>, rounds: usize) -> Vec<Matrix> {
+fn averaged<const ROWS: usize>(
+    graph: &Adjacency,
+    beneath: &[u32],
+    values: Vec<[Vector; ROWS]>,
+    rounds: usize,
+) -> Vec<[Vector; ROWS]> {
     let terms = terms(rounds);
-    let mut sum: Vec<Matrix> = values.iter().map(|value| scaled(*value, terms[0])).collect();
-    let mut now: Vec<Matrix> = (0..values.len()).map(|point| mean(graph, beneath, point, &values)).collect();
+    let mut sum: Vec<_> = values.iter().map(|value| scaled(*value, terms[0])).collect();
+    let mut now: Vec<_> = (0..values.len()).map(|point| mean(graph, beneath, point, &values)).collect();
     let mut last = values;
     for &term in &terms[1..] {
         for (point, last) in last.iter_mut().enumerate() {
@@ -212,7 +298,12 @@ fn terms(n: usize) -> Vec<f64> {
 }
 
 /// Mean over a point, its neighbours and what is beneath it.
-fn mean(graph: &Adjacency, beneath: &[u32], point: usize, values: &[Matrix]) -> Matrix {
+fn mean<const ROWS: usize>(
+    graph: &Adjacency,
+    beneath: &[u32],
+    point: usize,
+    values: &[[Vector; ROWS]],
+) -> [Vector; ROWS] {
     let around = graph.of(point);
     let (mut sum, mut count) = (values[point], around.len() + 1);
     around.iter().for_each(|&next| add(&mut sum, &values[next as usize], 1.0));
@@ -223,7 +314,23 @@ fn mean(graph: &Adjacency, beneath: &[u32], point: usize, values: &[Matrix]) -> 
     scaled(sum, 1.0 / count as f64)
 }
 
-fn add(sum: &mut Matrix, value: &Matrix, weight: f64) {
+/// The sum of the products of two matrices' entries.
+fn inner(first: &Matrix, second: &Matrix) -> f64 {
+    first.as_flattened().iter().zip(second.as_flattened()).map(|(a, b)| a * b).sum()
+}
+
+fn trace(matrix: &Matrix) -> f64 {
+    inner(matrix, &IDENTITY)
+}
+
+/// `matrix + diagonal * 1`.
+fn plus(matrix: &Matrix, diagonal: f64) -> Matrix {
+    let mut sum = *matrix;
+    add(&mut sum, &IDENTITY, diagonal);
+    sum
+}
+
+fn add<const ROWS: usize>(sum: &mut [Vector; ROWS], value: &[Vector; ROWS], weight: f64) {
     for (sum, value) in sum.as_flattened_mut().iter_mut().zip(value.as_flattened()) {
         *sum += weight * value;
     }

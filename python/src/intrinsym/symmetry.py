@@ -262,7 +262,7 @@ class Symmetry:
         weight_by_confidence: bool = False,
     ) -> NDArray[np.float64]:
         """Carries displacements, (vertices, 3) in any unit, across the map in local frames, so that they are
-        right in any pose: a shape key, or an edit. (vertices, 3).
+        right in any pose: a shape key, or an edit. They are turned and stretched with the surface. (vertices, 3).
 
         ``positions`` are those of the shape that is displaced, in the pose it is in, (vertices, 3). The rest as
         in :meth:`mirror_values`.
