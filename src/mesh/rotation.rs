@@ -5,8 +5,8 @@ use super::vector::{Vector, cross, dot};
 /// A 3 x 3 matrix by rows.
 pub type Matrix = [[f64; 3]; 3];
 
-/// `matrix * factor`, of any number of rows.
-pub fn scaled<const ROWS: usize>(matrix: [Vector; ROWS], factor: f64) -> [Vector; ROWS] {
+/// `matrix * factor`.
+pub fn scaled(matrix: Matrix, factor: f64) -> Matrix {
     matrix.map(|row| row.map(|value| value * factor))
 }
 

@@ -51,8 +51,30 @@ const WHOLE: f32 = 0.999;
 
 const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// Second moments of the sums s of turned edges and their images, and of the changes c: `s s^T`, `c s^T`, and c's squares.
-type Moments = [Vector; 7];
+/// Second moments of the sums s of turned edges and their images, and of the changes c: `c s^T`, the upper triangle of `s s^T`,
+/// and c's squares. In single precision they fill one line of a processor's cache.
+type Moments = [f32; 16];
+
+/// What is averaged over neighbours.
+trait Sum: Copy + Default {
+    fn add(&mut self, value: &Self, weight: f64);
+}
+
+impl Sum for Matrix {
+    fn add(&mut self, value: &Self, weight: f64) {
+        for (sum, value) in self.as_flattened_mut().iter_mut().zip(value.as_flattened()) {
+            *sum += weight * value;
+        }
+    }
+}
+
+impl Sum for Moments {
+    fn add(&mut self, value: &Self, weight: f64) {
+        for (sum, value) in self.iter_mut().zip(value) {
+            *sum += weight as f32 * value;
+        }
+    }
+}
 
 /// How directions at the image of each point turn into directions at the point.
 #[derive(Debug, Clone)]
@@ -99,7 +121,7 @@ impl<'a> Neighbourhoods<'a> {
         let turn = |(&own, &other): (&Matrix, &u32)| {
             let mut both = own;
             if other != NONE {
-                add(&mut both, &transposed(&covariance[other as usize]), 1.0);
+                both.add(&transposed(&covariance[other as usize]), 1.0);
             }
             scaled(nearest_rotation(&scaled(both, sign)), sign)
         };
@@ -109,11 +131,16 @@ impl<'a> Neighbourhoods<'a> {
     /// Matrix of each point that turns and stretches.
     fn maps(&self, kind: SymmetryKind) -> Vec<Matrix> {
         let turns = self.turns(kind);
+        // Single precision has a smaller range.
+        let unit = self.own.as_flattened().iter().fold(0.0f64, |most, x| most.max(x.abs())).recip();
         let moments = self.averaged(STRETCH_RADIUS, |point, edge, image| {
             let edge = turned(&transposed(&turns[point]), edge);
-            let (sum, change) = ([0, 1, 2].map(|axis| edge[axis] + image[axis]), subtract(edge, image));
-            let [[a, b, c], [d, e, f]] = [sum, change].map(|one| one.map(|x| sum.map(|y| x * y)));
-            [a, b, c, d, e, f, change.map(|x| x * x)]
+            let [x, y, z] = [0, 1, 2].map(|axis| unit * (edge[axis] + image[axis]));
+            let [a, b, c] = subtract(edge, image).map(|value| unit * value);
+            let squares = a * a + b * b + c * c;
+            let changes = [a * x, a * y, a * z, b * x, b * y, b * z, c * x, c * y, c * z];
+            let sums = [x * x, x * y, x * z, y * y, y * z, z * z, squares];
+            std::array::from_fn(|k| if k < 9 { changes[k] as f32 } else { sums[k - 9] as f32 })
         });
         let map = |(point, turn): (usize, &Matrix)| {
             let (mut sums, mut changes, mut squares) = split(&moments[point]);
@@ -121,8 +148,8 @@ impl<'a> Neighbourhoods<'a> {
             if other != NONE {
                 let other = split(&moments[other as usize]);
                 let here = |matrix: &Matrix| product(&product(&transposed(turn), matrix), turn);
-                add(&mut sums, &here(&other.0), 1.0);
-                add(&mut changes, &here(&other.1), -1.0);
+                sums.add(&here(&other.0), 1.0);
+                changes.add(&here(&other.1), -1.0);
                 squares += other.2;
             }
             product(turn, &stretch(&sums, &changes, squares))
@@ -131,18 +158,14 @@ impl<'a> Neighbourhoods<'a> {
     }
 
     /// Sums of `value(point, edge, image)` over the edges around each point whose two ends have images, averaged over a neighbourhood.
-    fn averaged<const ROWS: usize>(
-        &self,
-        radius: f64,
-        value: impl Fn(usize, Vector, Vector) -> [Vector; ROWS],
-    ) -> Vec<[Vector; ROWS]> {
+    fn averaged<T: Sum>(&self, radius: f64, value: impl Fn(usize, Vector, Vector) -> T) -> Vec<T> {
         let sum = |point: usize| {
-            let mut sum = [Vector::default(); ROWS];
+            let mut sum = T::default();
             let Some(centre) = self.image[point] else { return sum };
             for &next in self.graph.of(point) {
                 let Some(end) = self.image[next as usize] else { continue };
                 let edge = subtract(self.own[next as usize], self.own[point]);
-                add(&mut sum, &value(point, edge, subtract(end, centre)), 1.0);
+                sum.add(&value(point, edge, subtract(end, centre)), 1.0);
             }
             sum
         };
@@ -152,8 +175,9 @@ impl<'a> Neighbourhoods<'a> {
 }
 
 /// The matrices `s s^T` and `c s^T`, and the sum of c's squares.
-fn split(&[a, b, c, d, e, f, squares]: &Moments) -> (Matrix, Matrix, f64) {
-    ([a, b, c], [d, e, f], squares.iter().sum())
+fn split(moments: &Moments) -> (Matrix, Matrix, f64) {
+    let [a, b, c, d, e, f, g, h, i, xx, xy, xz, yy, yz, zz, squares] = moments.map(f64::from);
+    ([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]], [[a, b, c], [d, e, f], [g, h, i]], squares)
 }
 
 /// The stretch that takes images of edges to turned edges, by the share of their change that it explains less the share that it leaves.
@@ -262,21 +286,17 @@ fn rounds(mesh: &Mesh, radius: f64) -> usize {
 ///
 /// `x^n = sum over k of P(|Y| = k) T_k(x)`, where Y is the end of a walk of n steps of 1 or -1 and T_k a Chebyshev polynomial, of which those
 /// below about `4 sqrt(n)` count (S. Sachdeva, N. Vishnoi, "Faster Algorithms via Approximation Theory", 2014, section 3); x is the averaging.
-fn averaged<const ROWS: usize>(
-    graph: &Adjacency,
-    beneath: &[u32],
-    values: Vec<[Vector; ROWS]>,
-    rounds: usize,
-) -> Vec<[Vector; ROWS]> {
+fn averaged<T: Sum>(graph: &Adjacency, beneath: &[u32], values: Vec<T>, rounds: usize) -> Vec<T> {
     let terms = terms(rounds);
-    let mut sum: Vec<_> = values.iter().map(|value| scaled(*value, terms[0])).collect();
-    let mut now: Vec<_> = (0..values.len()).map(|point| mean(graph, beneath, point, &values)).collect();
+    let mut sum: Vec<T> = values.iter().map(|value| weighted(value, terms[0])).collect();
+    let mut now: Vec<T> = (0..values.len()).map(|point| mean(graph, beneath, point, &values)).collect();
     let mut last = values;
     for &term in &terms[1..] {
         for (point, last) in last.iter_mut().enumerate() {
-            add(&mut sum[point], &now[point], term);
-            let next = scaled(mean(graph, beneath, point, &now), 2.0);
-            *last = std::array::from_fn(|row| subtract(next[row], last[row]));
+            sum[point].add(&now[point], term);
+            let mut next = weighted(&mean(graph, beneath, point, &now), 2.0);
+            next.add(last, -1.0);
+            *last = next;
         }
         std::mem::swap(&mut last, &mut now);
     }
@@ -298,20 +318,21 @@ fn terms(n: usize) -> Vec<f64> {
 }
 
 /// Mean over a point, its neighbours and what is beneath it.
-fn mean<const ROWS: usize>(
-    graph: &Adjacency,
-    beneath: &[u32],
-    point: usize,
-    values: &[[Vector; ROWS]],
-) -> [Vector; ROWS] {
+fn mean<T: Sum>(graph: &Adjacency, beneath: &[u32], point: usize, values: &[T]) -> T {
     let around = graph.of(point);
     let (mut sum, mut count) = (values[point], around.len() + 1);
-    around.iter().for_each(|&next| add(&mut sum, &values[next as usize], 1.0));
+    around.iter().for_each(|&next| sum.add(&values[next as usize], 1.0));
     if beneath[point] != NONE {
-        add(&mut sum, &values[beneath[point] as usize], 1.0);
+        sum.add(&values[beneath[point] as usize], 1.0);
         count += 1;
     }
-    scaled(sum, 1.0 / count as f64)
+    weighted(&sum, 1.0 / count as f64)
+}
+
+fn weighted<T: Sum>(value: &T, weight: f64) -> T {
+    let mut sum = T::default();
+    sum.add(value, weight);
+    sum
 }
 
 /// The sum of the products of two matrices' entries.
@@ -326,14 +347,8 @@ fn trace(matrix: &Matrix) -> f64 {
 /// `matrix + diagonal * 1`.
 fn plus(matrix: &Matrix, diagonal: f64) -> Matrix {
     let mut sum = *matrix;
-    add(&mut sum, &IDENTITY, diagonal);
+    sum.add(&IDENTITY, diagonal);
     sum
-}
-
-fn add<const ROWS: usize>(sum: &mut [Vector; ROWS], value: &[Vector; ROWS], weight: f64) {
-    for (sum, value) in sum.as_flattened_mut().iter_mut().zip(value.as_flattened()) {
-        *sum += weight * value;
-    }
 }
 
 #[cfg(test)]
