@@ -157,5 +157,5 @@ def carried_together(symmetry, positions, displacement, merge, **how):
     moves = np.round(displacement / max(_ALIKE * np.abs(displacement).max(initial=0), 1e-300))
     alike = np.column_stack([values[near] for values in (places.of, moves, moves[symmetry.partner], taken)])
     _, alike = np.unique(alike, axis=0, return_inverse=True)
-    carried[near] = means(alike.ravel(), carried[near])[alike.ravel()] if len(near) else carried[near]
+    carried[near] = means(alike.ravel(), carried[near])[alike.ravel()]
     return carried

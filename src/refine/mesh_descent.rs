@@ -153,14 +153,14 @@ impl<S: Simd> Descent<'_, S> {
         let (mut nearest, mut distance) = (own.vertex, own.vertex_distance);
         for neighbour in some(self.of.graph.of(source)) {
             let guess = answers[neighbour as usize].vertex;
-            if guess == NONE || guess == nearest {
+            if guess == NONE || guess == nearest || guess == own.vertex {
                 continue;
             }
             let next =
                 own.vertex != NONE && self.of.graph.of(own.vertex as usize).binary_search(&guess).is_ok();
-            if !next && guess != own.vertex {
-                let other = self.distance(source, guess);
-                (nearest, distance) = if other < distance { (guess, other) } else { (nearest, distance) };
+            let other = if next { f32::MAX } else { self.distance(source, guess) };
+            if other < distance {
+                (nearest, distance) = (guess, other);
             }
         }
         if nearest == own.vertex { own } else { self.near_vertex(source, nearest) }
