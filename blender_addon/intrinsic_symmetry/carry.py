@@ -20,7 +20,8 @@ _SAME, _ROUNDED = 1e-5, 128
 
 
 def loaded(mesh):
-    """The stored map, carried where the mesh was edited, and in words what was carried. Raises StaleMap."""
+    """The stored map, carried where the mesh was edited, and in words what was carried. Raises MeshProblem."""
+    stored_map.refuse_taken(mesh)
     try:
         return stored_map.load(mesh), ""
     except stored_map.ChangedMesh:

@@ -227,14 +227,15 @@ class INTRINSIC_SYMMETRY_OT_exchange_sides(MapOperator, bpy.types.Operator):
 
 
 class INTRINSIC_SYMMETRY_OT_clear(MeshOperator, bpy.types.Operator):
-    """Remove the stored symmetry from the mesh"""
+    """Remove the stored symmetry from the mesh, and what was remembered"""
 
     bl_idname = "intrinsic_symmetry.clear"
     bl_label = "Remove Symmetry"
 
     @classmethod
     def lacks(cls, _context, object):
-        return None if stored_map.RECORD in object.data else "No symmetry is stored on this mesh"
+        is_there = stored_map.RECORD in object.data or stored_map.remembered(object.data)
+        return None if is_there else "No symmetry is stored on this mesh"
 
     def run(self, _context, object, _mode):
         stored_map.refuse_groups(object)

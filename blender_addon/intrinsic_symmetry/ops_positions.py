@@ -51,9 +51,8 @@ def renew(object, changed):
 
 def forget(mesh):
     """Removes what is remembered."""
-    for name in filter(stored_map.is_remembered, mesh.attributes.keys()):
-        if stored_map.is_of_vertices(mesh.attributes[name], "FLOAT_VECTOR"):
-            mesh_data.remove_attribute(mesh, name)
+    for name in stored_map.remembered(mesh):
+        mesh_data.remove_attribute(mesh, name)
 
 
 class INTRINSIC_SYMMETRY_OT_symmetrize(MirrorProperties, MapOperator, bpy.types.Operator):

@@ -76,16 +76,25 @@ def is_remembered(name):
     return _REMEMBERED.fullmatch(name) is not None
 
 
-def is_of_vertices(attribute, kind):
-    """Whether an attribute may be what the map writes as a `kind`; a PLY file gives all numbers as floats. Others of the
-    same name are the user's."""
-    return attribute.domain == "POINT" and attribute.data_type in (kind, "FLOAT")
+def is_of_vertices(attribute, *kinds):
+    """Whether an attribute may be what is written as one of the `kinds`. Others of the same name are the user's."""
+    return attribute.domain == "POINT" and attribute.data_type in kinds
+
+
+def remembered(mesh):
+    """Names of the shapes that were remembered."""
+    return [name for name in filter(is_remembered, mesh.attributes.keys()) if is_of_vertices(mesh.attributes[name], "FLOAT_VECTOR")]
 
 
 def refuse_taken(mesh):
-    """Raises MeshProblem where something of the user's has a name that the map needs."""
+    """Raises MeshProblem where something of the user's has a name that the map needs. Without a record all that have one are
+    the user's, unless the three are there that a file brings; a PLY file gives all numbers as floats."""
+    there = [mesh.attributes.get(name) for name in (PARTNER, CONFIDENCE, SIDE)]
+    of_file = all(each is not None and is_of_vertices(each, "INT", "FLOAT") for each in there)
     for name, kind in _OF_MAP.items():
-        refuse_name(mesh, name, kind)
+        refuse_name(mesh, name, *([kind] if RECORD in mesh else [kind, "FLOAT"] if of_file else []))
+    for name in filter(is_remembered, mesh.attributes.keys()):
+        refuse_name(mesh, name, "FLOAT_VECTOR")
 
 
 def refuse_groups(object):
@@ -95,10 +104,10 @@ def refuse_groups(object):
         raise mesh_data.MeshProblem(f'The name of the vertex group "{taken[0]}" is needed for the symmetry: rename it')
 
 
-def refuse_name(mesh, name, kind):
-    """Raises MeshProblem where something of the user's has the name."""
+def refuse_name(mesh, name, *kinds):
+    """Raises MeshProblem where something of the user's has the name: what is not of vertices, and of one of the `kinds`."""
     attribute = mesh.attributes.get(name)
-    if attribute is not None and not is_of_vertices(attribute, kind):
+    if attribute is not None and not is_of_vertices(attribute, *kinds):
         what = "UV map" if name in mesh.uv_layers else "attribute"
         raise mesh_data.MeshProblem(f'The name of the {what} "{name}" is needed for the symmetry: rename it')
 
@@ -317,8 +326,7 @@ def load(mesh, only=None):
 
 def _attribute(mesh, name, kind=None):
     attribute = mesh.attributes.get(name)
-    fits = attribute is not None and (attribute.data_type, attribute.domain) == (kind or KINDS[name], "POINT")
-    return attribute if fits else None
+    return attribute if attribute is not None and is_of_vertices(attribute, kind or KINDS[name]) else None
 
 
 def fixed_lines(mesh):
@@ -366,17 +374,18 @@ def move_partners(mesh, core_mesh, partner):
 
 
 def clear(mesh):
-    """Removes the map and its record."""
+    """Removes the map and its record, if there is one."""
+    if RECORD not in mesh:
+        return
     undo.remember(mesh)
     _remove_further(mesh)
     for name, kind in _OF_MAP.items():
-        if name in mesh.attributes and is_of_vertices(mesh.attributes[name], kind):
+        if _attribute(mesh, name, kind) is not None:
             mesh_data.remove_attribute(mesh, name)
-    if RECORD in mesh:
-        del mesh[RECORD]
+    del mesh[RECORD]
 
 
 def _remove_further(mesh):
     for name in filter(_FURTHER.fullmatch, mesh.attributes.keys()):
-        if is_of_vertices(mesh.attributes[name], "INT"):
+        if is_of_vertices(mesh.attributes[name], "INT", "FLOAT"):
             mesh_data.remove_attribute(mesh, name)

@@ -55,6 +55,51 @@ def test_a_layer_that_has_a_name_of_the_map_stays(name):
     assert bpy.ops.intrinsic_symmetry.detect() == {"FINISHED"} and "mine" in mesh.attributes
 
 
+@pytest.mark.parametrize("name, kind", [
+    ("sym_moved", "FLOAT"), ("sym_moved", "FLOAT_VECTOR"), ("sym_edit", "INT"), ("sym_place", "FLOAT_VECTOR"), ("sym_side", "INT"),
+    ("sym_confidence", "FLOAT"), ("sym_record", "INT"),
+])
+def test_a_layer_of_the_map_s_own_kind_stays_on_a_mesh_without_map(name, kind):
+    bpy.ops.mesh.primitive_monkey_add()
+    mesh = bpy.context.object.data
+    values = np.arange(len(mesh.vertices) * (3 if kind == "FLOAT_VECTOR" else 1)).reshape(len(mesh.vertices), -1).squeeze()
+    module("mesh_data").write_attribute(mesh, name, kind, values)
+    with pytest.raises(RuntimeError, match=f'"{name}" is needed for the symmetry: rename it'):
+        detect()
+    assert bpy.ops.intrinsic_symmetry.remember() == {"FINISHED"} and bpy.ops.intrinsic_symmetry.clear() == {"FINISHED"}
+    assert np.array_equal(attribute(mesh, name), values)
+    mesh.attributes[name].name = "mine"
+    assert detect() == detect() == {"FINISHED"} and np.array_equal(attribute(mesh, "mine"), values)
+
+
+@pytest.mark.parametrize("name, kind, domain", [
+    ("sym_edit", "FLOAT2", "CORNER"), ("sym_lift", "INT", "FACE"), ("sym_lift", "FLOAT", "POINT"), ("sym_moved", "FLOAT", "POINT"),
+    ("sym_remembered", "FLOAT", "FACE"),
+])
+def test_a_layer_that_gets_a_name_of_the_map_after_the_detection_stays(human, name, kind, domain):
+    human.data.attributes.new(name, kind, domain)
+    select(human, np.flatnonzero(attribute(human.data, "sym_side") == 1)[:20])
+    enter("EDIT")
+    bpy.ops.mesh.subdivide()
+    enter("OBJECT")
+    for tool in (bpy.ops.intrinsic_symmetry.mirror_edit, bpy.ops.intrinsic_symmetry.symmetrize_topology, detect):
+        if tool.poll():
+            with pytest.raises(RuntimeError, match=f'"{name}" is needed for the symmetry: rename it') as problem:
+                tool()
+            assert "Traceback" not in str(problem.value)
+    assert human.data.attributes[name].data_type == kind and human.data.attributes[name].domain == domain
+    human.data.attributes[name].name = "mine"
+    assert bpy.ops.intrinsic_symmetry.symmetrize_topology() == {"FINISHED"} and "mine" in human.data.attributes
+
+
+def test_what_was_remembered_without_a_map_can_be_removed(human):
+    bpy.ops.intrinsic_symmetry.clear()
+    assert not bpy.ops.intrinsic_symmetry.clear.poll()
+    bpy.ops.intrinsic_symmetry.remember()
+    assert bpy.ops.intrinsic_symmetry.clear() == {"FINISHED"}
+    assert "sym_remembered" not in human.data.attributes and not bpy.ops.intrinsic_symmetry.clear.poll()
+
+
 @pytest.mark.parametrize("name", ["sym_vertex", "sym_confidence", "sym_remembered"])
 def test_a_vertex_group_that_has_a_name_of_the_map_keeps_its_weights(human, name):
     remembered = name == "sym_remembered"
