@@ -21,7 +21,7 @@ _NAMED = re.compile(r'(?<=\[")[^"]+(?="\])')
 
 
 def make(object, symmetry, name, like):
-    """Makes the key at rest, with the settings of `like`. Names of its drivers' variables whose sign cannot be told."""
+    """Makes the key at rest, with the settings of `like`. What has to be checked of its drivers, in words."""
     group = _group(object, symmetry, like.vertex_group, side_names.side(name))
     key = object.shape_key_add(name=name, from_mix=False)
     undo.note_made(object, key)
@@ -83,8 +83,8 @@ def _group(object, symmetry, name, side):
 
 
 def _copy_drivers(keys, like, key):
-    """Names of the variables whose sign cannot be told."""
-    data, owner, unsure = keys.animation_data, key.id_data, []
+    """What has to be checked, in words: signs that cannot be told, and names of the model's side that are read still."""
+    data, owner, unsure, staying = keys.animation_data, key.id_data, [], []
     old, new = (f'key_blocks["{bpy.utils.escape_identifier(block.name)}"].' for block in (like, key))
     for curve in [curve for curve in data.drivers if curve.data_path.startswith(old)] if data else []:
         made = (owner.animation_data or owner.animation_data_create()).drivers.from_existing(src_driver=curve)
@@ -93,17 +93,38 @@ def _copy_drivers(keys, like, key):
         unsure += [name for name, is_so in negated.items() if is_so is None]
         if any(negated.values()):
             _negate(made.driver, [name for name, is_so in negated.items() if is_so])
-    return unsure
+        staying += _read_by_both(curve.driver, made.driver)
+    said = (unsure, "the sign of {} cannot be told"), (staying, "it still reads {}: there is no counterpart")
+    return [words.format(counterparts.listed(names)) for names, words in said if names]
+
+
+def _read_by_both(model, made):
+    """Names with a side that a driver reads in the same places as its model."""
+    names = []
+    for variable, own in zip(model.variables, made.variables):
+        for other, target in zip(variable.targets, own.targets):
+            names += _names(own.type, target) if _place(other) == _place(target) else []
+    return [name for name in dict.fromkeys(names) if side_names.side(name)]
+
+
+def _place(target):
+    return target.id, target.bone_target, target.data_path
+
+
+def _names(kind, target):
+    """What the target of a kind of variable reads: the properties and bones of a path, or a bone; and without a bone the object."""
+    names = _NAMED.findall(target.data_path) if kind == "SINGLE_PROP" else [target.bone_target]
+    return names if _bone(target) or not isinstance(target.id, bpy.types.Object) else [*names, target.id.name]
 
 
 def _flip_all(variable):
     """Turns the targets of a driver's variable to the other side. Whether it has the other sign there, in the mirrored
     pose; None where that cannot be told."""
     target = variable.targets[0]
-    before = target.id, target.bone_target, target.data_path
+    before = _place(target)
     for each in variable.targets:
         _flip(each)
-    if before == (target.id, target.bone_target, target.data_path) and not _is_central(target):
+    if before == _place(target) and not _is_central(target):
         return False
     if variable.type == "SINGLE_PROP":
         negated = bool(_NEGATED_PATH.search(target.data_path))

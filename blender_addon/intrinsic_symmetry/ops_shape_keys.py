@@ -104,8 +104,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_shape_keys(NamedMirrorProperties, MapOperator
     def _made(self, object, symmetry, name, like):
         if not object.data.shape_keys.use_relative:
             self.warn(f'The shape keys are absolute: "{name}" is one more shape in time')
-        if unsure := made_key.make(object, symmetry, name, like):
-            self.warn(f'Check the driver of "{name}": the sign of {counterparts.listed(unsure)} cannot be told')
+        for problem in made_key.make(object, symmetry, name, like):
+            self.warn(f'Check the driver of "{name}": {problem}')
 
     def _write(self, keys, key, values):
         """Whether the key could be written and changes."""

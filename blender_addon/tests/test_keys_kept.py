@@ -250,6 +250,34 @@ def test_a_driver_by_an_object_reads_that_of_the_other_side(human, swelling, nam
     assert made.targets[0].id.name == names[-1] and target.id.name == names[0]
 
 
+@pytest.mark.parametrize("there", [True, False])
+@pytest.mark.parametrize("read", ["bone", "path", "property", "object", "key"])
+def test_a_driver_that_reads_what_has_no_counterpart_is_named(human, swelling, read, there, capfd):
+    """It is copied all the same: the twin may be made later."""
+    rig = _rig("jaw.L", *["jaw.R"] * there)
+    for name in ("Ctrl.L", *["Ctrl.R"] * there):
+        bpy.data.objects.new(name, None)
+        _key(human, f"Brow{name[-2:]}", swelling)
+    driver = _key(human, "Smile.L", swelling).driver_add("value").driver
+    variable = driver.variables.new()
+    target = variable.targets[0]
+    if read == "key":
+        target.id_type = "KEY"
+    else:
+        variable.type = "TRANSFORMS" if read in ("bone", "object") else "SINGLE_PROP"
+    target.id = {"object": bpy.data.objects["Ctrl.L"], "key": human.data.shape_keys}.get(read, rig)
+    if read == "bone":
+        target.bone_target = "jaw.L"
+    paths = {"path": 'pose.bones["jaw.L"].scale[0]', "property": '["smile_L"]', "key": 'key_blocks["Brow.L"].value'}
+    target.data_path = paths.get(read, "")
+    if not there:
+        del rig["smile_R"]
+    name = {"property": "smile_L", "object": "Ctrl.L", "key": "Brow.L"}.get(read, "jaw.L")
+    text = said(capfd, ops.mirror_shape_keys)
+    assert (f'Check the driver of "Smile.R": it still reads "{name}": there is no counterpart' in text) is not there
+    assert human.data.shape_keys.animation_data.drivers.find('key_blocks["Smile.R"].value')
+
+
 def test_a_made_key_has_the_settings_of_its_model(human, swelling, truth):
     _key(human, "Base.L", swelling)
     _key(human, "Base.R", 0 * swelling)
