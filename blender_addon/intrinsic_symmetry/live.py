@@ -29,8 +29,8 @@ _TOPOLOGY = "Live Mirror is off: the mesh has other vertices, edges or faces now
 
 def problem_of(object):
     """Why nothing follows, in words, or nothing."""
-    lacking = live_paint.lacking_group(object) if object.intrinsic_symmetry_live else None
-    return f'Live does not follow: there is no group "{lacking}"' if lacking else reasons.get(object.session_uid)
+    why = live_paint.why_not(object) if object.intrinsic_symmetry_live else None
+    return f"Live does not follow: {why}" if why else reasons.get(object.session_uid)
 
 
 class Track:

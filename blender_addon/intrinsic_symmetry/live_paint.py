@@ -225,7 +225,7 @@ def keys_of(object):
     if object.mode == "VERTEX_PAINT":
         return colours
     groups = _groups_of(object)
-    return [("WEIGHTS", *groups)] if groups and lacking_group(object) is None else []
+    return [("WEIGHTS", *groups)] if groups and all(name in object.vertex_groups for name in groups) else []
 
 
 def _groups_of(object):
@@ -236,6 +236,11 @@ def _groups_of(object):
     return tuple(dict.fromkeys((group.name, side_names.counterpart(group.name, object.vertex_groups.keys()))))
 
 
-def lacking_group(object):
-    """Name of the group of the other side that strokes would go to, if there is none."""
-    return next((name for name in _groups_of(object) if name not in object.vertex_groups), None)
+def why_not(object):
+    """Why strokes do not go to the group of the other side, in words, or nothing."""
+    for name in _groups_of(object):
+        if name not in object.vertex_groups:
+            return f'there is no group "{name}"'
+        if object.vertex_groups[name].lock_weight:
+            return f'the group "{name}" is locked'
+    return None

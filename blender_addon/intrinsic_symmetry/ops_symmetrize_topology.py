@@ -36,7 +36,8 @@ class INTRINSIC_SYMMETRY_OT_symmetrize_topology(MapOperator, bpy.types.Operator)
     direction: bpy.props.EnumProperty(
         name="Direction",
         description="Which half is replaced by a mirrored copy of the other",
-        items=[("EDITED", "Edited Side", "The half whose faces were edited last stays; without an edit, the left one")]
+        items=[("EDITED", "Edited Side", "The half that was edited more since the symmetry was last used or updated "
+                "stays; or else the left one")]
         + [entry[:3] for entry in DIRECTIONS[:2]],
     )
 

@@ -88,16 +88,19 @@ def _read_csv(path):
     with path.open(newline="", encoding=_ENCODING) as file:
         delimiter = ";" if ";" in file.readline() else ","
         file.seek(0)
-        table = [[cell.strip() for cell in row] for row in csv.reader(file, delimiter=delimiter) if row]
-    head = [name.lower() for name in table[0]] if table else []
-    if any(len(row) != len(head) for row in table):
-        raise ValueError("its lines have unlike numbers of cells")
-    rows = [dict(zip(head, row)) for row in table[1:]]
-    given = [name for name in COLUMNS if rows and name in rows[0]]
-    if rows and "vertex" in rows[0]:
-        rows.sort(key=lambda row: _whole(row["vertex"]))
-        _check_numbers([_whole(row["vertex"]) for row in rows])
-    return _arrays({name: [row[name] for row in rows] for name in given}), {}
+        reader = csv.reader(file, delimiter=delimiter)
+        table = [(reader.line_num, [cell.strip() for cell in row]) for row in reader if row]
+    head = [name.lower() for name in table[0][1]] if table else []
+    if unlike := [line for line, row in table if len(row) != len(head)]:
+        raise ValueError(f"its lines have unlike numbers of cells: see line {unlike[0]}")
+    rows = [dict(zip(head, row)) for _, row in table[1:]]
+    given = [name for name in ("vertex", *COLUMNS) if rows and name in rows[0]]
+    arrays = _arrays({name: [row[name] for row in rows] for name in given}, [line for line, _ in table[1:]])
+    if "vertex" in arrays:
+        order = np.argsort(arrays["vertex"], kind="stable")
+        arrays = {name: values[order] for name, values in arrays.items()}
+        _check_numbers(arrays.pop("vertex").tolist())
+    return arrays, {}
 
 
 def _check_numbers(vertices):
@@ -112,25 +115,35 @@ def _check_numbers(vertices):
         raise ValueError(f"vertex {missing[0]} has no row. Each vertex needs one: both of a pair, and those without a partner")
 
 
-def _whole(text):
-    """The whole number that a text or a number says, `4.0` as well."""
-    number = float(text)
-    if not number.is_integer():
-        raise ValueError(f"{text} is no whole number")
-    return int(number)
+def _number(text, kind):
+    """The number that a text or a number says; as a whole one `4.0` as well. Raises ValueError."""
+    try:
+        number = float(text)
+        if kind is float or number.is_integer():
+            return kind(number)
+    except ValueError:
+        pass
+    raise ValueError(f"{text or 'an empty cell'} is no {'number' if kind is float else 'whole number'}")
 
 
 def _read_map(path):
     return _arrays({"partner": path.read_text(_ENCODING).split()}), {}
 
 
-def _arrays(columns):
+def _arrays(columns, lines=None):
+    """The columns as arrays. Raises ValueError, which says the line of a cell that is no number, or else its vertex."""
     if "partner" not in columns:
         raise ValueError("there is no column partner")
-    readers = {int: _whole, float: float}
-    arrays = {
-        name: np.array(list(map(readers[COLUMNS[name]], values)), _TYPES[COLUMNS[name]]) for name, values in columns.items()
-    }
+    arrays = {}
+    for name, values in columns.items():
+        kind, numbers = COLUMNS.get(name, int), []
+        for row, value in enumerate(values):
+            try:
+                numbers.append(_number(value, kind))
+            except ValueError as problem:
+                where = f"line {lines[row]}" if lines else f"vertex {row}"
+                raise ValueError(f"{where}, column {name}: {problem}") from None
+        arrays[name] = np.array(numbers, _TYPES[kind])
     if len({len(values) for values in arrays.values()}) > 1:
         raise ValueError("its columns are not equally long")
     return arrays

@@ -350,7 +350,7 @@ def name_sides(mesh, sign, left_from):
 
 
 def edited_side(mesh):
-    """The side that the last edit of vertices and faces was on, 1 or -1; 0 if there was none, or none that says it."""
+    """The side with more edited vertices and faces when the map was carried last, 1 or -1; 0 if it was not, or none had more."""
     return mesh[RECORD].get("edited_side", 0)
 
 

@@ -71,6 +71,18 @@ def test_without_the_other_group_only_the_own_side_is_painted_and_the_panel_says
     assert len(_paint(painted, "Arm.L")) == 2 * len(a_hand(painted, 1)), "it goes on"
 
 
+def test_where_the_other_group_is_locked_the_panel_says_so(painted):
+    painted.vertex_groups["Arm.R"].lock_weight = True
+    found = _paint(painted, "Arm.L")
+    assert {vertex for vertex, _ in found} == set(a_hand(painted, 1).tolist())
+    assert module("live").problem_of(painted) == 'Live does not follow: the group "Arm.R" is locked'
+    painted.vertex_groups["Arm.R"].lock_weight = False
+    assert module("live").problem_of(painted) is None
+    painted.vertex_groups["Arm.L"].remove(range(len(painted.data.vertices)))
+    stroke()
+    assert len(_paint(painted, "Arm.L")) == 2 * len(a_hand(painted, 1)), "it goes on"
+
+
 def test_a_place_that_is_no_number_switches_off_and_says_so(human, capfd):
     select(human, a_hand(human, 1))
     enter("EDIT")
