@@ -10,6 +10,7 @@ import numpy as np
 from intrinsym import SymmetryKind
 
 from . import local_frames
+from .places import Places, gathered
 
 
 def differing(one, other):
@@ -39,6 +40,7 @@ class Carrier:
         if self.fitted_to is not None and np.array_equal(self.fitted_to, positions):
             return
         self.turn, self.fitted_to = local_frames.turns(self.symmetry, positions), positions.copy()
+        self.places = Places(positions)
         self._fit_line()
 
     def is_fitted(self):
@@ -88,7 +90,7 @@ class Route:
         self._corners = [np.ascontiguousarray(corner) for corner in carrier.corners[vertices].T]
         self._weights = [np.ascontiguousarray(weight)[:, None] for weight in weights.T]
         self._total = (weights[:, 0] + weights[:, 1] + weights[:, 2])[:, None]
-        self._carrier, self._vertices, self._axes = carrier, vertices, None
+        self._carrier, self._vertices, self._axes, self._pairs = carrier, vertices, None, None
 
     def carry(self, change):
         """(given vertices, components) the change at the images; `change` is of all vertices, float64."""
@@ -104,6 +106,18 @@ class Route:
             turn = self._carrier.turn[self._vertices]
             self._axes = [np.ascontiguousarray(turn[:, :, axis]) for axis in range(3)]
         return sum(axis * there[:, number, None] for number, axis in enumerate(self._axes))
+
+    def together(self, carried, change):
+        """(given vertices, 3) what arrives, but vertices at one place go to one place if their mirror images did, as
+        in `mirroring.carried_together`."""
+        places = self._carrier.places
+        if self._pairs is None:
+            row = np.full(len(change), -1)
+            row[self._vertices] = np.arange(len(self._vertices))
+            pairs = row[places.pairs]
+            self._pairs = pairs[(pairs >= 0).all(axis=1)]
+            self._images = self._carrier.symmetry.partner[self._vertices[self._pairs]]
+        return gathered(carried, self._pairs[places.alike(change, self._images)])
 
 
 class Change:

@@ -166,7 +166,7 @@ class Positions:
     @staticmethod
     def carried(plan, base, current):
         plan.change[plan.sources] = current[plan.sources] - base[plan.sources].astype(float)
-        return plan.route.turned(plan.route.carry(plan.change))
+        return plan.route.together(plan.route.turned(plan.route.carry(plan.change)), plan.change)
 
     @staticmethod
     def on_line(carrier, vertices, base, current):

@@ -7,7 +7,7 @@ from intrinsym import Merge, SymmetryKind
 
 from . import mesh_data, side_names, stored_map
 from .counterparts import listed
-from .places import Places, means
+from .places import Places, gathered
 
 DIRECTIONS = (
     ("LEFT_TO_RIGHT", "Left to Right", "The left side stays, the right one becomes its mirror image", Merge.POSITIVE_WINS),
@@ -15,8 +15,6 @@ DIRECTIONS = (
     ("AVERAGE", "Average", "Both sides take the mean", Merge.AVERAGE),
     ("SWAP", "Exchange", "Both sides take the other's", Merge.SWAP),
 )
-#: Displacements that differ by less than this share of the largest are alike.
-_ALIKE = 1e-5
 MERGE = {identifier: merge for identifier, _, _, merge in DIRECTIONS}
 
 
@@ -152,10 +150,8 @@ def carried_together(symmetry, positions, displacement, merge, **how):
     so did their mirror images: each shell has local frames of its own."""
     carried = symmetry.carry_displacement(positions, displacement, merge, **how)
     places = Places(positions)
-    near = np.flatnonzero(places.shared())
     taken = shares(symmetry, merge, **how) > 0
-    moves = np.round(displacement / max(_ALIKE * np.abs(displacement).max(initial=0), 1e-300))
-    alike = np.column_stack([values[near] for values in (places.of, moves, moves[symmetry.partner], taken)])
-    _, alike = np.unique(alike, axis=0, return_inverse=True)
-    carried[near] = means(alike.ravel(), carried[near])[alike.ravel()]
-    return carried
+    pairs = places.pairs[taken[places.pairs].all(axis=1)]
+    for moves in (displacement, displacement[symmetry.partner]):
+        pairs = pairs[places.alike(moves, pairs)]
+    return gathered(carried, pairs)

@@ -7,6 +7,7 @@ import numpy as np
 from intrinsym import Merge, SymmetryKind
 
 from . import asymmetry, mesh_data, side_names, stored_map, vertex_map
+from .mirroring import carried_together
 from .operator_base import MeshOperator
 from .weights import read_weights, write_weights
 
@@ -94,7 +95,8 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
                 continue
             base = mesh_data.key_positions(key.relative_key).astype(float)
             both = np.vstack([mesh_data.key_positions(key) - base, np.zeros_like(there)])
-            carried = joined.carry_displacement(np.vstack([base, there / scale]), both, Merge.SWAP)[len(base) :]
+            shapes = np.vstack([base - base.mean(axis=0), (there - there.mean(axis=0)) / scale])
+            carried = carried_together(joined, shapes, both, Merge.SWAP)[len(base) :]
             target = target or _at_rest(other, name, key, key.vertex_group and self._name(key.vertex_group, groups))
             mesh_data.set_key_positions(target, there + scale * carried)
         return len(keys) - len(kept), kept

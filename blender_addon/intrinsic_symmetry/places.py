@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from .regions import components
+
 #: Vertices nearer than this share of the extent are at one place: single precision keeps no more apart.
 _NEAR = 1e-6
 #: A direction that no mesh lies across by intent.
@@ -10,16 +12,22 @@ _ACROSS = np.array([0.5377, 0.6180, 0.5736])
 
 
 class Places:
-    """Where vertices are, each place once: `all`, (places, 3), and `of`, (vertices,) the place of each."""
+    """Where vertices are, each place once: `all`, (places, 3), and `of`, (vertices,) the place of each. Chains of `pairs`, (n, 2)
+    vertices that are near each other, are at one place."""
 
     def __init__(self, positions):
-        extent = np.ptp(positions, axis=0).max() if len(positions) else 0
-        first, number = np.unique(_first_near(positions.astype(float), _NEAR * extent), return_inverse=True)
+        self._near = _NEAR * (np.ptp(positions, axis=0).max() if len(positions) else 0)
+        self.pairs = _near_pairs(positions.astype(float), self._near)
+        first, number = np.unique(components(len(positions), self.pairs), return_inverse=True)
         self.all, self.of = positions[first], number.ravel()
 
     def shared(self):
         """(vertices,) bool: those at a place with others."""
         return (np.bincount(self.of) > 1)[self.of]
+
+    def alike(self, moves, pairs):
+        """(pairs,) bool: whether those of (n, 2) vertices go to one place if they were at one, by (vertices, 3) moves."""
+        return np.linalg.norm(moves[pairs[:, 0]] - moves[pairs[:, 1]], axis=1) <= self._near
 
     def free(self, may_move):
         """(places,) bool: those whose vertices may all move, by (vertices,) bool."""
@@ -35,6 +43,14 @@ def means(of, values):
     return np.stack([np.bincount(of, column) for column in values.T], axis=1) / np.bincount(of)[:, None]
 
 
+def gathered(values, pairs):
+    """(rows, columns) the values, but of rows that pairs, (n, 2), join their mean."""
+    rows = np.unique(pairs)
+    group = np.unique(components(len(values), pairs)[rows], return_inverse=True)[1].ravel()
+    values[rows] = means(group, values[rows])[group]
+    return values
+
+
 def kept_together(before, after, may_move):
     """(vertices, 3) the positions `after`, but for those that were at one place before: they go to one place, or stay if
     one of them may not move, (vertices,) bool."""
@@ -44,22 +60,16 @@ def kept_together(before, after, may_move):
     return np.where(places.shared()[:, None], together, after)
 
 
-def _first_near(positions, distance):
-    """(vertices,) the first of those that chains of steps of at most the distance join to each. In the order along a direction, each is
-    compared with those that follow within that distance."""
+def _near_pairs(positions, distance):
+    """(pairs, 2) vertices with no more than the distance between them. In the order along a direction, each is compared with
+    those that follow within that distance."""
     along = positions @ _ACROSS
     order = np.argsort(along, kind="stable")
-    along, pairs = along[order], []
+    along, pairs = along[order], [np.empty((0, 2), int)]
     for step in range(1, len(order)):
         close = np.flatnonzero(along[step:] - along[:-step] <= distance)
         if not len(close):
             break
-        ends = np.stack([order[close], order[close + step]])
-        pairs.append(ends[:, np.linalg.norm(positions[ends[0]] - positions[ends[1]], axis=1) <= distance])
-    first = np.arange(len(order))
-    one, other = np.concatenate(pairs, axis=1) if pairs else np.empty((2, 0), int)
-    while (first[one] != first[other]).any():
-        least = np.minimum(first[one], first[other])
-        np.minimum.at(first, one, least)
-        np.minimum.at(first, other, least)
-    return first
+        ends = np.stack([order[close], order[close + step]], axis=1)
+        pairs.append(ends[np.linalg.norm(positions[ends[:, 0]] - positions[ends[:, 1]], axis=1) <= distance])
+    return np.concatenate(pairs)

@@ -10,8 +10,10 @@ _RESOURCES = tempfile.mkdtemp(prefix="intrinsym_blender_")
 os.environ["BLENDER_USER_RESOURCES"] = _RESOURCES  # before bpy is imported
 
 import bpy  # noqa: E402
+import bmesh  # noqa: E402, I001
 import numpy as np  # noqa: E402
 import pytest  # noqa: E402
+from mathutils import Matrix  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLES = ROOT / "examples"
@@ -73,6 +75,27 @@ def read_example(name):
 
 def truth_of(name):
     return np.loadtxt(EXAMPLES / f"{name}.mirror", dtype=np.int64)
+
+
+def touching_shells(truth, apart):
+    """The human with an uneven ball at the farthest left vertex and the mirrored one at its image; their poles touch it, but for
+    a distance. The vertices of each side that touch."""
+    mesh, data = read_example("human"), bmesh.new()
+    points = positions(mesh)
+    hand, count = int(points[:, 0].argmax()), len(points)
+    data.from_mesh(mesh)
+    for number, vertex in enumerate((hand, int(truth[hand]))):
+        new = bmesh.ops.create_icosphere(data, subdivisions=2, radius=0.05)["verts"]
+        uneven = np.array([each.co for each in new]) * (1, 2, 3) + np.random.default_rng(0).uniform(-0.005, 0.005, (len(new), 3))
+        uneven = (uneven - uneven[0]) * ((-1, 1, 1) if number else (1, 1, 1)) @ np.array(Matrix.Rotation(number, 3, (1, 2, 3)))
+        for each, place in zip(new, points[vertex] + apart + uneven):
+            each.co = place
+        if number:
+            bmesh.ops.reverse_faces(data, faces=list({face for each in new for face in each.link_faces}))
+    data.to_mesh(mesh)
+    data.free()
+    size = (len(mesh.vertices) - count) // 2
+    return new_object(mesh), [(hand, count), (int(truth[hand]), count + size)]
 
 
 def attribute(mesh, name):

@@ -5,7 +5,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, positions, select
+from conftest import attribute, enter, module, positions, select, touching_shells
 from intrinsym import Merge
 
 ops = bpy.ops
@@ -212,6 +212,31 @@ def test_the_line_stays_on_the_line(human, truth):
         across = max(across, key=np.linalg.norm)
         assert 0.01 < np.linalg.norm(moved[vertex]) < 0.046
         assert abs(moved[vertex] @ across) < 0.03 * np.linalg.norm(moved[vertex]) * np.linalg.norm(across)
+
+
+@pytest.mark.parametrize("mode", ["EDIT", "SCULPT"])
+@pytest.mark.parametrize("apart", [0, 3e-7])
+def test_shells_that_touch_do_so_afterwards(truth, apart, mode):
+    """Each has local frames of its own. Rounding may keep them apart. What is torn apart on one side is so on the other."""
+    object, ((left, its), (right, other)) = touching_shells(truth, apart)
+    assert ops.intrinsic_symmetry.detect() == {"FINISHED"}
+    before, ball = places(object), np.arange(len(object.data.vertices)) >= its
+    near = np.linalg.norm(before - before[left], axis=1) < 0.2
+    for moved, together in ((near, True), (near & ball, False)):
+        enter("OBJECT")
+        select(object, np.flatnonzero(moved))
+        enter(mode)
+        switch(object)
+        start = places(object)
+        if mode == "EDIT":
+            ops.transform.translate(value=(0.1, 0.05, 0))
+        else:
+            module("mesh_data").set_shown_positions(object, start + moved[:, None] * np.float32((0.1, 0.05, 0)))
+            stroke()
+        after = places(object)
+        assert np.linalg.norm(after[other] - start[other]) > 0.05
+        gap = np.linalg.norm(after[right] - after[other])
+        assert gap < 1e-6 if together else gap > 0.05
 
 
 @pytest.mark.parametrize("call", [

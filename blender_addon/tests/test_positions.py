@@ -16,6 +16,7 @@ from conftest import (
     read_example,
     said,
     select,
+    touching_shells,
     truth_of,
 )
 from mathutils import Matrix
@@ -139,32 +140,11 @@ def test_doubled_vertices_stay_together():
         assert np.abs(after - after[np.unique(of, return_index=True)[1]][of]).max() < 1e-5
 
 
-def _with_touching_shells(truth, apart):
-    """The human with an uneven ball at the farthest left vertex and the mirrored one at its image; their poles touch it, but for
-    a distance. The vertices of each side that touch."""
-    mesh, data = read_example("human"), bmesh.new()
-    points = positions(mesh)
-    hand, count = int(points[:, 0].argmax()), len(points)
-    data.from_mesh(mesh)
-    for number, vertex in enumerate((hand, int(truth[hand]))):
-        new = bmesh.ops.create_icosphere(data, subdivisions=2, radius=0.05)["verts"]
-        uneven = np.array([each.co for each in new]) * (1, 2, 3) + np.random.default_rng(0).uniform(-0.005, 0.005, (len(new), 3))
-        uneven = (uneven - uneven[0]) * ((-1, 1, 1) if number else (1, 1, 1)) @ np.array(Matrix.Rotation(number, 3, (1, 2, 3)))
-        for each, place in zip(new, points[vertex] + apart + uneven):
-            each.co = place
-        if number:
-            bmesh.ops.reverse_faces(data, faces=list({face for each in new for face in each.link_faces}))
-    data.to_mesh(mesh)
-    data.free()
-    size = (len(mesh.vertices) - count) // 2
-    return new_object(mesh), [(hand, count), (int(truth[hand]), count + size)]
-
-
 @pytest.mark.parametrize("apart", [0, 3e-7])
 @pytest.mark.parametrize("tool", ["mirror_edit", "mirror_shape_keys"])
 def test_shells_that_touch_do_so_afterwards(truth, tool, apart):
     """Each has local frames of its own. Rounding may keep them apart."""
-    object, ((left, its), (right, other)) = _with_touching_shells(truth, apart)
+    object, ((left, its), (right, other)) = touching_shells(truth, apart)
     before = positions(object.data)
     gap = np.abs(before[[left, right]] - before[[its, other]])
     assert (gap.max() > 0) == (apart > 0) and gap.max() < 1e-6 and ops.detect() == {"FINISHED"}

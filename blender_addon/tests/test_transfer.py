@@ -4,7 +4,7 @@
 import bpy
 import numpy as np
 import pytest
-from conftest import attribute, enter, module, new_object, positions, read_example, said
+from conftest import attribute, enter, module, new_object, positions, read_example, said, touching_shells
 
 ops = bpy.ops.intrinsic_symmetry
 TURN = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
@@ -69,6 +69,28 @@ def test_a_key_across_the_symmetry(pair, truth):
     wrong = np.linalg.norm(_moved(other, "Puff.R") - 2 * wanted @ TURN.T, axis=1)
     assert wrong.mean() < 0.02 * np.linalg.norm(2 * wanted, axis=1).mean(), "frames of two bodies are a little wider"
     assert "Puff.L" not in other.data.shape_keys.key_blocks
+
+
+@pytest.mark.parametrize("across", [False, True])
+def test_shells_that_touch_do_so_afterwards(truth, across):
+    """On a body in another pose, where each shell has local frames of its own."""
+    object, ((left, its), (right, other)) = touching_shells(truth, 0)
+    before = positions(object.data)
+    twin = new_object(object.data.copy(), "twin")
+    bent = before + np.sin(9 * before[:, [2, 0, 1]]) * 0.04
+    module("mesh_data").set_shown_positions(twin, bent)
+    object.select_set(True)
+    bpy.context.view_layer.objects.active = object
+    assert ops.detect() == {"FINISHED"}
+    object.shape_key_add(name="Basis")
+    key = object.shape_key_add(name="Puff.L")
+    object.active_shape_key_index = 1
+    edit = np.maximum(1 - np.linalg.norm(before - before[left], axis=1) / 0.2, 0)[:, None] * (0.1, 0.05, 0)
+    module("mesh_data").set_key_positions(key, before + edit)
+    assert ops.transfer(what="KEY", across=across) == {"FINISHED"}
+    moved = _moved(twin, "Puff.R" if across else "Puff.L")
+    one, touching = (right, other) if across else (left, its)
+    assert np.linalg.norm(moved[one]) > 0.05 and np.abs(moved[one] - moved[touching]).max() < 1e-6
 
 
 @pytest.mark.parametrize("across", [False, True])
