@@ -9,8 +9,8 @@ three displacements of `intrinsym.Symmetry.carry_displacement`, one along each a
 import numpy as np
 from intrinsym import SymmetryKind
 
-from . import local_frames
-from .places import Places, gathered
+from . import local_frames, vertex_map
+from .places import Places, gathered, means
 
 
 def differing(one, other):
@@ -25,6 +25,8 @@ class Carrier:
     def __init__(self, symmetry):
         points, self.symmetry = symmetry.surface_points, symmetry
         self._set(symmetry.side, symmetry.partner >= 0, points.corners, points.barycentrics)
+        itself = symmetry.partner == np.arange(len(self.side))
+        self.follows |= self.on_line & vertex_map.pairs(symmetry) & self.on_line[symmetry.partner] & ~itself
 
     def _set(self, side, has_image, corners, weights):
         self.side, self.has_image = side, has_image
@@ -33,6 +35,7 @@ class Carrier:
         self.on_line = has_image & (side == 0)
         if self.symmetry.kind == SymmetryKind.HALF_TURN:
             self.on_line[:] = False
+        self.follows = ~self.on_line  # and on the line those with a partner, as of halves that are not welded
         self.turn = self.fitted_to = self.of_corners = None
 
     def fit(self, positions):
@@ -47,10 +50,16 @@ class Carrier:
         return self.turn is not None
 
     def _fit_line(self):
-        """Normals of the plane that a vertex on the line stays in: the direction that its matrix reverses best."""
-        turn = self.turn[self.on_line]
+        """Normals of the plane that a vertex on the line stays in: the direction that its matrix reverses best, the mean of those
+        at one place. There the change of a partner is mirrored in that plane, so that both stay together."""
+        rows, partner = np.flatnonzero(self.on_line), self.symmetry.partner
+        of = np.unique(self.places.of[rows], return_inverse=True)[1].ravel()
+        turn = means(of, self.turn[rows].reshape(-1, 9)).reshape(-1, 3, 3)
         self.normals = np.zeros((len(self.side), 3))
-        self.normals[self.on_line] = np.linalg.eigh(turn + turn.transpose(0, 2, 1))[1][:, :, 0]
+        self.normals[rows] = np.linalg.eigh(turn + turn.transpose(0, 2, 1))[1][of, :, 0]
+        joined = rows[self.follows[rows] & (self.places.of[partner[rows]] == self.places.of[rows])]
+        normals = self.normals[joined]
+        self.turn[joined] = np.eye(3) - 2 * normals[:, :, None] * normals[:, None]
 
     def clamped(self, vertices, change):
         """The part of a change, (given vertices, 3), that stays on the line; vertices elsewhere keep all of it."""
@@ -61,7 +70,7 @@ class Carrier:
         """(vertices,) bool: those whose image is touched by the moved ones, (vertices,) bool."""
         touched = moved[self.corners]
         touched &= self.weights > 0
-        return touched.any(axis=1) & ~self.on_line
+        return touched.any(axis=1) & self.follows
 
     def route(self, vertices):
         return Route(self, vertices)
@@ -212,7 +221,7 @@ class Plan:
         sources = moved & ~losing
         targets = carrier.followers(sources) & carrier.has_image
         if side:
-            targets = (targets | moved) & losing
+            targets = targets & (losing | carrier.on_line) | moved & losing
         targets &= ~fixed & (losing | ~moved)
         self._moved, self._side = moved.copy(), side
         self.line = np.flatnonzero(moved & carrier.on_line & ~fixed)

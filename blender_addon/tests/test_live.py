@@ -239,6 +239,46 @@ def test_shells_that_touch_do_so_afterwards(truth, apart, mode):
         assert gap < 1e-6 if together else gap > 0.05
 
 
+def _of_two_halves(human):
+    """The human with its left and right half not welded; with its symmetry. The line of each, (vertices,) bool."""
+    side, data = side_of(human.data), bmesh.new()
+    data.from_mesh(human.data)
+    data.verts.ensure_lookup_table()
+    data.edges.ensure_lookup_table()
+    line = [edge for edge in data.edges if not any(side[vertex.index] for vertex in edge.verts)]
+    bmesh.ops.split_edges(data, edges=line)
+    data.to_mesh(human.data)
+    data.free()
+    assert ops.intrinsic_symmetry.detect() == {"FINISHED"}
+    sides, ends = side_of(human.data), module("mesh_data").edges(human.data)
+    near = [np.zeros(len(sides), bool) for _ in range(2)]
+    for number, at in enumerate((1, -1)):
+        near[number][ends[(sides[ends] == at).any(axis=1)]] = True
+    return [each & (sides == 0) for each in near]
+
+
+@pytest.mark.parametrize("mode", ["EDIT", "SCULPT"])
+def test_halves_that_are_not_welded_stay_together(human, mode):
+    left, right = _of_two_halves(human)
+    partner, before = attribute(human.data, "sym_vertex"), places(human)
+    rows = np.flatnonzero(left)
+    assert len(rows) > 50 and right[partner[rows]].all() and np.array_equal(before[partner[rows]], before[rows])
+    for chosen in (left, left | right, left | (side_of(human.data) == 1)):
+        enter("OBJECT")
+        select(human, np.flatnonzero(chosen))
+        enter(mode)
+        switch(human)
+        before = places(human)
+        if mode == "EDIT":
+            ops.transform.translate(value=(0.05, 0.03, 0.02))
+        else:
+            module("mesh_data").set_shown_positions(human, before + chosen[:, None] * np.float32((0.05, 0.03, 0.02)))
+            stroke()
+        after = places(human)
+        assert (np.linalg.norm(after[rows] - before[rows], axis=1) > 0.01).all()
+        assert np.abs(after[partner[rows]] - after[rows]).max() < 1e-6
+
+
 @pytest.mark.parametrize("call", [
     lambda: ops.mesh.subdivide(),
     lambda: ops.mesh.delete(type="VERT"),
