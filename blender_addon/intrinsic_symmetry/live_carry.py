@@ -183,12 +183,12 @@ class Change:
 
     def _winning_side(self, selected):
         """The side whose change is carried, or 0 for both: the one with selected vertices; without a selection, as in
-        sculpt mode, the one with more change."""
+        sculpt mode, the one with more change. Nothing if vertices of both are selected: the line is the user's own then."""
         side, moved = self.carrier.side, self.moved
         chosen = moved & selected
         if chosen.any():
             left, right = (chosen & (side == 1)).any(), (chosen & (side == -1)).any()
-            return int(left) - int(right)
+            return None if left and right else int(left) - int(right)
         size = np.zeros(len(moved))
         size[moved] = np.linalg.norm(self.current[moved].astype(float) - self.base[moved], axis=1)
         return int(np.sign(size[side == 1].sum() - size[side == -1].sum()))
@@ -224,7 +224,7 @@ class Plan:
             targets = targets & (losing | carrier.on_line) | moved & losing
         targets &= ~fixed & (losing | ~moved)
         self._moved, self._side = moved.copy(), side
-        self.line = np.flatnonzero(moved & carrier.on_line & ~fixed)
+        self.line = np.flatnonzero(moved & carrier.on_line & ~fixed) if side is not None else np.zeros(0, int)
         self.sources, self.targets = np.flatnonzero(sources), np.flatnonzero(targets)
         self.left = np.flatnonzero(written & ~targets)
         self.candidates = np.concatenate((self.line, self.targets, self.left))

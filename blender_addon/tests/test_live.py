@@ -280,6 +280,23 @@ def test_halves_that_are_not_welded_stay_together(human, mode):
 
 
 @pytest.mark.parametrize("call", [
+    lambda: ops.transform.translate(value=(0.1, 0.2, 0.3)), lambda: ops.transform.rotate(value=1, orient_axis="Z")
+], ids=["move", "rotate"])
+def test_what_is_selected_as_a_whole_moves_as_a_whole(body, call):
+    """The line, too."""
+    select(body, np.arange(len(body.data.vertices)))
+    ends = module("mesh_data").edges(body.data)
+    enter("EDIT")
+    switch(body)
+    before = places(body)
+    assert call() == {"FINISHED"}
+    after = places(body)
+    assert (np.linalg.norm(after - before, axis=1) > 0.001).all()
+    lengths = [np.linalg.norm(each[ends[:, 0]] - each[ends[:, 1]], axis=1) for each in (before, after)]
+    assert np.abs(lengths[1] - lengths[0]).max() < 1e-6
+
+
+@pytest.mark.parametrize("call", [
     lambda: ops.mesh.subdivide(),
     lambda: ops.mesh.delete(type="VERT"),
     lambda: ops.mesh.flip_normals(),
