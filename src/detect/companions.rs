@@ -34,6 +34,8 @@ const ALIKE: f32 = 0.24;
 const LARGER: f32 = 0.22;
 /// How far apart, in the smaller one's sqrt(area), partners count as whose areas' ratio has a natural logarithm of 1.
 const SIZE: f32 = 2.0;
+/// Shells whose mirrored places are so near each other, in the smaller one's sqrt(area), are alike, whatever their connectivity.
+const IN_PLACE: f32 = 0.02;
 /// How far apart, in the smaller one's sqrt(area), partners of other connectivity count where one of the same is near, as of the links of two fingers.
 const UNLIKE: f32 = 0.75;
 /// Natural logarithm of the largest ratio of two partners' areas.
@@ -238,7 +240,7 @@ fn pair_shells(
             let gap = 0.5 * (places.mismatch(source, target) + places.mismatch(target, source));
             let differ = similar.differ(source, target) as f32;
             let size = shells[source].area().min(shells[target].area()).sqrt() as f32;
-            let is_same = of_shell(target).are_like(of_shell(source));
+            let is_same = gap < IN_PLACE * size || of_shell(target).are_like(of_shell(source));
             let is_beside = target == source && gap > BESIDE * size;
             let is_other = differ > ALIKE && gap > LARGER * size && !is_same;
             let is_near = gap.hypot(FARTHEST * differ / AREA_TOLERANCE as f32) < FARTHEST;
@@ -390,5 +392,19 @@ mod tests {
         let link = |x: f64, y: f64, cuts| ([x, y, 0.0], 1.0, cuts);
         let mesh = blocks(&[link(-3.0, 0.0, 0), link(2.0, 0.2, 0), link(2.0, -0.1, 7)]);
         assert_eq!(targets(&mesh, 3), [Some(1), Some(0), None]);
+    }
+
+    #[test]
+    fn what_lies_at_the_mirrored_place_is_the_partner_though_one_beside_it_is_cut_alike() {
+        let knob = |x: f64, y: f64, cuts| ([x, y, 0.0], 1.0, cuts);
+        let stove = ([-20.0, 0.0, 2.0], 40.0, 0);
+        let mesh = blocks(&[
+            knob(-11.0, 0.0, 0),
+            knob(-11.0, 1.5, 7),
+            knob(10.0, 0.0, 7),
+            knob(10.0, 1.5, 0),
+            stove,
+        ]);
+        assert_eq!(targets(&mesh, 5), [Some(2), Some(3), Some(0), Some(1), Some(4)]);
     }
 }

@@ -19,11 +19,13 @@ const FITTED: usize = 100;
 /// Places on which a plane that is near is settled, and how little it then moves, in sqrt(area).
 const SETTLED: usize = 400;
 /// Points of the mesh on which it is settled in the end.
-const POINTS: usize = 4000;
+const POINTS: usize = 1000;
 const RESTS: f64 = 1e-6;
 /// Distance of a plane's image from the surface, in sqrt(area), up to which a point counts as mirrored.
 pub const MIRRORED: f64 = 0.006;
-/// The least share of the surface that a mirror plane of the mesh mirrors.
+/// The same of a vertex from another one's image.
+const MEETS: f64 = 0.001;
+/// The least share of the surface, and of points of the mesh, that a mirror plane of the mesh mirrors.
 pub const MOSTLY: f64 = 0.75;
 /// Rounds of the fit, and those that tell how much a plane mirrors; the share of the places that is fitted, the nearest to the surface.
 const ROUNDS: usize = 8;
@@ -36,7 +38,9 @@ const NEAR: f64 = 0.015;
 /// From this median on a plane is not fitted any more, and no place counts as farther from its image.
 const HOPELESS: f64 = 0.04;
 /// A point whose image is farther than this, in sqrt(area), from where it should be does not count.
-const FAR: f64 = 0.03;
+const FAR: f64 = 0.045;
+/// How that shrinks each round, as far as where a point is mirrored.
+const SHRINKS: f64 = 0.7;
 /// Second moments as near to each other as this, in parts of the largest, leave the plane's normal open: so many are tried in half a turn.
 const DISTINCT: f64 = 0.02;
 const TURNS: u32 = 12;
@@ -65,7 +69,7 @@ pub struct MirrorPlane {
 }
 
 impl MirrorPlane {
-    /// The plane whose images are nearest to the surface; `None` if they are not near it, or if many planes are as near.
+    /// The plane that mirrors most of the surface; `None` if that is less than [`MOSTLY`], or if many planes mirror as much.
     ///
     /// O(triangles + area / spacing^2), and if images are near, some thousand walks on the surface.
     pub fn of(mesh: &Mesh) -> Option<MirrorPlane> {
@@ -89,7 +93,7 @@ impl MirrorPlane {
             places.iter().step_by(places.len().div_ceil(count).max(1)).map(|place| place.at).collect()
         };
         let fitted: Vec<Vector> = some(FITTED);
-        let planes = axes
+        let starts = axes
             .iter()
             .chain(&turned)
             .map(|&normal| MirrorPlane { normal, offset: dot(normal, middle) }.fitted(&fitted, &tree));
@@ -108,50 +112,63 @@ impl MirrorPlane {
             let length = squared_norm(normal).sqrt().max(f64::MIN_POSITIVE);
             (to, normal.map(|x| x / length))
         };
-        let mut settled: Vec<(f64, MirrorPlane)> = Vec::new();
-        for (start, _) in planes.filter(|(_, median)| *median < NEAR) {
-            let is_new = |plane: &MirrorPlane| settled.iter().all(|other| other.1.distance(plane) > OTHER);
-            if is_new(&start)
-                && let Some(plane) = start.settled(FEW_ROUNDS, &compared, nearest).filter(is_new)
-            {
-                settled.push((plane.mirrored(&compared, nearest), plane));
+        let mut planes: Vec<(f64, MirrorPlane)> = Vec::new();
+        for (start, _) in starts.filter(|(_, median)| *median < NEAR) {
+            let is_new = |plane: &MirrorPlane| planes.iter().all(|other| other.1.distance(plane) > OTHER);
+            if is_new(&start) {
+                let plane = start.settled((FEW_ROUNDS, 1.0), &compared, nearest);
+                if is_new(&plane) {
+                    planes.push((plane.mirrored(&compared, nearest), plane));
+                }
             }
         }
-        let most = settled.iter().map(|(share, _)| *share).fold(0.0, f64::max);
-        let alike = |part: f64| settled.iter().filter(move |(share, _)| *share >= part * most);
+        let planes = alike(planes, MOSTLY);
         // A shape of revolution has a family of planes.
-        if alike(ALIKE).count() > TURNS as usize / 2 {
+        if planes.len() > TURNS as usize / 2 {
             return None;
         }
-        let moves = |plane: &MirrorPlane| along(&moments, plane.normal);
-        let (_, best) = alike(1.0).max_by(|a, b| moves(&a.1).total_cmp(&moves(&b.1)))?;
         // Places depend on how the mesh lies; points of it do not.
         let step = mesh.point_count().div_ceil(POINTS).max(1);
         let points: Vec<Vector> = mesh.positions.iter().step_by(step).copied().collect();
-        best.settled(ROUNDS, &points, nearest)
+        let settled = planes.into_iter().map(|(_, plane)| plane.settled((ROUNDS, SHRINKS), &points, nearest));
+        let settled = settled.filter(|plane| plane.mirrored(&points, nearest) >= MOSTLY);
+        let settled =
+            alike(settled.map(|plane| (plane.mirrored(&compared, nearest), plane)).collect(), MOSTLY);
+        // Of planes that mirror as much, that one is meant which mirrors more vertices to vertices, or else moves more.
+        let vertices = RTree::bulk_load(if settled.len() > 1 { mesh.positions.clone() } else { Vec::new() });
+        let meets = |plane: &MirrorPlane| {
+            let off = |image: Vector| Some(squared_norm(subtract(image, *vertices.nearest_neighbor(image)?)));
+            let is_met = |at: &&Vector| off(plane.image(**at)).is_some_and(|off| off < MEETS * MEETS);
+            points.iter().filter(is_met).count() as f64
+        };
+        let settled = alike(settled.into_iter().map(|(_, plane)| (meets(&plane), plane)).collect(), 0.0);
+        let moves = |plane: &MirrorPlane| along(&moments, plane.normal);
+        settled.into_iter().map(|(_, plane)| plane).max_by(|a, b| moves(a).total_cmp(&moves(b)))
     }
 
-    /// The plane nearby whose images lie best on the surface, of which `nearest` gives the nearest point and the normal there; `None` if it does not mirror most of the places.
+    /// The plane nearby whose images lie best on the surface, of which `nearest` gives the nearest point and the normal there.
     fn settled(
         mut self,
-        rounds: usize,
+        (rounds, shrinks): (usize, f64),
         places: &[Vector],
         nearest: impl Fn(Vector) -> (Vector, Vector) + Copy,
-    ) -> Option<MirrorPlane> {
+    ) -> MirrorPlane {
         let pair = |plane: &MirrorPlane, &from: &Vector| {
             let (to, normal) = nearest(plane.image(from));
             Pair { from, to, normal }
         };
+        let mut far = FAR;
         for _ in 0..rounds {
             let pairs: Vec<Pair> = places.iter().map(|place| pair(&self, place)).collect();
-            let next = self.through(&pairs);
+            let next = self.through(&pairs, far);
             let moved = next.distance(&self);
             self = next;
+            far = MIRRORED.max(shrinks * far);
             if moved < RESTS {
                 break;
             }
         }
-        (self.mirrored(places, nearest) >= MOSTLY).then_some(self)
+        self
     }
 
     /// The share of places whose images lie on the surface, of which `nearest` gives the nearest point.
@@ -205,7 +222,7 @@ impl MirrorPlane {
 
     /// The plane nearby whose images lie best on the tangent planes of the surface (Y. Chen, G. Medioni, "Object modelling by registration of multiple range
     /// images", 1992), but for points that have no image near where it should be.
-    fn through(&self, pairs: &[Pair]) -> MirrorPlane {
+    fn through(&self, pairs: &[Pair], far: f64) -> MirrorPlane {
         let mut aside = principal_axes(std::array::from_fn(|i| self.normal.map(|x| x * self.normal[i])));
         aside.sort_by(|a, b| dot(*a, self.normal).abs().total_cmp(&dot(*b, self.normal).abs()));
         let [u, v, _] = aside;
@@ -213,16 +230,15 @@ impl MirrorPlane {
         let (mut matrix, mut right) = ([[0.0; 3]; 3], [0.0; 3]);
         for pair in pairs {
             let off = subtract(self.image(pair.from), pair.to);
-            if squared_norm(off) > FAR * FAR {
-                continue;
-            }
+            // Tukey's biweight.
+            let weight = (1.0 - squared_norm(off) / (far * far)).max(0.0).powi(2);
             let along = dot(self.normal, pair.normal);
             let away = dot(self.normal, pair.from) - self.offset;
             let turn = |axis: Vector| -2.0 * (dot(axis, pair.from) * along + away * dot(axis, pair.normal));
             let row = [turn(u), turn(v), 2.0 * along];
             for i in 0..3 {
-                (0..3).for_each(|j| matrix[i][j] += row[i] * row[j]);
-                right[i] -= row[i] * dot(off, pair.normal);
+                (0..3).for_each(|j| matrix[i][j] += weight * row[i] * row[j]);
+                right[i] -= weight * row[i] * dot(off, pair.normal);
             }
         }
         let Some([a, b, shift]) = solved(&matrix, right) else { return *self };
@@ -241,6 +257,13 @@ impl MirrorPlane {
         let normal = principal_axes(moments).into_iter().min_by(least).expect("three");
         MirrorPlane { normal, offset: 0.5 * (dot(normal, from) + dot(normal, to)) }
     }
+}
+
+/// The planes of at least some worth that are worth nearly as much as the best.
+fn alike(mut planes: Vec<(f64, MirrorPlane)>, least: f64) -> Vec<(f64, MirrorPlane)> {
+    let most = planes.iter().map(|(worth, _)| *worth).fold(0.0, f64::max);
+    planes.retain(|(worth, _)| *worth >= least.max(ALIKE * most));
+    planes
 }
 
 /// What the moments say of a direction.
@@ -339,6 +362,27 @@ mod tests {
         }
     }
 
+    /// A box of which two faces have a point inside, not in the middle: the longest axis' plane mirrors the surface alone.
+    #[test]
+    fn of_planes_that_mirror_all_of_a_box_that_one_is_meant_that_mirrors_the_vertices() {
+        let corner = |k: u32| [0, 1, 2].map(|axis| [3.0, 2.0, 1.0][axis] * f64::from(k >> axis & 1));
+        let inside = [0.0, 1.0].map(|z| [0.8, 1.0, z]);
+        let mut polygons = PolygonMesh {
+            positions: (0..8).map(corner).chain(inside).collect(),
+            face_offsets: (0..=4).map(|face| 4 * face).collect(),
+            face_vertices: vec![0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5],
+        };
+        for (point, around) in [(8, [0, 2, 3, 1]), (9, [4, 5, 7, 6])] {
+            for (&from, &to) in around.iter().zip(around.iter().cycle().skip(1)) {
+                polygons.face_vertices.extend([from, to, point]);
+                polygons.face_offsets.push(polygons.face_vertices.len() as u32);
+            }
+        }
+        let mesh = Mesh::new(&polygons, &Limits::default()).expect("a usable mesh");
+        let plane = MirrorPlane::of(&mesh).expect("a plane");
+        assert!(plane.normal[1].abs() > 0.999 || plane.normal[2].abs() > 0.999, "{plane:?}");
+    }
+
     #[test]
     fn a_plane_is_turned_about_both_axes_and_shifted_whichever_way_it_lies() {
         for axis in 0..3 {
@@ -356,7 +400,7 @@ mod tests {
             let length = squared_norm(tilted).sqrt();
             let mut plane = MirrorPlane { normal: tilted.map(|x| x / length), offset: 0.102 };
             for _ in 0..3 {
-                plane = plane.through(&pairs);
+                plane = plane.through(&pairs, FAR);
             }
             assert!(plane.distance(&mirror) < 1e-9, "{plane:?}");
         }

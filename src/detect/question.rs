@@ -80,8 +80,8 @@ impl<'a> Question<'a> {
         progress.check()?;
         let shells = mesh.shells();
         let companions = companions::by_plane(mesh, &shells, &plane, progress)?;
-        let vertices = self.mechanisms.mirrored_vertices;
-        let gatherer = Gatherer::new(mesh, &shells, &[], None, self.connectivity.as_ref(), vertices);
+        // Vertices that are mirrored lie at their images.
+        let gatherer = Gatherer::new(mesh, &shells, &[], None, self.connectivity.as_ref(), false);
         let found = gatherer.by_plane(&plane, &companions, options.threads, progress)?;
         Ok(found.map(|(symmetry, share)| {
             let reasons = vec![Reason::MirrorPlane { share }];
