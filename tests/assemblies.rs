@@ -173,7 +173,7 @@ fn the_plane_of_a_turned_creature_is_its_own() {
     let turned = |position: Vector| rotated(position, [1.0, 2.0, 3.0], 0.7);
     let mut mesh = creature(4, 0.4);
     mesh.positions.iter_mut().for_each(|position| *position = turned(*position));
-    let plane = MirrorPlane::of(&validated(&mesh)).expect("a plane");
+    let (plane, _) = MirrorPlane::of(&validated(&mesh)).expect("a plane");
     let normal = turned([1.0, 0.0, 0.0]);
     let along: f64 = (0..3).map(|axis| normal[axis] * plane.normal[axis]).sum();
     assert!(along.abs() > 0.9999, "{plane:?}");
@@ -197,7 +197,7 @@ fn what_a_round_body_wears_tells_its_plane() {
         );
     }
     let faces: Vec<&[u32]> = faces.iter().map(Vec::as_slice).collect();
-    let plane = MirrorPlane::of(&validated(&polygon_mesh(&positions, &faces))).expect("a plane");
+    let (plane, _) = MirrorPlane::of(&validated(&polygon_mesh(&positions, &faces))).expect("a plane");
     let normals = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(|normal| rotated(normal, [1.0, 2.0, 3.0], 0.7));
     let along = |normal: Vector| (0..3).map(|axis| normal[axis] * plane.normal[axis]).sum::<f64>().abs();
     assert!(normals.into_iter().any(|normal| along(normal) > 0.999), "{plane:?}");

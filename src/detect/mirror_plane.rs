@@ -23,7 +23,7 @@ const POINTS: usize = 1000;
 const RESTS: f64 = 1e-6;
 /// Distance of a plane's image from the surface, in sqrt(area), up to which a point counts as mirrored.
 pub const MIRRORED: f64 = 0.006;
-/// The same of a vertex from another one's image.
+/// The same of a vertex from another one's image, and of a point that is mirrored exactly.
 const MEETS: f64 = 0.001;
 /// The least share of the surface, and of points of the mesh, that a mirror plane of the mesh mirrors.
 pub const MOSTLY: f64 = 0.75;
@@ -69,10 +69,10 @@ pub struct MirrorPlane {
 }
 
 impl MirrorPlane {
-    /// The plane that mirrors most of the surface; `None` if that is less than [`MOSTLY`], or if many planes mirror as much.
+    /// The plane that mirrors most of the surface, and whether it does so exactly; `None` if that is less than [`MOSTLY`], or if many planes mirror as much.
     ///
     /// O(triangles + area / spacing^2), and if images are near, some thousand walks on the surface.
-    pub fn of(mesh: &Mesh) -> Option<MirrorPlane> {
+    pub fn of(mesh: &Mesh) -> Option<(MirrorPlane, bool)> {
         let places: Vec<Place> = places(&mesh.positions, &mesh.triangles, SPACING);
         let middle = mean(places.iter().map(|place| place.at));
         let moments = moments(places.iter().map(|place| subtract(place.at, middle)).map(|at| (at, at)));
@@ -118,7 +118,7 @@ impl MirrorPlane {
             if is_new(&start) {
                 let plane = start.settled((FEW_ROUNDS, 1.0), &compared, nearest);
                 if is_new(&plane) {
-                    planes.push((plane.mirrored(&compared, nearest), plane));
+                    planes.push((plane.mirrored(MIRRORED, &compared, nearest), plane));
                 }
             }
         }
@@ -131,9 +131,11 @@ impl MirrorPlane {
         let step = mesh.point_count().div_ceil(POINTS).max(1);
         let points: Vec<Vector> = mesh.positions.iter().step_by(step).copied().collect();
         let settled = planes.into_iter().map(|(_, plane)| plane.settled((ROUNDS, SHRINKS), &points, nearest));
-        let settled = settled.filter(|plane| plane.mirrored(&points, nearest) >= MOSTLY);
-        let settled =
-            alike(settled.map(|plane| (plane.mirrored(&compared, nearest), plane)).collect(), MOSTLY);
+        let settled = settled.filter(|plane| plane.mirrored(MIRRORED, &points, nearest) >= MOSTLY);
+        let settled = alike(
+            settled.map(|plane| (plane.mirrored(MIRRORED, &compared, nearest), plane)).collect(),
+            MOSTLY,
+        );
         // Of planes that mirror as much, that one is meant which mirrors more vertices to vertices, or else moves more.
         let vertices = RTree::bulk_load(if settled.len() > 1 { mesh.positions.clone() } else { Vec::new() });
         let meets = |plane: &MirrorPlane| {
@@ -143,7 +145,9 @@ impl MirrorPlane {
         };
         let settled = alike(settled.into_iter().map(|(_, plane)| (meets(&plane), plane)).collect(), 0.0);
         let moves = |plane: &MirrorPlane| along(&moments, plane.normal);
-        settled.into_iter().map(|(_, plane)| plane).max_by(|a, b| moves(a).total_cmp(&moves(b)))
+        let best =
+            settled.into_iter().map(|(_, plane)| plane).max_by(|a, b| moves(a).total_cmp(&moves(b)))?;
+        Some((best, best.mirrored(MEETS, &points, nearest) >= MOSTLY))
     }
 
     /// The plane nearby whose images lie best on the surface, of which `nearest` gives the nearest point and the normal there.
@@ -171,11 +175,11 @@ impl MirrorPlane {
         self
     }
 
-    /// The share of places whose images lie on the surface, of which `nearest` gives the nearest point.
-    fn mirrored(&self, places: &[Vector], nearest: impl Fn(Vector) -> (Vector, Vector)) -> f64 {
+    /// The share of places whose images lie on the surface, `within` a distance, of which `nearest` gives the nearest point.
+    fn mirrored(&self, within: f64, places: &[Vector], nearest: impl Fn(Vector) -> (Vector, Vector)) -> f64 {
         let is_mirrored = |place: &&Vector| {
             let image = self.image(**place);
-            squared_norm(subtract(image, nearest(image).0)) < MIRRORED * MIRRORED
+            squared_norm(subtract(image, nearest(image).0)) < within * within
         };
         places.iter().filter(is_mirrored).count() as f64 / places.len() as f64
     }
@@ -338,7 +342,7 @@ mod tests {
     #[test]
     fn large_faces_have_images_far_from_all_corners() {
         let mesh = wheels();
-        let plane = MirrorPlane::of(&mesh).expect("a plane");
+        let (plane, _) = MirrorPlane::of(&mesh).expect("a plane");
         let nearest = |image: Vector| {
             mesh.positions.iter().map(|&at| squared_norm(subtract(at, image))).fold(f64::MAX, f64::min)
         };
@@ -356,7 +360,7 @@ mod tests {
                 face_vertices: vec![0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5],
             };
             let mesh = Mesh::new(&polygons, &Limits::default()).expect("a usable mesh");
-            let plane = MirrorPlane::of(&mesh).expect("a plane");
+            let (plane, _) = MirrorPlane::of(&mesh).expect("a plane");
             let longest = sizes.iter().position(|&size| size == 3.0).expect("one");
             assert!(plane.normal[longest].abs() > 0.999, "{sizes:?}: {plane:?}");
         }
@@ -379,7 +383,7 @@ mod tests {
             }
         }
         let mesh = Mesh::new(&polygons, &Limits::default()).expect("a usable mesh");
-        let plane = MirrorPlane::of(&mesh).expect("a plane");
+        let (plane, _) = MirrorPlane::of(&mesh).expect("a plane");
         assert!(plane.normal[1].abs() > 0.999 || plane.normal[2].abs() > 0.999, "{plane:?}");
     }
 

@@ -76,12 +76,15 @@ impl<'a> Question<'a> {
         let Question { mesh, options, progress, .. } = *self;
         let wanted = self.mechanisms.mirror_plane && options.asks_for_one();
         progress.report("mirror plane", 0.02)?;
-        let Some(plane) = wanted.then(|| MirrorPlane::of(mesh)).flatten() else { return Ok(None) };
+        let Some((plane, is_exact)) = wanted.then(|| MirrorPlane::of(mesh)).flatten() else {
+            return Ok(None);
+        };
         progress.check()?;
         let shells = mesh.shells();
         let companions = companions::by_plane(mesh, &shells, &plane, progress)?;
-        // Vertices that are mirrored lie at their images.
-        let gatherer = Gatherer::new(mesh, &shells, &[], None, self.connectivity.as_ref(), false);
+        // Vertices that an exact plane mirrors lie at their images.
+        let vertices = self.mechanisms.mirrored_vertices && !is_exact;
+        let gatherer = Gatherer::new(mesh, &shells, &[], None, self.connectivity.as_ref(), vertices);
         let found = gatherer.by_plane(&plane, &companions, options.threads, progress)?;
         Ok(found.map(|(symmetry, share)| {
             let reasons = vec![Reason::MirrorPlane { share }];
