@@ -179,6 +179,18 @@ fn the_plane_of_a_turned_creature_is_its_own() {
     assert!(along.abs() > 0.9999, "{plane:?}");
 }
 
+/// What lies on one side, near the surface, as a bracer does.
+#[test]
+fn what_is_worn_on_one_side_does_not_turn_the_plane() {
+    let mut mesh = creature(8, 0.4);
+    let (_, is_exact) = MirrorPlane::of(&validated(&mesh)).expect("a plane");
+    assert!(is_exact);
+    let is_under = |[x, y, _]: &Vector| *x > 0.2 && (0.0..0.4).contains(y);
+    mesh.positions.iter_mut().filter(|at| is_under(at)).for_each(|at| *at = at.map(|x| 1.04 * x));
+    let (plane, _) = MirrorPlane::of(&validated(&mesh)).expect("a plane");
+    assert!(plane.normal[1].hypot(plane.normal[2]) < 1e-3, "{plane:?}");
+}
+
 /// Two ears, and a hat as large as both, so far away that no direction in the plane of the three has larger moments than another.
 #[test]
 fn what_a_round_body_wears_tells_its_plane() {
