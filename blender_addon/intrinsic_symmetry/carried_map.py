@@ -135,6 +135,8 @@ class CarriedMap:
             sides, paired = self._side[shell[copies[shell]]], np.isin(shell, list(twins)).any()
             across = (sides > 0).any() and (sides < 0).any()
             apart[shell], self._placed[shell] = paired or across, across and not paired
+        lying = copies & (np.linalg.norm(self._places - self._places[base], axis=1) <= ON * self._reach)
+        apart &= ~lying | np.isin(np.arange(len(apart)), list(twins))  # as where edges are split
         self.partner[apart], self._corners[apart], self._faces[apart], self._target[apart] = -1, -1, -1, np.nan
         self._exact, self._kept, self._found = self._exact & ~apart, self._kept & ~apart, self._found & ~apart
         if twins:

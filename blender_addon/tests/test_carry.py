@@ -75,6 +75,24 @@ def test_the_same_edit_of_both_sides_pairs_new_vertices(human, name):
     assert symmetry.confidence[used].min() > 0.99
 
 
+def test_edges_that_are_split_on_both_sides_keep_their_images_in_place():
+    bpy.ops.mesh.primitive_cube_add(scale=(3, 2, 1))
+    enter("EDIT")
+    bpy.ops.mesh.subdivide(number_cuts=3)
+    assert ops.detect() == {"FINISHED"}
+    enter("OBJECT")
+    box = bpy.context.object
+    old, partner = positions(box.data), attribute(box.data, "sym_vertex")
+    edit_faces(box, np.flatnonzero([abs(face.center.x) > 0.3 for face in box.data.polygons]))
+    bpy.ops.mesh.edge_split()
+    assert ops.carry() == {"FINISHED"}
+    enter("OBJECT")
+    places = positions(box.data)
+    assert len(places) > 2 * len(old)
+    vertex = np.array([np.linalg.norm(old - place, axis=1).argmin() for place in places])
+    np.testing.assert_allclose(places[attribute(box.data, "sym_vertex")], old[partner[vertex]], atol=1e-5)
+
+
 def test_weights_that_blender_has_mixed_sum_to_one(human):
     """A bevel mixes vertices of an extrusion with themselves, and rounds."""
     edit_faces(human, _patch(human.data)[0])
