@@ -8,6 +8,8 @@ from . import mesh_data, side_names, stored_map
 from .counterparts import balance
 from .weights import read_weights
 
+#: What says which side is left, where names do.
+_NAMES = "names of"
 #: Mean vote of the names from which on they decide.
 _CLEAR = 0.1
 
@@ -18,17 +20,18 @@ def left_of(object, side):
         found = votes(object, side)
         mean = np.mean([vote for vote in found if vote] or [0])
         if abs(mean) > _CLEAR:
-            return (1 if mean > 0 else -1), f"names of {words}"
+            return (1 if mean > 0 else -1), f"{_NAMES} {words}"
     return _toward_x(mesh_data.positions(object.data), side), stored_map.BY_X
 
 
 def agreed(operator, object, symmetry):
-    """The map with the sides that names say, where there were no names yet when it was stored."""
+    """The map with the sides that names say now, unless the user or a file has said them."""
     mesh = object.data
-    if mesh[stored_map.RECORD].get("left_from") != stored_map.BY_X or not symmetry.side.any():
+    left_from = mesh[stored_map.RECORD].get("left_from", "")
+    if not left_from.startswith((_NAMES, stored_map.BY_X)) or not symmetry.side.any():
         return symmetry
     sign, words = left_of(object, symmetry.side)
-    if words == stored_map.BY_X:
+    if words == stored_map.BY_X or sign > 0 and words == left_from:
         return symmetry
     stored_map.name_sides(mesh, sign, words)
     if sign > 0:

@@ -254,6 +254,25 @@ def test_names_that_come_after_the_detection_count(facing_away, capfd):
     assert np.array_equal(_weights(object, "Arm.L")[left], weights[left])
 
 
+@pytest.mark.parametrize("exchanged", [False, True])
+def test_names_that_are_exchanged_after_the_detection_count(facing_away, exchanged):
+    """But not where the user has chosen the sides."""
+    object, weights = facing_away
+    _add(object, "Arm.L", weights)
+    ops.detect()
+    _add(object, "Arm.R", 0.1 * weights[attribute(object.data, "sym_vertex")])
+    if exchanged:
+        ops.exchange_sides()
+        ops.exchange_sides()
+    for group, name in zip(object.vertex_groups, ("other", "Arm.L")):
+        group.name = name
+    object.vertex_groups["other"].name = "Arm.R"
+    right, before = attribute(object.data, "sym_side") == -1, _weights(object, "Arm.L")
+    ops.mirror_vertex_groups(direction="LEFT_TO_RIGHT")
+    assert _left_at_minus_x(object) == exchanged
+    assert np.array_equal(_weights(object, "Arm.L")[right], before[right]) != exchanged
+
+
 def test_hidden_vertices_stay(human):
     side = attribute(human.data, "sym_side")
     hidden = np.flatnonzero(side == -1)[::2]
