@@ -97,7 +97,7 @@ class Session:
     def __init__(self, object):
         self.mark, self.carrier = mark_of(object.data), Carrier(_load(object.data))
         self.topology = live_edit.topology(object)
-        self.tracks, self.lit, self._kept, self._waits = [], None, {}, False
+        self.tracks, self.lit, self.lit_with, self._kept, self._waits = [], None, None, {}, False
 
     def enter(self, object, undone=False):
         """Begins with the values that the mode edits, or goes on with them after an undo."""
@@ -289,10 +289,12 @@ def _toggled(object, _context):
     if _switching:
         return
     reasons.pop(object.session_uid, None)
-    _sessions.pop(object.session_uid, None)
+    before = _sessions.pop(object.session_uid, None)
     if wanted(object):
         with _off_if_it_fails(object):
-            _session(object)
+            session = _session(object)
+            if before and before.mark == session.mark and object.intrinsic_symmetry_live_select:
+                session.lit, session.lit_with = before.lit, before.lit_with
 
 
 #: Handlers and the lists they are in.

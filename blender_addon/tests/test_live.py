@@ -385,13 +385,18 @@ def test_live_selection_lights_up_the_other_side(human, truth):
     assert not len(a_hand_of(human))
 
 
-def test_what_lights_up_is_still_carried_to(human, truth):
+@pytest.mark.parametrize("later", [False, True])
+def test_what_lights_up_is_still_carried_to(human, truth, later):
+    """Also where Live Mirror is switched on later."""
     left = a_hand(human, 1, 30)
     select(human, [])
     enter("EDIT")
     switch(human, name="intrinsic_symmetry_live_select")
-    switch(human)
+    if not later:
+        switch(human)
     choose(human, left)
+    if later:
+        switch(human)
     carrier = module("live")._sessions[human.session_uid].carrier
     before = places(human)
     ops.transform.translate(value=(0, 0.02, 0.01))
