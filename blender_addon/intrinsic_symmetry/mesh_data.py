@@ -141,13 +141,18 @@ def normals(mesh):
     return values
 
 
+def refuse_nowhere(points):
+    """Raises MeshProblem where vertices have no place."""
+    nowhere = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(nowhere):
+        raise MeshProblem(f"Vertex {nowhere[0]} has NaN or infinity: move or delete it")
+
+
 def refuse_far(points):
     """Raises MeshProblem where vertices have no place, or single ones are so far away that the others are one point beside them."""
     if not len(points):
         return
-    nowhere = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if len(nowhere):
-        raise MeshProblem(f"Vertex {nowhere[0]} has NaN or infinity: move or delete it")
+    refuse_nowhere(points)
     away = np.linalg.norm(points - np.median(points, axis=0).astype(float), axis=1)
     usual = np.median(away)
     far = np.flatnonzero(away > _FAR * usual)

@@ -100,6 +100,7 @@ class INTRINSIC_SYMMETRY_OT_select_asymmetric(MapOperator, bpy.types.Operator):
         base = mesh_data.key_positions(keys.reference_key).astype(float)
         ends = ((mesh_data.key_positions(one), mesh_data.key_positions(one.relative_key)) for one in (key, other))
         moved, image = (there - rest for there, rest in ends)
+        mesh_data.refuse_nowhere(np.hstack([base, moved, image]))
         differences = np.linalg.norm(moved - symmetry.carry_displacement(base, image, Merge.SWAP), axis=1)
         than = f"by {other.name}" if other != key else "their mirror images"
         return differences / asymmetry.size(base), lambda _: f"are moved otherwise by {key.name} than {than}"

@@ -143,6 +143,16 @@ def test_a_shape_key_and_that_of_the_other_side(human, truth, monkeypatch):
     assert len(selected(human)) < 0.02 * (bump > 0).sum()
 
 
+@pytest.mark.parametrize("bad", ["Basis", "Puff.L", "Puff.R"])
+def test_a_shape_key_with_nan_is_refused_with_the_vertex(human, bad):
+    for name in ("Basis", "Puff.L", "Puff.R"):
+        human.shape_key_add(name=name)
+    human.data.shape_keys.key_blocks[bad].data[4].co.x = float("nan")
+    human.active_shape_key_index = 1
+    with pytest.raises(RuntimeError, match="Vertex 4 has NaN or infinity"):
+        ops.select_asymmetric(what="KEY")
+
+
 def test_what_is_needed(human):
     with pytest.raises(RuntimeError, match="no vertex groups"):
         ops.select_asymmetric(what="WEIGHTS")
