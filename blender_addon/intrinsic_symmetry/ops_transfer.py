@@ -41,7 +41,7 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
     def run(self, context, object, _mode):
         others = [other for other in context.selected_objects if other.type == "MESH" and other.data != object.data]
         if not others:
-            raise mesh_data.MeshProblem("Select the objects to transfer to, the one to transfer from last")
+            raise mesh_data.MeshProblem(_why_none([other for other in context.selected_objects if other != object]))
         others = list({other.data: other for other in others}.values())  # one of those that share a mesh
         mesh_data.refuse_fixed(others)
         source = _core_mesh(object)
@@ -129,6 +129,16 @@ class INTRINSIC_SYMMETRY_OT_transfer(MeshOperator, bpy.types.Operator):
                 after[:, groups[name].index] = carried[:, column]
         write_weights(other, before, after)
         return sum(may_write), [name for name, free in zip(names, may_write) if not free]
+
+
+def _why_none(selected):
+    """Why there is nothing to transfer to among objects that are selected beside the active one."""
+    meshes = [other for other in selected if other.type == "MESH"]
+    if meshes:
+        return f'"{meshes[0].name}" shares the mesh of the active object, and so has its keys and weights already'
+    if selected:
+        return f'"{selected[0].name}" is not a mesh: select the meshes to transfer to, the one to transfer from last'
+    return "Select the objects to transfer to, the one to transfer from last"
 
 
 def _core_mesh(object, scale=1.0):

@@ -161,6 +161,17 @@ def test_what_is_needed(pair):
         ops.transfer()
 
 
+@pytest.mark.parametrize("data, why", [(True, '"it" shares the mesh of the active object'), (False, '"it" is not a mesh')])
+def test_what_cannot_be_transferred_to_is_named(pair, data, why):
+    human, other, _ = pair
+    other.select_set(False)
+    it = bpy.data.objects.new("it", human.data if data else None)
+    bpy.context.scene.collection.objects.link(it)
+    it.select_set(True)
+    with pytest.raises(RuntimeError, match=why):
+        ops.transfer()
+
+
 def test_objects_that_share_a_mesh_are_one(pair, capfd):
     _, other, _ = pair
     twin = other.copy()
