@@ -49,6 +49,8 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
         before = np.pad(before, ((0, 0), (0, len(other) - before.shape[1])))
         trust = self.trust(symmetry) * self.may_change(object, mode, symmetry)
         after, free = self._mirrored(object, symmetry, before, other, trust, names)
+        idle = _remove_idle(object, len(there), before, after, other)
+        before, after, free = (np.delete(array, idle, axis=-1) for array in (before, after, free))
         rows = np.flatnonzero((np.abs(after - before) > SMALLEST).any(axis=1))
         if self.normalize:
             after, stuck = normalized(object, after, rows, free)
@@ -141,6 +143,17 @@ class INTRINSIC_SYMMETRY_OT_mirror_vertex_groups(NamedMirrorProperties, MapOpera
             return [(pair[source], 0 * trust), (pair[1 - source], trust)]
         on_line = np.where(side == 0, 0.5 * trust, 0)
         return [(pair[source], on_line), (pair[1 - source], np.where(side == 0, on_line, trust))]
+
+
+def _remove_idle(object, made, before, after, other):
+    """Removes the groups, from number `made` on, that nothing of their counterparts arrives in; their numbers."""
+    groups, active = object.vertex_groups, object.vertex_groups.active_index
+    arrives = (after[:, made:] > SMALLEST).any(axis=0)
+    idle = made + np.flatnonzero((before[:, other[made:]] > SMALLEST).any(axis=0) & ~arrives)
+    for group in [groups[number] for number in idle[::-1].tolist()]:
+        groups.remove(group)
+    groups.active_index = active
+    return idle
 
 
 register, unregister = bpy.utils.register_classes_factory((INTRINSIC_SYMMETRY_OT_mirror_vertex_groups,))

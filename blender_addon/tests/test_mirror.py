@@ -52,6 +52,19 @@ def test_weights_go_to_the_group_of_the_other_side(human, truth, bump, mode):
     assert np.array_equal(_weights(human, "Arm.L"), bump)
 
 
+def test_no_group_is_made_where_nothing_of_it_is_selected(human, truth, bump, capfd):
+    side = attribute(human.data, "sym_side")
+    for name, weights in (("Foot.L", (side == 1) & (bump == 0)), ("Arm.L", bump), ("Leg.L", (side == 1) & (bump == 0))):
+        _add_group(human, name, np.float32(weights))
+    chosen = np.flatnonzero(bump > 0.5)
+    select(human, chosen)
+    enter("EDIT")
+    assert 'Made: "Arm.R"' in said(capfd, ops.mirror_vertex_groups)
+    enter("OBJECT")
+    assert human.vertex_groups.keys() == ["Foot.L", "Arm.L", "Leg.L", "Arm.R"]
+    assert np.allclose(_weights(human, "Arm.R")[truth[chosen]], bump[chosen], atol=1e-6)
+
+
 @pytest.mark.parametrize("twin", [None, "Leg.R"])
 def test_issue_38_the_only_group_with_weights_keeps_them_on_the_line(human, twin):
     """The other one, empty or missing, gets the same."""
