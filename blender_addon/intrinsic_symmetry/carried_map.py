@@ -32,6 +32,8 @@ _SIGN = {intrinsym.SymmetryKind.REFLECTION: -1, intrinsym.SymmetryKind.HALF_TURN
 #: New vertices are paired if one is nearer to the other's image than this share of its shortest edge, or than so many
 #: times the usual distance.
 _SHORT, _USUAL = 0.5, 5
+#: Edges are as long as others up to this ratio, and so many of them have to be.
+_LONGER, _MOST = 1.5, 0.9
 #: A vertex that others were merged into has at least this share of edges that its image does not have.
 _APART = 0.5
 #: Where more than this share of the vertices has not moved since the map was stored, the others were moved by the edit.
@@ -327,6 +329,11 @@ class CarriedMap:
         """Pairs new vertices where both sides got the same edit: on extrusions, or where an image is expected, as well as
         those say that were found first."""
         near = _SHORT * shortest_edges(self._ends, self._places)
+        new, partner = self.new & ~self._exact, np.where(self._exact, self.partner, -1)
+        twins = pairs(self._offsets, self._used, partner, new, lambda one, other: one != other or self._side[one] == 0)
+        if new.any() and len(twins) == np.count_nonzero(new) and self._keep_lengths(twins):
+            self._pair(twins)
+            return
 
         def may_pair(one, other):
             off = self._places[other] - self._target[one]
@@ -342,6 +349,15 @@ class CarriedMap:
             usual = np.median([np.linalg.norm(self._places[twin] - self._target[own]) for own, twin in twins.items()])
             near = np.clip(_USUAL * usual, near, np.maximum(near, self._reach))
             self._pair(twins)
+
+    def _keep_lengths(self, twins):
+        """Whether nearly all edges at vertices are about as long as those at their twins."""
+        partner = np.where(self._exact, self.partner, -1)
+        partner[list(twins)] = list(twins.values())
+        ends = self._ends[np.isin(self._ends, list(twins)).any(axis=1)]
+        ends = ends[(partner[ends] >= 0).all(axis=1)]
+        own, there = (np.linalg.norm(self._places[at[:, 0]] - self._places[at[:, 1]], axis=1) for at in (ends, partner[ends]))
+        return np.mean((own <= _LONGER * there) & (there <= _LONGER * own)) >= _MOST
 
     def _pair(self, twins):
         vertices, partners = (np.fromiter(part, np.int64, len(twins)) for part in (twins.keys(), twins.values()))

@@ -93,6 +93,27 @@ def test_edges_that_are_split_on_both_sides_keep_their_images_in_place():
     np.testing.assert_allclose(places[attribute(box.data, "sym_vertex")], old[partner[vertex]], atol=1e-5)
 
 
+def test_a_bevel_of_both_ends_in_a_pose_pairs_new_vertices(tmp_path):
+    """All of both ends is new, and they are bent apart: nothing near says where images are."""
+    bpy.ops.mesh.primitive_cube_add(scale=(4, 2, 1))
+    enter("EDIT")
+    bpy.ops.mesh.subdivide(number_cuts=7)
+    enter("OBJECT")
+    box = bpy.context.object
+    assert ops.detect() == {"FINISHED"}
+    places, pairs = positions(box.data), str(tmp_path / "pairs.csv")
+    assert ops.export_pairs(filepath=pairs) == {"FINISHED"}
+    bent = np.where(places[:, 0] > 0, 0.8, -0.3) * np.maximum(np.abs(places[:, 0]) - 0.4, 0)
+    box.data.vertices.foreach_set("co", (places + bent[:, None] * [0, 0, 1]).ravel())
+    assert ops.import_pairs(filepath=pairs) == {"FINISHED"}
+    edit_faces(box, np.flatnonzero([abs(face.center.x) > 3.9 for face in box.data.polygons]))
+    bpy.ops.mesh.bevel(offset=0.02, segments=1)
+    assert ops.carry() == {"FINISHED"}
+    symmetry, used = _assert_valid(box)
+    assert np.array_equal(symmetry.partner[symmetry.partner[used]], used)
+    assert symmetry.confidence[used].min() > 0.99
+
+
 def test_weights_that_blender_has_mixed_sum_to_one(human):
     """A bevel mixes vertices of an extrusion with themselves, and rounds."""
     edit_faces(human, _patch(human.data)[0])
