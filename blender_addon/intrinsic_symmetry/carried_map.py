@@ -29,9 +29,8 @@ _SAME = 1e-5
 _BETWEEN = 0.1
 #: Orientation of images.
 _SIGN = {intrinsym.SymmetryKind.REFLECTION: -1, intrinsym.SymmetryKind.HALF_TURN: 1}
-#: New vertices are paired if one is nearer to the other's image than this share of its shortest edge, or than so many
-#: times the usual distance.
-_SHORT, _USUAL = 0.5, 5
+#: New vertices are paired if one is nearer to the other's image than this share of its shortest edge.
+_SHORT = 0.5
 #: Edges are as long as others up to this ratio, and so many of them have to be.
 _LONGER, _MOST = 1.5, 0.9
 #: A vertex that others were merged into has at least this share of edges that its image does not have.
@@ -326,38 +325,36 @@ class CarriedMap:
                 self._confidence[[*shell, *twins]] = 1
 
     def _walk(self):
-        """Pairs new vertices where both sides got the same edit: on extrusions, or where an image is expected, as well as
-        those say that were found first."""
+        """Pairs new vertices where both sides got the same edit: as a patch, on extrusions, or where an image is expected."""
         near = _SHORT * shortest_edges(self._ends, self._places)
-        new, partner = self.new & ~self._exact, np.where(self._exact, self.partner, -1)
-        twins = pairs(self._offsets, self._used, partner, new, lambda one, other: one != other or self._side[one] == 0)
-        if new.any() and len(twins) == np.count_nonzero(new) and self._keep_lengths(twins):
-            self._pair(twins)
-            return
+
+        def may_be(one, other):
+            return one != other or self._side[one] == 0
 
         def may_pair(one, other):
             off = self._places[other] - self._target[one]
-            if one == other and self._side[one] != 0:
-                return False
-            return self._duplicates[[one, other]].all() or off @ off <= near[other] ** 2
+            return may_be(one, other) and (self._duplicates[[one, other]].all() or off @ off <= near[other] ** 2)
 
-        for _ in range(2):
-            partner = np.where(self._exact, self.partner, -1)
-            twins = pairs(self._offsets, self._used, partner, self.new & ~self._exact, may_pair)
-            if not twins:
-                break
-            usual = np.median([np.linalg.norm(self._places[twin] - self._target[own]) for own, twin in twins.items()])
-            near = np.clip(_USUAL * usual, near, np.maximum(near, self._reach))
-            self._pair(twins)
+        self._pair(self._alike(self._paired(may_be)))
+        self._pair(self._paired(may_pair))
 
-    def _keep_lengths(self, twins):
-        """Whether nearly all edges at vertices are about as long as those at their twins."""
+    def _paired(self, may_pair):
         partner = np.where(self._exact, self.partner, -1)
+        return pairs(self._offsets, self._used, partner, self.new & ~self._exact, may_pair)
+
+    def _alike(self, twins):
+        """Those of patches of new vertices that all have twins, and nearly all of whose edges are about as long there: in a
+        pose no image need be near."""
+        new, count, partner = self.new & ~self._exact, len(self.new), np.where(self._exact, self.partner, -1)
         partner[list(twins)] = list(twins.values())
-        ends = self._ends[np.isin(self._ends, list(twins)).any(axis=1)]
-        ends = ends[(partner[ends] >= 0).all(axis=1)]
-        own, there = (np.linalg.norm(self._places[at[:, 0]] - self._places[at[:, 1]], axis=1) for at in (ends, partner[ends]))
-        return np.mean((own <= _LONGER * there) & (there <= _LONGER * own)) >= _MOST
+        patch = components(count, self._ends[new[self._ends].all(axis=1)])
+        ends = self._ends[new[self._ends].any(axis=1) & (partner[self._ends] >= 0).all(axis=1)]
+        own, there = (np.linalg.norm(np.diff(self._places[at], axis=1)[:, 0], axis=1) for at in (ends, partner[ends]))
+        is_kept = (own <= _LONGER * there) & (there <= _LONGER * own)
+        at = patch[np.where(new[ends[:, 0]], ends[:, 0], ends[:, 1])]
+        lacks = np.bincount(patch, new & (partner < 0), count) > 0
+        fits = (~lacks & (np.bincount(at, is_kept, count) >= _MOST * np.bincount(at, minlength=count)))[patch]
+        return {one: other for one, other in twins.items() if fits[one] and fits[other]}
 
     def _pair(self, twins):
         vertices, partners = (np.fromiter(part, np.int64, len(twins)) for part in (twins.keys(), twins.values()))
