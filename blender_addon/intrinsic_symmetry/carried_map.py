@@ -234,8 +234,8 @@ class CarriedMap:
 
     @property
     def lost(self):
-        """How many old vertices have no image any more."""
-        return np.count_nonzero(self._gone & self._had & ~self.new)
+        """How many old vertices have no image any more. After `found`."""
+        return np.count_nonzero(self._had & ~self.new & (self.partner < 0))
 
     @property
     def edits(self):

@@ -272,6 +272,21 @@ def test_what_is_deleted_has_no_mirror_image_and_tools_spare_it(human, tool, cap
     assert f"{count:,} of 11,481 vertices have no mirror image" in said(capfd, ops.select_unmatched)
 
 
+def test_vertices_that_no_face_uses_any_more_are_counted(capfd):
+    bpy.ops.mesh.primitive_cube_add(scale=(4, 2, 1))
+    enter("EDIT")
+    bpy.ops.mesh.subdivide(number_cuts=7)
+    assert ops.detect() == {"FINISHED"}
+    enter("OBJECT")
+    box = bpy.context.object
+    edit_faces(box, np.flatnonzero([abs(face.center.x) > 3.9 for face in box.data.polygons]))
+    bpy.ops.mesh.delete(type="ONLY_FACE")
+    words = said(capfd, ops.carry)
+    enter("OBJECT")
+    count = np.count_nonzero(attribute(box.data, "sym_vertex") < 0)
+    assert count == 98 and f"{count} have lost their mirror image" in words
+
+
 def test_another_edit_gives_no_image_back(human):
     lost = _without_hand(human)
     ops.carry()
