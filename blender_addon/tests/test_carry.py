@@ -29,6 +29,16 @@ def _patch(mesh):
     return faces_around(mesh, outward.argmax(), slice(100, 106))
 
 
+def _box(cuts):
+    """A box with its map, each side cut so often."""
+    bpy.ops.mesh.primitive_cube_add(scale=(4, 2, 1))
+    enter("EDIT")
+    bpy.ops.mesh.subdivide(number_cuts=cuts)
+    enter("OBJECT")
+    assert ops.detect() == {"FINISHED"}
+    return bpy.context.object
+
+
 def _edit(object, faces, name):
     edit_faces(object, faces)
     EDITS[name]()
@@ -76,12 +86,7 @@ def test_the_same_edit_of_both_sides_pairs_new_vertices(human, name):
 
 
 def test_edges_that_are_split_on_both_sides_keep_their_images_in_place():
-    bpy.ops.mesh.primitive_cube_add(scale=(3, 2, 1))
-    enter("EDIT")
-    bpy.ops.mesh.subdivide(number_cuts=3)
-    assert ops.detect() == {"FINISHED"}
-    enter("OBJECT")
-    box = bpy.context.object
+    box = _box(3)
     old, partner = positions(box.data), attribute(box.data, "sym_vertex")
     edit_faces(box, np.flatnonzero([abs(face.center.x) > 0.3 for face in box.data.polygons]))
     bpy.ops.mesh.edge_split()
@@ -95,12 +100,7 @@ def test_edges_that_are_split_on_both_sides_keep_their_images_in_place():
 
 def test_a_bevel_of_both_ends_in_a_pose_pairs_new_vertices(tmp_path):
     """All of both ends is new, and they are bent apart: nothing near says where images are."""
-    bpy.ops.mesh.primitive_cube_add(scale=(4, 2, 1))
-    enter("EDIT")
-    bpy.ops.mesh.subdivide(number_cuts=7)
-    enter("OBJECT")
-    box = bpy.context.object
-    assert ops.detect() == {"FINISHED"}
+    box = _box(7)
     places, pairs = positions(box.data), str(tmp_path / "pairs.csv")
     assert ops.export_pairs(filepath=pairs) == {"FINISHED"}
     bent = np.where(places[:, 0] > 0, 0.8, -0.3) * np.maximum(np.abs(places[:, 0]) - 0.4, 0)
@@ -273,12 +273,7 @@ def test_what_is_deleted_has_no_mirror_image_and_tools_spare_it(human, tool, cap
 
 
 def test_vertices_that_no_face_uses_any_more_are_counted(capfd):
-    bpy.ops.mesh.primitive_cube_add(scale=(4, 2, 1))
-    enter("EDIT")
-    bpy.ops.mesh.subdivide(number_cuts=7)
-    assert ops.detect() == {"FINISHED"}
-    enter("OBJECT")
-    box = bpy.context.object
+    box = _box(7)
     edit_faces(box, np.flatnonzero([abs(face.center.x) > 3.9 for face in box.data.polygons]))
     bpy.ops.mesh.delete(type="ONLY_FACE")
     words = said(capfd, ops.carry)

@@ -8,7 +8,7 @@ use crate::geometry::surface_grid::{Place, places};
 use crate::geometry::surface_walk::{SurfaceWalk, nearest_of};
 use crate::mesh::Mesh;
 use crate::mesh::rotation::principal_axes;
-use crate::mesh::vector::{Vector, cross, dot, mean, squared_norm, subtract};
+use crate::mesh::vector::{Vector, cross, dot, mean, squared_norm, subtract, unit};
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use std::f64::consts::PI;
@@ -108,9 +108,7 @@ impl MirrorPlane {
             let (point, _) = nearest_of(goal, &mesh.positions, &triangles, 0..triangles.len() as u32);
             let corners = triangles[point.triangle as usize].map(|corner| mesh.positions[corner as usize]);
             let to = point.interpolate_vectors(&triangles, &mesh.positions);
-            let normal = cross(subtract(corners[1], corners[0]), subtract(corners[2], corners[0]));
-            let length = squared_norm(normal).sqrt().max(f64::MIN_POSITIVE);
-            (to, normal.map(|x| x / length))
+            (to, unit(cross(subtract(corners[1], corners[0]), subtract(corners[2], corners[0]))))
         };
         let mut planes: Vec<(f64, MirrorPlane)> = Vec::new();
         for (start, _) in starts.filter(|(_, median)| *median < NEAR) {
