@@ -124,6 +124,11 @@ impl Mesh {
         self.positions.len()
     }
 
+    /// The area of each point: a third of that of the triangles around it.
+    pub fn point_areas(&self) -> Vec<f64> {
+        vector::point_areas(&self.positions, &self.triangles)
+    }
+
     /// Squared distance of two points in space, in the unit of the positions.
     pub fn squared_distance(&self, a: u32, b: u32) -> f64 {
         vector::squared_norm(vector::subtract(self.positions[a as usize], self.positions[b as usize]))

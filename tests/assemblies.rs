@@ -278,3 +278,48 @@ fn a_body_of_mirrored_connectivity_is_followed_by_what_it_wears() {
     let partner = &found.symmetries[0].partner;
     assert!(truth.iter().zip(partner).all(|(&truth, &partner)| truth as i32 == partner));
 }
+
+/// Mitts that are posed apart from the body are the only two of their connectivity; the beads on them, four alike, follow the mitts.
+#[test]
+fn what_hangs_on_a_part_that_is_posed_apart_follows_that() {
+    let body = example("human");
+    let (mut positions, mut faces) = (body.positions.clone(), faces_of(&body));
+    let height =
+        [f64::max, f64::min].map(|of| body.positions.iter().map(|at| at[2]).reduce(of).expect("vertices"));
+    let height = height[0] - height[1];
+    let forms = [with_flipped_edges(&icosphere(2), 7), with_flipped_edges(&icosphere(1), 5)];
+    let mut truth = example_truth("human");
+    let mut added = Vec::new();
+    for side in [1.0, -1.0] {
+        for (form, at, size) in
+            [(0, [0.6, 0.0, 0.0], 0.07), (1, [0.6, 0.08, 0.0], 0.02), (1, [0.69, 0.0, 0.02], 0.02)]
+        {
+            let first = positions.len();
+            added.push(first..first + forms[form].positions.len());
+            for point in &forms[form].positions {
+                let stretch = [1.0, 0.8, 0.6];
+                let place: Vector = std::array::from_fn(|k| height * (at[k] + size * stretch[k] * point[k]));
+                let place = [side * place[0], place[1], place[2]];
+                // One side is turned about the body, and lifted.
+                let posed = if side > 0.0 { place } else { rotated(place, [0.0, 0.6, 0.8], 0.9) };
+                positions.push(posed);
+            }
+            faces.extend(faces_of(&forms[form]).into_iter().map(|mut face| {
+                face.iter_mut().for_each(|corner| *corner += first as u32);
+                if side < 0.0 {
+                    face.reverse();
+                }
+                face
+            }));
+        }
+    }
+    for (own, twin) in [(0, 3), (1, 4), (2, 5), (3, 0), (4, 1), (5, 2)] {
+        truth.extend(added[own].clone().zip(added[twin].clone()).map(|(_, twin)| twin as u32));
+    }
+    let found = found(&polygon_mesh(&positions, &faces));
+    let partner = &found.symmetries[0].partner;
+    for (part, points) in added.iter().enumerate() {
+        let right = points.clone().filter(|&point| partner[point] == truth[point] as i32).count();
+        assert_eq!(right, points.len(), "part {part}");
+    }
+}

@@ -4,7 +4,7 @@
 //! its edges and corners, regular grids between. Reflecting x gives the truth.
 
 use intrinsym::SymmetryKind::{HalfTurn, Reflection};
-use intrinsym::internals::connectivity::automorphism::{Automorphism, Connectivity};
+use intrinsym::internals::connectivity::automorphism::{Automorphism, Connectivity, Reliance};
 use intrinsym::internals::mesh::half_edges::HalfEdges;
 use intrinsym::{NONE, Progress, SymmetryKind};
 use proptest::prelude::*;
@@ -93,10 +93,10 @@ impl Figure {
     /// The pairing, which must be the same whether a search without an estimate came before or not.
     fn find(&self, estimate: &[u32], kind: SymmetryKind) -> Option<Automorphism> {
         let (confidence, quiet) = (vec![0.5; self.places.len()], Progress::default());
-        let mut searched = Connectivity::new(self.half_edges(), 0);
-        let found = searched.find(estimate, &confidence, kind, &quiet).unwrap();
+        let mut searched = Connectivity::new(self.half_edges(), 0, |_| 0.0);
+        let found = searched.find(estimate, &confidence, Reliance::Places, kind, &quiet).unwrap();
         searched.find_unrivalled(|_| true, &quiet).unwrap();
-        assert_eq!(searched.find(estimate, &confidence, kind, &quiet).unwrap(), found);
+        assert_eq!(searched.find(estimate, &confidence, Reliance::Places, kind, &quiet).unwrap(), found);
         if let Some(automorphism) = &found {
             self.assert_involution(automorphism);
         }
@@ -295,6 +295,72 @@ fn two_shells_swap() {
     assert_eq!(found.partner, truth);
 }
 
+/// Its arms, each with a finger that no reflection of it leaves in its place, are shells of their own.
+fn person_with_loose_arms() -> Vec<Cell> {
+    let cells = person();
+    let is_cut = |&[x, y, _]: &Cell| y == 3 && (x == 1 || x == -2);
+    cells.into_iter().filter(|cell| !is_cut(cell)).chain(mirrored(&[[4, 4, 0]])).collect()
+}
+
+#[test]
+fn the_only_bijection_onto_a_twin_is_accepted_though_the_estimate_is_wrong_inside() {
+    let figure = Figure::of_voxels(&person_with_loose_arms(), 6);
+    let truth = figure.truth();
+    let is_arm = |point: usize| figure.places[point][0].abs() >= 24 && figure.places[point][1] >= 36;
+    let of_arms = truth.iter().copied().filter(|&image| is_arm(image as usize));
+    let [left, right] = [-1, 1].map(|side| {
+        let on_side = |&point: &u32| side * figure.places[point as usize][0] > 0;
+        of_arms.clone().find(on_side).expect("a point of an arm")
+    });
+    let wrong = |point: usize| if figure.places[point][0] < 0 { right } else { left };
+    let estimate: Vec<u32> =
+        (0..truth.len()).map(|point| if is_arm(point) { wrong(point) } else { truth[point] }).collect();
+    let confidence = vec![1.0; truth.len()];
+    let found = |reliance| {
+        let connectivity = Connectivity::new(figure.half_edges(), 0, |_| 0.0);
+        connectivity
+            .find(&estimate, &confidence, reliance, Reflection, &Progress::default())
+            .unwrap()
+            .unwrap()
+    };
+    let near = found(Reliance::Places);
+    assert!(
+        (0..truth.len()).all(|point| near.partner[point] == if is_arm(point) { NONE } else { truth[point] })
+    );
+    assert!(found(Reliance::Twins).partner == truth && found(Reliance::Shells).partner == truth);
+    // A shell that is said to be its own has a reflection of its own, too: none of an arm.
+    let own = |point: usize| if is_arm(point) { point as u32 } else { truth[point] };
+    let own: Vec<u32> = (0..truth.len()).map(own).collect();
+    let connectivity = Connectivity::new(figure.half_edges(), 0, |_| 0.0);
+    let found = connectivity
+        .find(&own, &confidence, Reliance::Shells, Reflection, &Progress::default())
+        .unwrap()
+        .unwrap();
+    assert!((0..truth.len()).all(|point| !is_arm(point) || found.partner[point] == NONE));
+}
+
+#[test]
+fn a_body_of_fewer_vertices_than_its_eyes_is_the_main_shell() {
+    let body = Figure::of_voxels(&person(), 1);
+    let eye: Vec<Cell> = (0..30).map(|y| [20 + y % 2, y, y / 7]).collect();
+    let all: Vec<Cell> = person().into_iter().chain(mirrored(&eye)).collect();
+    let figure = Figure::of_voxels(&all, 1);
+    let is_body = |point: usize| figure.places[point][0].abs() < 20;
+    let count = (0..figure.places.len()).filter(|&point| is_body(point)).count();
+    assert!(count == body.places.len() && 3 * count < figure.places.len());
+    let found = |share: f64| {
+        let of_point = |point: u32| if is_body(point as usize) { share / count as f64 } else { 0.0 };
+        let mut connectivity = Connectivity::new(figure.half_edges(), 0, of_point);
+        connectivity.find_unrivalled(|_| true, &Progress::default()).unwrap()
+    };
+    assert!(found(0.4).is_none_or(|found| !found.unrivalled.contains(&true)));
+    let found = found(0.6).expect("a bijection");
+    let truth = figure.truth();
+    for point in (0..truth.len()).filter(|&point| is_body(point)) {
+        assert!(found.unrivalled[point] && found.partner[point] == truth[point]);
+    }
+}
+
 #[test]
 fn around_a_split_edge_the_rest_is_paired() {
     let whole = Figure::of_voxels(&person(), 3).triangulated();
@@ -363,7 +429,9 @@ fn of_several_pairings_the_one_that_agrees_is_taken() {
         2 * pairs().filter(|(image, truth)| image == truth).count() > pairs().count()
     };
     let find = |agrees: &dyn Fn(&Automorphism) -> bool| {
-        Connectivity::new(figure.half_edges(), 0).find_unrivalled(agrees, &Progress::default()).unwrap()
+        Connectivity::new(figure.half_edges(), 0, |_| 0.0)
+            .find_unrivalled(agrees, &Progress::default())
+            .unwrap()
     };
     let found = find(&is_left_to_right).expect("left to right");
     assert!(is_left_to_right(&found) && found.covered > truth.len() * 99 / 100);
@@ -388,7 +456,9 @@ fn a_cut_that_parts_the_halves_leaves_both_parts_paired() {
         found.partner.iter().zip(&truth).all(|(image, truth)| *image == NONE || image == truth)
     };
     let find = |agrees: &dyn Fn(&Automorphism) -> bool| {
-        Connectivity::new(figure.half_edges(), 0).find_unrivalled(agrees, &Progress::default()).unwrap()
+        Connectivity::new(figure.half_edges(), 0, |_| 0.0)
+            .find_unrivalled(agrees, &Progress::default())
+            .unwrap()
     };
     let found = find(&is_true).expect("both parts");
     let is_paired = |low: i32, high: i32| {
@@ -486,8 +556,8 @@ fn a_large_figure_takes_seconds() {
     let truth = figure.truth();
     let half_edges = figure.half_edges();
     let started = std::time::Instant::now();
-    let found = Connectivity::new(half_edges, 0)
-        .find(&truth, &vec![1.0; truth.len()], Reflection, &Progress::default())
+    let found = Connectivity::new(half_edges, 0, |_| 0.0)
+        .find(&truth, &vec![1.0; truth.len()], Reliance::Places, Reflection, &Progress::default())
         .unwrap()
         .unwrap();
     println!("{} points: {:.2} s", truth.len(), started.elapsed().as_secs_f64());
@@ -496,8 +566,8 @@ fn a_large_figure_takes_seconds() {
     let half_edges = lopsided.half_edges();
     let started = std::time::Instant::now();
     let estimate = lopsided.truth();
-    let found = Connectivity::new(half_edges, 0)
-        .find(&estimate, &vec![1.0; estimate.len()], Reflection, &Progress::default())
+    let found = Connectivity::new(half_edges, 0, |_| 0.0)
+        .find(&estimate, &vec![1.0; estimate.len()], Reliance::Places, Reflection, &Progress::default())
         .unwrap();
     println!("asymmetric: {:.2} s", started.elapsed().as_secs_f64());
     assert!(found.is_none_or(|found| !found.complete));

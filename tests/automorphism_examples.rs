@@ -1,7 +1,7 @@
 //! The bijection by connectivity on the shipped examples, whose mirror tables are the truth.
 
 use intrinsym::SymmetryKind::Reflection;
-use intrinsym::internals::connectivity::automorphism::{Automorphism, Connectivity, LengthChange};
+use intrinsym::internals::connectivity::automorphism::{Automorphism, Connectivity, LengthChange, Reliance};
 use intrinsym::internals::mesh::half_edges::HalfEdges;
 use intrinsym::{Limits, Mesh, NONE, Progress, io};
 use std::path::Path;
@@ -34,8 +34,8 @@ impl Example {
 
     fn find(&self, estimate: &[u32]) -> Option<Automorphism> {
         let (connectivity, confidence) =
-            (Connectivity::new(self.half_edges(), 0), vec![1.0; self.truth.len()]);
-        connectivity.find(estimate, &confidence, Reflection, &Progress::default()).unwrap()
+            (Connectivity::new(self.half_edges(), 0, |_| 0.0), vec![1.0; self.truth.len()]);
+        connectivity.find(estimate, &confidence, Reliance::Places, Reflection, &Progress::default()).unwrap()
     }
 
     fn wrong(&self, found: &Automorphism) -> usize {
@@ -107,11 +107,17 @@ fn shapes_without_mirrored_connectivity_have_no_match() {
     let blob = Example::read_mesh("blob");
     let count = blob.positions.len() as u32;
     let half_edges = HalfEdges::new(count as usize, &blob.polygon_offsets, &blob.polygon_points).unwrap();
-    let connectivity = Connectivity::new(half_edges, 0);
+    let connectivity = Connectivity::new(half_edges, 0, |_| 0.0);
     for estimate in [vec![NONE; count as usize], (0..count).collect(), (0..count).rev().collect()] {
         assert_eq!(
             connectivity
-                .find(&estimate, &vec![1.0; count as usize], Reflection, &Progress::default())
+                .find(
+                    &estimate,
+                    &vec![1.0; count as usize],
+                    Reliance::Places,
+                    Reflection,
+                    &Progress::default()
+                )
                 .unwrap(),
             None
         );

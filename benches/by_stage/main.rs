@@ -16,7 +16,7 @@ mod support;
 use criterion::{BatchSize, BenchmarkId, Criterion, SamplingMode};
 use floors::Floors;
 use intrinsym::internals::base::effort::Plan;
-use intrinsym::internals::connectivity::automorphism::Connectivity;
+use intrinsym::internals::connectivity::automorphism::{Connectivity, Reliance};
 use intrinsym::internals::connectivity::mirrored_vertices;
 use intrinsym::internals::detect::assembly::{PointMap, Summary, symmetry};
 use intrinsym::internals::detect::fixed_curve::{odd_function, zero_set};
@@ -112,7 +112,7 @@ fn measure(criterion: &mut Criterion, frequency: u32) {
     }
     let map = carry(proxy.as_ref());
     timer.time("mirrored connectivity", || {
-        connectivity.find(&map.partner, &map.confidence, SymmetryKind::Reflection, &quiet)
+        connectivity.find(&map.partner, &map.confidence, Reliance::Places, SymmetryKind::Reflection, &quiet)
     });
     let estimate = || mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
     let find = || {
@@ -139,9 +139,9 @@ fn time_connectivity(timer: &mut Timer, mesh: &Mesh) -> Connectivity {
     let connect = || HalfEdges::new(mesh.positions.len(), &mesh.polygon_offsets, &mesh.polygon_points);
     timer.time("half-edges", connect);
     let half_edges = connect().expect("half-edges");
-    timer.time_with("colours", || half_edges.clone(), |half_edges| Connectivity::new(half_edges, 0));
+    timer.time_with("colours", || half_edges.clone(), |half_edges| Connectivity::new(half_edges, 0, |_| 0.0));
     let quiet = Progress::default();
-    let fresh = || Connectivity::new(half_edges.clone(), 0);
+    let fresh = || Connectivity::new(half_edges.clone(), 0, |_| 0.0);
     timer.time_with("lone reflection", fresh, |mut connectivity| {
         connectivity.find_unrivalled(|_| true, &quiet)
     });

@@ -35,9 +35,10 @@ use crate::mesh::{Mesh, NONE};
 use almost::Context;
 pub(crate) use colours::hash;
 use colours::{Classes, Colours};
+pub use estimate::Reliance;
 use estimate::{Distances, Estimate};
 pub use length_change::LengthChange;
-pub use lookalikes::{ShellColours, shell_colours};
+pub use lookalikes::{ShellColours, only_twins, shell_colours};
 use matching::Matching;
 use shells::Shells;
 
@@ -109,7 +110,7 @@ pub struct Connectivity {
     in_part: bool,
 }
 
-/// How many bijections the main shell, the largest of many vertices, has, as far as it is known.
+/// How many bijections the main shell, which has most of the mesh, has, as far as it is known.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Bijections {
     Unknown,
@@ -138,14 +139,16 @@ impl Connectivity {
         }
         let left_out = mesh.shell_of_point.iter().filter(|&&shell| !wanted[shell as usize]).count();
         let half_edges = HalfEdges::new(mesh.point_count(), &offsets, &points)?;
-        Ok(Some(Connectivity::new(half_edges, left_out)))
+        let areas = mesh.point_areas();
+        let area: f64 = areas.iter().sum();
+        Ok(Some(Connectivity::new(half_edges, left_out, |point| areas[point as usize] / area)))
     }
 
-    /// Colours the vertices of a mesh of which so many are left out. O(half-edges + vertices log vertices).
-    pub fn new(half_edges: HalfEdges, left_out: usize) -> Connectivity {
+    /// Colours the vertices of a mesh of which so many are left out, and a point has such a share of the surface. O(half-edges + vertices log vertices).
+    pub fn new(half_edges: HalfEdges, left_out: usize, area_share: impl Fn(u32) -> f64) -> Connectivity {
         let colours = Colours::new(&half_edges);
         let classes = Classes::new(&colours.far);
-        let shells = Shells::new(&half_edges, left_out);
+        let shells = Shells::new(&half_edges, left_out, area_share);
         let in_part = left_out > 0;
         Connectivity { half_edges, shells, colours, classes, reflections: Bijections::Unknown, in_part }
     }
@@ -163,7 +166,7 @@ impl Connectivity {
         self.reflections = Bijections::Unknown;
         let points = self.half_edges.point_count;
         let (estimate, confidence) = (vec![NONE; points], vec![0.0; points]);
-        let estimate = Estimate::new(&self.half_edges, &estimate, &confidence);
+        let estimate = Estimate::new(&self.half_edges, &estimate, &confidence, Reliance::Places);
         let agrees = |matching: &Matching, _: &[u32]| {
             let images = &matching.vertex_image;
             by_points(&self.half_edges, images, &vec![false; images.len()])
@@ -179,7 +182,7 @@ impl Connectivity {
     /// `estimate` holds the estimated partner of each point or [`NONE`], `confidence` a weight in 0..=1; both
     /// have one entry per point. A bijection of a whole shell is accepted if its mean distance from the
     /// estimate is a small number of edges; on the main shell also if the connectivity
-    /// admits no other and a third of the estimate agrees, or there is none; so is a pairing of most of that shell. `None` if no shell has either.
+    /// admits no other and a third of the estimate agrees, or there is none; so is a pairing of most of that shell. What else is accepted `reliance` says. `None` if no shell has any.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
@@ -190,10 +193,11 @@ impl Connectivity {
         &self,
         estimate: &[u32],
         confidence: &[f32],
+        reliance: Reliance,
         kind: SymmetryKind,
         progress: &Progress,
     ) -> Result<Option<Automorphism>> {
-        let estimate = Estimate::new(&self.half_edges, estimate, confidence);
+        let estimate = Estimate::new(&self.half_edges, estimate, confidence, reliance);
         let is_near = |matching: &Matching, shell: &[u32]| {
             estimate.distances(matching, shell, shell.len()).mean <= estimate::tolerance(shell.len())
         };
@@ -335,6 +339,9 @@ impl WholeShellSearch<'_> {
         let (near, far) = (seeds(&near), seeds(&far));
         let mark = matching.mark();
         let mut best: Option<(Distances, u32, u32)> = None;
+        // One onto the shell where the estimate takes this one, and how many there are.
+        let estimated = self.estimate.shell(matching.half_edges, self.shells, shell);
+        let (mut there, mut count_there) = (None, 0);
         let mut found = if main && self.bijections == Bijections::Several { 2 } else { 0 };
         let mut told = self.budget;
         for (tried, &(start, target)) in near.iter().chain(&far).enumerate() {
@@ -352,6 +359,9 @@ impl WholeShellSearch<'_> {
             }
             if matching.walk(start, target, self.classes, &mut self.budget) {
                 found += 1;
+                if Some(self.shells.of(matching.half_edges.to_vertex[target as usize])) == estimated {
+                    (there, count_there) = (Some((start, target)), count_there + 1);
+                }
                 let distances = self.estimate.distances(matching, vertices, vertices.len());
                 if best.as_ref().is_none_or(|(least, ..)| distances.mean < least.mean) {
                     best = Some((distances, start, target));
@@ -373,8 +383,13 @@ impl WholeShellSearch<'_> {
         };
         let unrivalled = main && found == 1 && all_tried;
         let near = distances.mean <= estimate::tolerance(vertices.len());
-        let accepted = near || unrivalled && is_not_refuted(&distances);
-        Ok(match accepted && matching.walk(start, target, self.classes, &mut { u64::MAX }) {
+        let (start, target) = match there {
+            _ if near || unrivalled && is_not_refuted(&distances) => (start, target),
+            // An arm may be posed otherwise than what carries it.
+            Some(only) if !main && all_tried && count_there == 1 => only,
+            _ => return Ok(Whole::Refused),
+        };
+        Ok(match matching.walk(start, target, self.classes, &mut { u64::MAX }) {
             false => Whole::Refused,
             true if unrivalled => Whole::OnlyBijection,
             true => Whole::Bijection,

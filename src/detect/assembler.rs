@@ -6,7 +6,7 @@ use crate::base::error::Result;
 use crate::base::options::Options;
 use crate::base::progress::Progress;
 use crate::base::symmetry_kind::SymmetryKind;
-use crate::connectivity::automorphism::{Automorphism, Connectivity};
+use crate::connectivity::automorphism::{Automorphism, Connectivity, Reliance};
 use crate::connectivity::mirrored_vertices;
 use crate::detect::assembly::{PointMap, Summary, symmetry};
 use crate::detect::companions::{self, Companion, Primary};
@@ -15,13 +15,14 @@ use crate::detect::correspondence::Symmetry;
 use crate::detect::domain::movement;
 use crate::detect::filled_holes::FilledShell;
 use crate::detect::fixed_curve::{odd_function, zero_set};
+use crate::detect::joined_shells::{LEAST, union};
 use crate::detect::mirror_plane::{MIRRORED, MOSTLY, MirrorPlane};
 use crate::detect::proxy::Proxy;
 use crate::detect::shell_symmetry::PreparedShell;
 use crate::geometry::adjacency::nearest_seeds;
 use crate::geometry::embedded_triangles::Fans;
 use crate::geometry::vertex_map::VertexMap;
-use crate::mesh::vector::{dot, point_areas, squared_norm, subtract};
+use crate::mesh::vector::{dot, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell, anchors};
 use crate::refine::full_refinement::MatchTarget;
 use crate::refine::rigid_parts::{self, Carrier, Fitted};
@@ -42,6 +43,14 @@ pub struct Gatherer<'a> {
     /// Whether vertices that are mirrored where edges are not are looked for.
     mirrored_vertices: bool,
     contacts: ContactGraph,
+}
+
+/// Shells of which all but the first sit on the `anchors` of that one as it is `solved`, where it has such images.
+struct Sitting<'a> {
+    shells: &'a [Shell],
+    anchors: &'a [Vec<u32>],
+    solved: &'a Shell,
+    images: &'a VertexMap,
 }
 
 /// A map of the searched shell, or of its proxy.
@@ -113,7 +122,7 @@ impl<'a> Gatherer<'a> {
             let (shell, target) = (&self.shells[own], &self.shells[companion.target]);
             map.insert(shell, target, &companion.images, &vec![companion.trust(); shell.points.len()]);
         }
-        let areas = point_areas(&mesh.positions, &mesh.triangles);
+        let areas = mesh.point_areas();
         let (mut mirrored, mut moved) = (0.0, 0.0);
         for (point, &at) in mesh.positions.iter().enumerate() {
             if map.partner[point] == NONE {
@@ -135,8 +144,7 @@ impl<'a> Gatherer<'a> {
         }
         map.odd = odd;
         let summary = Summary { kind: SymmetryKind::Reflection, score: 0.0, plausibility: share };
-        let may_be = |found: &Automorphism| found.keeps_lengths(mesh);
-        Ok(Some((self.finished(map, summary, may_be, threads, progress)?, share)))
+        Ok(Some((self.finished(map, summary, Reliance::Twins, threads, progress)?, share)))
     }
 
     /// The symmetry of all shells, from a `map` that holds the largest one's.
@@ -151,29 +159,31 @@ impl<'a> Gatherer<'a> {
         let is_moved = self.contacts.settle(self.mesh, &mut map, summary.kind, threads, progress)?;
         if self.shells.len() > 1 {
             // The others follow what whole shells and vertices say of this one, if they say something.
-            let is_settled = self.settle(&mut map, summary.kind, |_| true, threads, progress)?;
+            let is_settled = self.settle(&mut map, summary.kind, Reliance::Places, threads, progress)?;
             let partner = |point: u32| map.partner[point as usize];
             let settled = (is_moved || is_settled).then(|| images_by(searched, proxy, self.mesh, partner));
             let settled = settled.flatten();
             let solved = proxy.map_or(searched, |proxy| &proxy.shell);
             let images = settled.as_ref().unwrap_or(images);
-            self.add_companions(&mut map, solved, images, summary.kind, progress)?;
+            let sitting = Sitting { shells: self.shells, anchors: &self.anchors, solved, images };
+            self.add_companions(&mut map, sitting, summary.kind, progress)?;
             self.contacts.settle(self.mesh, &mut map, summary.kind, threads, progress)?;
+            self.add_hanging(&mut map, summary.kind, threads, progress)?;
         }
-        self.finished(map, summary, |_| true, threads, progress)
+        self.finished(map, summary, Reliance::Shells, threads, progress)
     }
 
-    /// The symmetry that a `map` of all shells is, with what vertices say of it, and connectivity whose pairing `may_be` it.
+    /// The symmetry that a `map` of all shells is, with what vertices and connectivity say of it.
     fn finished(
         &self,
         mut map: PointMap,
         summary: Summary,
-        may_be: impl Fn(&Automorphism) -> bool,
+        reliance: Reliance,
         threads: usize,
         progress: &Progress,
     ) -> Result<Symmetry> {
         let kind = summary.kind;
-        self.settle(&mut map, kind, may_be, threads, progress)?;
+        self.settle(&mut map, kind, reliance, threads, progress)?;
         progress.report("fixed curve", 0.98)?;
         let curve = match kind {
             SymmetryKind::Reflection => zero_set(&self.mesh.triangles, &map.odd),
@@ -182,13 +192,13 @@ impl<'a> Gatherer<'a> {
         Ok(symmetry(self.mesh, &map, curve, summary))
     }
 
-    /// Replaces images of points that are not settled yet by what vertices say of them, and by connectivity whose pairing `may_be` the symmetry. Says
+    /// Replaces images of points that are not settled yet by what vertices and connectivity say of them. Says
     /// whether there was any.
     fn settle(
         &self,
         map: &mut PointMap,
         kind: SymmetryKind,
-        may_be: impl Fn(&Automorphism) -> bool,
+        reliance: Reliance,
         threads: usize,
         progress: &Progress,
     ) -> Result<bool> {
@@ -196,9 +206,13 @@ impl<'a> Gatherer<'a> {
         let is_open = |&point: &u32| map.partner[point as usize] != NONE && !map.settled[point as usize];
         let open: Vec<u32> = (0..map.partner.len() as u32).filter(is_open).collect();
         let exact = match self.connectivity {
-            Some(connectivity) => connectivity.find(&map.partner, &map.confidence, kind, progress)?,
+            Some(connectivity) => {
+                connectivity.find(&map.partner, &map.confidence, reliance, kind, progress)?
+            }
             None => None,
         };
+        // A plane tells all but twins.
+        let may_be = |found: &Automorphism| reliance != Reliance::Twins || found.keeps_lengths(self.mesh);
         let exact = exact.filter(may_be).map(|found| found.within(&open));
         progress.report("mirrored vertices", 0.975)?;
         let mirrored = match self.mirrored_vertices {
@@ -220,30 +234,56 @@ impl<'a> Gatherer<'a> {
         Ok(mirrored.is_some() || exact.is_some_and(|found| found.covered > 0))
     }
 
-    /// `images` are those of the `solved` shell's vertices.
+    /// What hangs on other shells than the searched one follows them, again and again. One of a swarm, as hair, carries no other.
+    fn add_hanging(
+        &self,
+        map: &mut PointMap,
+        kind: SymmetryKind,
+        threads: usize,
+        progress: &Progress,
+    ) -> Result<()> {
+        let mut count = 1;
+        loop {
+            let is_known = |shell: &&Shell| map.partner[shell.points[0] as usize] != NONE;
+            let (mut hosts, left): (Vec<&Shell>, Vec<&Shell>) = self.shells.iter().partition(is_known);
+            hosts.retain(|shell| shell.area() >= LEAST);
+            if left.is_empty() || hosts.len() <= count {
+                return Ok(());
+            }
+            count = hosts.len();
+            self.settle(map, kind, Reliance::Shells, threads, progress)?;
+            let shells = [union(self.mesh, &hosts)].into_iter().chain(left.into_iter().cloned());
+            let shells: Vec<Shell> = shells.collect();
+            let images = images_by(&shells[0], None, self.mesh, |point| map.partner[point as usize]);
+            let Some(images) = &images else { return Ok(()) };
+            let anchors = &anchors(self.mesh, &shells, 0);
+            let sitting = Sitting { shells: &shells, anchors, solved: &shells[0], images };
+            self.add_companions(map, sitting, kind, progress)?;
+        }
+    }
+
     fn add_companions(
         &self,
         map: &mut PointMap,
-        solved: &Shell,
-        images: &VertexMap,
+        Sitting { shells, anchors, solved, images }: Sitting,
         kind: SymmetryKind,
         progress: &Progress,
     ) -> Result<()> {
         let primary = Primary { index: 0, shell: solved, carrier: Carrier::new(solved, images, kind) };
-        let companions = companions::find(self.mesh, self.shells, &self.anchors, &primary, progress)?;
+        let companions = companions::find(self.mesh, shells, anchors, &primary, progress)?;
         for (own, companion) in companions.iter().enumerate() {
             let Some(companion) = companion else { continue };
             // What fills a hole says nothing.
             let at = |&anchor: &u32| {
                 Some(solved.points[anchor as usize] as usize).filter(|&at| at != NONE as usize)
             };
-            let anchors: Vec<Option<usize>> = self.anchors[own].iter().map(at).collect();
+            let anchors: Vec<Option<usize>> = anchors[own].iter().map(at).collect();
             let share = companion.trust();
             let trust: Vec<f32> =
                 anchors.iter().map(|at| at.map_or(0.0, |at| share * map.confidence[at])).collect();
             let odd: Vec<f64> = anchors.iter().map(|at| at.map_or(0.0, |at| map.odd[at])).collect();
-            map.insert(&self.shells[own], &self.shells[companion.target], &companion.images, &trust);
-            map.insert_sides(&self.shells[own], own, companion, &odd);
+            map.insert(&shells[own], &shells[companion.target], &companion.images, &trust);
+            map.insert_sides(&shells[own], own, companion, &odd);
         }
         Ok(())
     }
@@ -400,7 +440,7 @@ impl<'a> Assembler<'a> {
     }
 }
 
-/// Images of a shell's vertices, or of its proxy's, where the mesh's points have a `partner`; a vertex without one goes where one beside it goes. `None` if
+/// Images of a shell's vertices, or of its proxy's, where the mesh's points have a `partner`; a vertex without one goes where the nearest with one goes. `None` if
 /// less than half of the shell has one.
 fn images_by(
     shell: &Shell,
@@ -422,7 +462,7 @@ fn images_by(
         return None;
     }
     if left_out > 0 {
-        fill_from_neighbours(&mut partners, &shell.triangles);
+        fill_from_neighbours(&mut partners, shell);
     }
     Some(match proxy {
         Some(proxy) => proxy.restrict(&partners),
@@ -430,16 +470,20 @@ fn images_by(
     })
 }
 
-/// Gives vertices without a partner that of the nearest vertex with one, counted in edges.
-fn fill_from_neighbours(partners: &mut [u32], triangles: &[[u32; 3]]) {
+/// Gives vertices without a partner that of the nearest vertex with one, counted in edges, or in space where a piece has none.
+fn fill_from_neighbours(partners: &mut [u32], shell: &Shell) {
+    let Shell { positions, triangles, .. } = shell;
     let fans = Fans::new(partners.len(), triangles);
     let has_partner = |vertex: &u32| partners[*vertex as usize] != NONE;
     let paired: Vec<u32> = (0..partners.len() as u32).filter(has_partner).collect();
     let around = |vertex: u32| fans.of(vertex).iter().flat_map(|&triangle| triangles[triangle as usize]);
     let nearest = nearest_seeds(partners.len(), &paired, around);
+    let away = |a: u32, b: usize| squared_norm(subtract(positions[a as usize], positions[b]));
     for vertex in 0..partners.len() {
+        let in_space = || paired.iter().copied().min_by(|&a, &b| away(a, vertex).total_cmp(&away(b, vertex)));
         if partners[vertex] == NONE {
-            partners[vertex] = partners[paired[nearest[vertex] as usize] as usize];
+            let near = paired.get(nearest[vertex] as usize).copied().or_else(in_space);
+            partners[vertex] = near.map_or(NONE, |near| partners[near as usize]);
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::detect::fixed_curve::{EdgeCrossing, dissolve_specks};
 use crate::detect::welded_vertices::{OwnCorners, choose_by_faces};
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
 use crate::geometry::vertex_map::VertexMap;
-use crate::mesh::vector::{Vector, dot, point_areas, squared_norm, subtract, unit};
+use crate::mesh::vector::{Vector, dot, squared_norm, subtract, unit};
 use crate::mesh::{Mesh, NONE, Shell};
 
 /// Largest mean of `|ln(length of an edge / length of its image)|`, weighted by length, on a shell whose
@@ -169,7 +169,7 @@ impl PointMap {
 
     /// Small parts on the wrong side, on each shell whose vertices are mirrored by itself: another's halves may be as small.
     fn dissolve_specks(&mut self, mesh: &Mesh, found: &MirroredVertices) {
-        let areas = point_areas(&mesh.positions, &mesh.triangles);
+        let areas = mesh.point_areas();
         let fans = Fans::new(areas.len(), &mesh.triangles);
         let mut shells = vec![Vec::new(); mesh.shell_count];
         let mut local = vec![NONE; areas.len()];

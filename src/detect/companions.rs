@@ -5,7 +5,7 @@
 
 use crate::base::error::Result;
 use crate::base::progress::Progress;
-use crate::connectivity::automorphism::shell_colours;
+use crate::connectivity::automorphism::{ShellColours, only_twins, shell_colours};
 use crate::detect::mirror_plane::MirrorPlane;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
@@ -256,7 +256,23 @@ fn pair_shells(
             *worst = worst.max(mismatch.hypot(apart));
         }
     }
-    Ok(involution(&options))
+    let mut pairs = involution(&options);
+    // What is posed apart from the surface that it sits on.
+    let of_shells: Vec<&ShellColours> = (0..shells.len()).map(of_shell).collect();
+    let twins = only_twins(&of_shells);
+
+    let mut partner = vec![None; shells.len()];
+    pairs.iter().for_each(|&(a, b, _)| (partner[a], partner[b]) = (Some(b), Some(a)));
+    for (own, twin) in twins.into_iter().enumerate().filter(|&(own, _)| own != primary) {
+        let Some(twin) = twin.filter(|&twin| twin > own && twin != primary) else { continue };
+        let is_free = |shell: usize| partner[shell].is_none_or(|partner| partner == shell);
+        let is_left = partner[own].is_none() || partner[twin].is_none();
+        if is_left && is_free(own) && is_free(twin) && similar.differ(own, twin) < AREA_TOLERANCE {
+            pairs.retain(|&(a, _, _)| a != own && a != twin);
+            pairs.push((own, twin, FARTHEST));
+        }
+    }
+    Ok(pairs)
 }
 
 /// The involution whose pairs are of least mismatch in all, squared, where a shell without a partner counts as the farthest: by swarms, the shells that
@@ -392,6 +408,19 @@ mod tests {
         let link = |x: f64, y: f64, cuts| ([x, y, 0.0], 1.0, cuts);
         let mesh = blocks(&[link(-3.0, 0.0, 0), link(2.0, 0.2, 0), link(2.0, -0.1, 7)]);
         assert_eq!(targets(&mesh, 3), [Some(1), Some(0), None]);
+    }
+
+    #[test]
+    fn the_only_two_of_a_connectivity_are_partners_though_one_lies_elsewhere() {
+        let mesh = blocks(&[
+            ([-20.0, 0.0, 2.0], 40.0, 0),
+            // Mirrors of each other, far from where they should be.
+            ([-11.0, 0.0, 0.0], 1.0, 5),
+            ([4.0, 9.0, 0.0], 1.0, 10),
+            // As large, and nothing like them.
+            ([15.0, 30.0, 0.0], 1.0, 0),
+        ]);
+        assert_eq!(targets(&mesh, 4)[1..], [Some(2), Some(1), None]);
     }
 
     #[test]

@@ -16,7 +16,7 @@ use crate::detect::finishing::Found;
 use crate::detect::joined_shells::JoinedShells;
 use crate::detect::question::Question;
 use crate::detect::spectrum::Spectrum;
-use crate::mesh::vector::{point_areas, squared_norm, subtract};
+use crate::mesh::vector::{squared_norm, subtract};
 use crate::mesh::{Mesh, Shell};
 use crate::search::sign_network::SignNetwork;
 use crate::verify::outcome::{CONFIDENT, Outcome};
@@ -103,7 +103,7 @@ fn moved(mesh: &Mesh, found: &Detection) -> f64 {
         let image = mesh.positions.get(partner as usize).unwrap_or(&mesh.positions[point]);
         area * squared_norm(subtract(*image, mesh.positions[point]))
     };
-    point_areas(&mesh.positions, &mesh.triangles).into_iter().enumerate().map(square).sum()
+    mesh.point_areas().into_iter().enumerate().map(square).sum()
 }
 
 /// The answer of the largest shell's connectivity, if it says nearly all; or of the joined shells; if that is not found that of the largest one alone, if that is worth more.

@@ -19,7 +19,7 @@ use std::collections::HashSet;
 /// A largest shell with at least this share of the area speaks for the whole mesh.
 const MAJORITY: f64 = 0.8;
 /// Smaller shells, by their share of the area, are carried along: of a swarm of these, as hair and feathers, it is hard to say which is whose twin.
-const LEAST: f64 = 0.008;
+pub const LEAST: f64 = 0.008;
 /// Distance of the places on surfaces that are compared, in sqrt(area).
 const SPACING: f64 = 0.01;
 /// Shells that are nearer to each other than this, in sqrt(area), touch.
@@ -70,7 +70,7 @@ impl JoinedShells {
         let (joined, rest): (Vec<_>, Vec<_>) =
             shells.into_iter().enumerate().partition(|(index, _)| is_joined(*index));
         let joined: Vec<Shell> = joined.into_iter().map(|(_, shell)| shell).collect();
-        let whole = union(mesh, &joined);
+        let whole = union(mesh, &joined.iter().collect::<Vec<_>>());
         let local = |point: u32| whole.points.binary_search(&point).expect("a point of it") as u32;
         let joints = joints.into_iter().map(|triangle| triangle.map(local)).collect();
         let rest = rest.into_iter().map(|(_, shell)| shell);
@@ -81,7 +81,7 @@ impl JoinedShells {
 }
 
 /// One shell of all points and triangles of several.
-fn union(mesh: &Mesh, shells: &[Shell]) -> Shell {
+pub fn union(mesh: &Mesh, shells: &[&Shell]) -> Shell {
     let mut points: Vec<u32> = shells.iter().flat_map(|shell| &shell.points).copied().collect();
     points.sort_unstable();
     let mut local = vec![NONE; mesh.positions.len()];
@@ -150,7 +150,7 @@ impl Contacts {
     /// Distances of shells from each other along their surface, row by row: the mean over the vertices of both.
     fn distances(&self, mesh: &Mesh, shells: &[Shell]) -> Vec<f64> {
         let count = shells.len();
-        let mut whole = union(mesh, shells);
+        let mut whole = union(mesh, &shells.iter().collect::<Vec<_>>());
         let points = whole.points.clone();
         let local = |point: u32| points.binary_search(&point).expect("a point of it") as u32;
         let all: Vec<u32> = (0..count as u32).collect();

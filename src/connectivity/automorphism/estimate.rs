@@ -1,6 +1,7 @@
 //! The estimated map on the vertices of the half-edge structure, and distances from it counted in edges.
 
 use super::matching::Matching;
+use super::shells::Shells;
 use crate::mesh::NONE;
 use crate::mesh::half_edges::HalfEdges;
 use std::cell::RefCell;
@@ -13,11 +14,23 @@ const SMALL: f64 = 0.33;
 /// Least and most vertices visited around one estimate.
 const BALL: [f64; 2] = [256.0, 4096.0];
 
+/// How far an estimate is relied on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reliance {
+    /// In its places: a bijection must be near.
+    Places,
+    /// Or in which other shell is a shell's twin, too: its only bijection onto that is accepted.
+    Twins,
+    /// Or in which shell goes where, itself included: an arm may be posed otherwise than what carries it.
+    Shells,
+}
+
 /// Estimated image and weight of each vertex.
 pub(super) struct Estimate {
     /// The estimated partner of the vertex's point, which may have several fans.
     partner: Vec<u32>,
     weight: Vec<f32>,
+    reliance: Reliance,
     rings: RefCell<Rings>,
 }
 
@@ -42,7 +55,7 @@ fn ball(vertices: usize) -> usize {
 
 impl Estimate {
     /// From points to vertices; partners that no face refers to count as none.
-    pub fn new(half_edges: &HalfEdges, estimate: &[u32], confidence: &[f32]) -> Self {
+    pub fn new(half_edges: &HalfEdges, estimate: &[u32], confidence: &[f32], reliance: Reliance) -> Self {
         let mut referenced = vec![false; half_edges.point_count];
         half_edges.point_of_vertex.iter().for_each(|&point| referenced[point as usize] = true);
         let partner = |&point: &u32| {
@@ -57,6 +70,7 @@ impl Estimate {
         Estimate {
             partner: half_edges.point_of_vertex.iter().map(partner).collect(),
             weight: half_edges.point_of_vertex.iter().map(weight).collect(),
+            reliance,
             rings: RefCell::new(Rings::new(half_edges.vertex_count())),
         }
     }
@@ -71,12 +85,9 @@ impl Estimate {
         let mut found = Vec::new();
         let partner = self.partner[vertex as usize];
         if partner != NONE {
-            let first = half_edges.point_of_vertex.partition_point(|&point| point < partner);
-            let fans = &half_edges.point_of_vertex[first..];
-            let end = first + fans.iter().take_while(|&&point| point == partner).count();
             self.rings.borrow_mut().visit(
                 half_edges,
-                first as u32..end as u32,
+                fans(half_edges, partner),
                 ball(shell_size),
                 |near, _| {
                     found.push(near);
@@ -85,6 +96,20 @@ impl Estimate {
             );
         }
         found
+    }
+
+    /// Where most of what is estimated of a `shell` goes, if that is relied on.
+    pub fn shell(&self, half_edges: &HalfEdges, shells: &Shells, shell: usize) -> Option<usize> {
+        let known = spread(shells.vertices(shell), SAMPLES).filter(|&vertex| self.weight(vertex) > 0.0);
+        let there = |vertex: u32| shells.of(fans(half_edges, self.partner[vertex as usize]).start);
+        let mut found: Vec<usize> = known.map(there).collect();
+        found.sort_unstable();
+        let middle = found.get(found.len() / 2).copied().filter(|&middle| match self.reliance {
+            Reliance::Places => false,
+            Reliance::Twins => middle != shell,
+            Reliance::Shells => true,
+        });
+        middle.filter(|middle| 2 * found.iter().filter(|&shell| shell == middle).count() > found.len())
     }
 
     /// Compares the images of `vertices` that are paired, on a shell of `shell_size`, with their estimates.
@@ -118,6 +143,13 @@ impl Estimate {
         });
         f64::from(if found { reached } else { 2 * reached + 16 })
     }
+}
+
+/// The vertices of a point.
+fn fans(half_edges: &HalfEdges, point: u32) -> Range<u32> {
+    let first = half_edges.point_of_vertex.partition_point(|&other| other < point);
+    let fans = half_edges.point_of_vertex[first..].iter().take_while(|&&other| other == point);
+    first as u32..(first + fans.count()) as u32
 }
 
 /// At most `count` of `items`, evenly spread.

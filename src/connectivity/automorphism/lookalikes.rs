@@ -7,6 +7,7 @@
 use super::almost::REPEATED;
 use super::colours::hash;
 use crate::mesh::Mesh;
+use std::collections::BTreeMap;
 
 /// Rounds of colours: three leave lookalikes to half of an independent triangulation of 50,000 vertices, five to a thirtieth.
 const ROUNDS: usize = 5;
@@ -73,6 +74,17 @@ impl ShellColours {
         let [mirrored, turned] = [&other.mirrored, &other.seen].map(|there| shared(&self.seen, there));
         if mirrored < turned { (0, 0.0) } else { (mirrored, mirrored as f64 / points) }
     }
+}
+
+/// For each shell the only other one that has the mirror image of its connectivity.
+pub fn only_twins(colours: &[&ShellColours]) -> Vec<Option<usize>> {
+    let mut seen: BTreeMap<&[u64], Vec<usize>> = BTreeMap::new();
+    colours.iter().enumerate().for_each(|(own, shell)| seen.entry(&shell.seen).or_default().push(own));
+    let only = |(own, shell): (usize, &&ShellColours)| {
+        let mut others = seen.get(&shell.mirrored[..])?.iter().filter(|&&other| other != own);
+        others.next().filter(|_| others.next().is_none()).copied()
+    };
+    colours.iter().enumerate().map(only).collect()
 }
 
 /// How many of some sorted values that are there once are among others.

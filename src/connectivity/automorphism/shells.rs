@@ -5,10 +5,12 @@ use crate::mesh::half_edges::HalfEdges;
 
 /// The main shell has one in so many of the vertices, or more: a body under its clothes.
 const MAIN: usize = 4;
+/// If none has, it has more than this share of the surface: a body of fewer vertices than its eyes.
+const MOSTLY: f64 = 0.5;
 
 /// Vertices grouped by shell, breadth first within each.
 pub(super) struct Shells {
-    /// The one shell with more vertices than any other, if these are many.
+    /// The one shell with more vertices than any other, if these are many, or else that with most of the surface.
     main: Option<usize>,
     shell_of: Vec<u32>,
     starts: Vec<usize>,
@@ -16,8 +18,8 @@ pub(super) struct Shells {
 }
 
 impl Shells {
-    /// Floods from each vertex not reached yet; `left_out` vertices of the mesh have no half-edges.
-    pub fn new(half_edges: &HalfEdges, left_out: usize) -> Self {
+    /// Floods from each vertex not reached yet; `left_out` vertices of the mesh have no half-edges. `area_share` is that of a point in its surface.
+    pub fn new(half_edges: &HalfEdges, left_out: usize, area_share: impl Fn(u32) -> f64) -> Self {
         let mut shells = Shells {
             main: None,
             shell_of: vec![NONE; half_edges.vertex_count()],
@@ -34,7 +36,12 @@ impl Shells {
         let total = half_edges.vertex_count() + left_out;
         let by_size = shells.by_size();
         let size = |place: usize| by_size.get(place).map_or(0, |&shell| shells.vertices(shell).len());
-        shells.main = by_size.first().copied().filter(|_| MAIN * size(0) > total && size(0) > size(1));
+        let area = |&vertex: &u32| area_share(half_edges.point_of_vertex[vertex as usize]);
+        let area = |shell: usize| shells.vertices(shell).iter().map(area).sum::<f64>();
+        shells.main = match MAIN * size(0) > total && size(0) > size(1) {
+            true => by_size.first().copied(),
+            false => by_size.into_iter().find(|&shell| area(shell) > MOSTLY),
+        };
         shells
     }
 
@@ -62,7 +69,7 @@ impl Shells {
         shells
     }
 
-    /// Whether a shell has more vertices than any other, and many.
+    /// Whether a shell has more vertices than any other, and many, or most of the surface.
     pub fn is_main(&self, shell: usize) -> bool {
         self.main == Some(shell)
     }
@@ -72,8 +79,13 @@ impl Shells {
         &self.order[self.starts[shell]..self.starts[shell + 1]]
     }
 
+    /// The shell that holds `vertex`.
+    pub fn of(&self, vertex: u32) -> usize {
+        self.shell_of[vertex as usize] as usize
+    }
+
     /// Number of vertices of the shell that holds `vertex`.
     pub fn size_at(&self, vertex: u32) -> usize {
-        self.vertices(self.shell_of[vertex as usize] as usize).len()
+        self.vertices(self.of(vertex)).len()
     }
 }
