@@ -125,7 +125,7 @@ impl Mesh {
     }
 
     /// The area of each point: a third of that of the triangles around it.
-    pub fn point_areas(&self) -> Vec<f64> {
+    pub(crate) fn point_areas(&self) -> Vec<f64> {
         vector::point_areas(&self.positions, &self.triangles)
     }
 

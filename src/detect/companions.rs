@@ -257,22 +257,36 @@ fn pair_shells(
         }
     }
     let mut pairs = involution(&options);
-    // What is posed apart from the surface that it sits on.
-    let of_shells: Vec<&ShellColours> = (0..shells.len()).map(of_shell).collect();
-    let twins = only_twins(&of_shells);
+    let colours: Vec<&ShellColours> = (0..shells.len()).map(of_shell).collect();
+    keep_only_twins(&mut pairs, &colours, |own, twin| {
+        let size = shells[own].area().min(shells[twin].area()).sqrt() as f32;
+        let may_be = own != primary && twin != primary && similar.differ(own, twin) < AREA_TOLERANCE;
+        may_be.then_some(IN_PLACE * size)
+    });
+    Ok(pairs)
+}
 
-    let mut partner = vec![None; shells.len()];
-    pairs.iter().for_each(|&(a, b, _)| (partner[a], partner[b]) = (Some(b), Some(a)));
-    for (own, twin) in twins.into_iter().enumerate().filter(|&(own, _)| own != primary) {
-        let Some(twin) = twin.filter(|&twin| twin > own && twin != primary) else { continue };
-        let is_free = |shell: usize| partner[shell].is_none_or(|partner| partner == shell);
-        let is_left = partner[own].is_none() || partner[twin].is_none();
-        if is_left && is_free(own) && is_free(twin) && similar.differ(own, twin) < AREA_TOLERANCE {
-            pairs.retain(|&(a, _, _)| a != own && a != twin);
+/// Pairs the only two of their connectivity, though one may be posed apart from the surface that it sits on, or have a neighbour of its twin nearer; not two that are
+/// their own images, nor one that lies nearer to its partner than what two that may be twins say is `in_place`.
+fn keep_only_twins(
+    pairs: &mut Vec<(usize, usize, f32)>,
+    colours: &[&ShellColours],
+    in_place: impl Fn(usize, usize) -> Option<f32>,
+) {
+    let mut partner = vec![None; colours.len()];
+    for &(a, b, mismatch) in pairs.iter() {
+        (partner[a], partner[b]) = (Some((b, mismatch)), Some((a, mismatch)));
+    }
+    for [own, twin] in only_twins(colours) {
+        let Some(least) = in_place(own, twin) else { continue };
+        let goes = |shell: usize| partner[shell].map(|(partner, _)| partner);
+        let is_placed = |shell: usize| partner[shell].is_some_and(|(_, mismatch)| mismatch < least);
+        let are_own = goes(own) == Some(own) && goes(twin) == Some(twin);
+        if goes(own) != Some(twin) && !are_own && !is_placed(own) && !is_placed(twin) {
+            pairs.retain(|(a, b, _)| ![own, twin].contains(a) && ![own, twin].contains(b));
             pairs.push((own, twin, FARTHEST));
         }
     }
-    Ok(pairs)
 }
 
 /// The involution whose pairs are of least mismatch in all, squared, where a shell without a partner counts as the farthest: by swarms, the shells that
@@ -417,8 +431,8 @@ mod tests {
             // Mirrors of each other, far from where they should be.
             ([-11.0, 0.0, 0.0], 1.0, 5),
             ([4.0, 9.0, 0.0], 1.0, 10),
-            // As large, and nothing like them.
-            ([15.0, 30.0, 0.0], 1.0, 0),
+            // Nothing like them, beside where the second should be.
+            ([10.2, 0.1, 0.0], 1.0, 0),
         ]);
         assert_eq!(targets(&mesh, 4)[1..], [Some(2), Some(1), None]);
     }

@@ -76,15 +76,17 @@ impl ShellColours {
     }
 }
 
-/// For each shell the only other one that has the mirror image of its connectivity.
-pub fn only_twins(colours: &[&ShellColours]) -> Vec<Option<usize>> {
+/// Shells of which each is the only other one that has the mirror image of the other's connectivity.
+pub fn only_twins(colours: &[&ShellColours]) -> Vec<[usize; 2]> {
     let mut seen: BTreeMap<&[u64], Vec<usize>> = BTreeMap::new();
     colours.iter().enumerate().for_each(|(own, shell)| seen.entry(&shell.seen).or_default().push(own));
     let only = |(own, shell): (usize, &&ShellColours)| {
         let mut others = seen.get(&shell.mirrored[..])?.iter().filter(|&&other| other != own);
         others.next().filter(|_| others.next().is_none()).copied()
     };
-    colours.iter().enumerate().map(only).collect()
+    let only: Vec<Option<usize>> = colours.iter().enumerate().map(only).collect();
+    let twins = only.iter().enumerate().filter_map(|(own, twin)| Some([own, (*twin)?]));
+    twins.filter(|&[own, twin]| own < twin && only[twin] == Some(own)).collect()
 }
 
 /// How many of some sorted values that are there once are among others.
