@@ -35,7 +35,7 @@ impl Example {
     fn find(&self, estimate: &[u32]) -> Option<Automorphism> {
         let (connectivity, confidence) =
             (Connectivity::new(self.half_edges(), 0, |_| 0.0), vec![1.0; self.truth.len()]);
-        connectivity.find(estimate, &confidence, Reliance::Places, Reflection, &Progress::default()).unwrap()
+        connectivity.find(estimate, &confidence, Reliance::Shells, Reflection, &Progress::default()).unwrap()
     }
 
     fn wrong(&self, found: &Automorphism) -> usize {
@@ -114,7 +114,7 @@ fn shapes_without_mirrored_connectivity_have_no_match() {
                 .find(
                     &estimate,
                     &vec![1.0; count as usize],
-                    Reliance::Places,
+                    Reliance::Shells,
                     Reflection,
                     &Progress::default()
                 )

@@ -112,7 +112,7 @@ fn measure(criterion: &mut Criterion, frequency: u32) {
     }
     let map = carry(proxy.as_ref());
     timer.time("mirrored connectivity", || {
-        connectivity.find(&map.partner, &map.confidence, Reliance::Places, SymmetryKind::Reflection, &quiet)
+        connectivity.find(&map.partner, &map.confidence, Reliance::Shells, SymmetryKind::Reflection, &quiet)
     });
     let estimate = || mirrored_vertices::Estimate { partner: &map.partner, image: &map.image };
     let find = || {

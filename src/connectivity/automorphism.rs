@@ -166,7 +166,7 @@ impl Connectivity {
         self.reflections = Bijections::Unknown;
         let points = self.half_edges.point_count;
         let (estimate, confidence) = (vec![NONE; points], vec![0.0; points]);
-        let estimate = Estimate::new(&self.half_edges, &estimate, &confidence, Reliance::Places);
+        let estimate = Estimate::new(&self.half_edges, &estimate, &confidence, Reliance::Twins);
         let agrees = |matching: &Matching, _: &[u32]| {
             let images = &matching.vertex_image;
             by_points(&self.half_edges, images, &vec![false; images.len()])

@@ -159,7 +159,7 @@ impl<'a> Gatherer<'a> {
         let is_moved = self.contacts.settle(self.mesh, &mut map, summary.kind, threads, progress)?;
         if self.shells.len() > 1 {
             // The others follow what whole shells and vertices say of this one, if they say something.
-            let is_settled = self.settle(&mut map, summary.kind, Reliance::Places, threads, progress)?;
+            let is_settled = self.settle(&mut map, summary.kind, Reliance::Shells, threads, progress)?;
             let partner = |point: u32| map.partner[point as usize];
             let settled = (is_moved || is_settled).then(|| images_by(searched, proxy, self.mesh, partner));
             let settled = settled.flatten();

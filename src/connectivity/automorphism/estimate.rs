@@ -14,14 +14,12 @@ const SMALL: f64 = 0.33;
 /// Least and most vertices visited around one estimate.
 const BALL: [f64; 2] = [256.0, 4096.0];
 
-/// How far an estimate is relied on.
+/// What an estimate is relied on for, beside its places: the only bijection onto a shell is accepted, though it is not near.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reliance {
-    /// In its places: a bijection must be near.
-    Places,
-    /// Or in which other shell is a shell's twin, too: its only bijection onto that is accepted.
+    /// Which other shell is a shell's twin.
     Twins,
-    /// Or in which shell goes where, itself included: an arm may be posed otherwise than what carries it.
+    /// Which shell goes where, itself included: an arm may be posed otherwise than what carries it.
     Shells,
 }
 
@@ -105,7 +103,6 @@ impl Estimate {
         let mut found: Vec<usize> = known.map(there).collect();
         found.sort_unstable();
         let middle = found.get(found.len() / 2).copied().filter(|&middle| match self.reliance {
-            Reliance::Places => false,
             Reliance::Twins => middle != shell,
             Reliance::Shells => true,
         });
