@@ -269,7 +269,10 @@ impl<'a> Gatherer<'a> {
         kind: SymmetryKind,
         progress: &Progress,
     ) -> Result<()> {
-        let primary = Primary { index: 0, shell: solved, carrier: Carrier::new(solved, images, kind) };
+        // What fills a hole is on no side.
+        let odd = solved.points.iter().map(|&point| map.odd.get(point as usize).copied().unwrap_or(0.0));
+        let (carrier, odd) = (Carrier::new(solved, images, kind), odd.collect());
+        let primary = Primary { index: 0, shell: solved, carrier, odd };
         let companions = companions::find(self.mesh, shells, anchors, &primary, progress)?;
         for (own, companion) in companions.iter().enumerate() {
             let Some(companion) = companion else { continue };

@@ -9,7 +9,7 @@ use crate::connectivity::automorphism::{ShellColours, only_twins, shell_colours}
 use crate::detect::mirror_plane::MirrorPlane;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
-use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
+use crate::mesh::vector::{Vector, dot, mean, squared_norm, subtract};
 use crate::mesh::{Mesh, Shell, UnionFind};
 use crate::refine::rigid_parts::{Carrier, cluster_motion};
 use crate::search::refinement::nearest;
@@ -69,6 +69,8 @@ pub struct Primary<'a> {
     pub shell: &'a Shell,
     /// Its map.
     pub carrier: Carrier<'a>,
+    /// On which side each of its vertices is: negative, positive, or on neither.
+    pub odd: Vec<f64>,
 }
 
 /// Finds the partner of every shell but the primary; `None` for those that have none.
@@ -101,7 +103,9 @@ pub fn by_plane(
     let place = |shell: &Shell| shell.points.iter().map(|&point| mesh.positions[point as usize]).collect();
     let own: Vec<Vec<Vector>> = shells.iter().map(place).collect();
     let image = |points: &Vec<Vector>| points.iter().map(|&point| plane.image(point)).collect();
-    let places = Places { mirrored: own.iter().map(image).collect(), own };
+    let odd = |points: &Vec<Vector>| points.iter().map(|&at| dot(plane.normal, at) - plane.offset).sum();
+    let sides = own.iter().map(odd).collect();
+    let places = Places { mirrored: own.iter().map(image).collect(), own, sides };
     paired(mesh, shells, &places, usize::MAX, progress)
 }
 
@@ -129,6 +133,8 @@ fn paired(
 struct Places {
     own: Vec<Vec<Vector>>,
     mirrored: Vec<Vec<Vector>>,
+    /// On which side of the symmetry the shell is: negative or positive.
+    sides: Vec<f64>,
 }
 
 impl Places {
@@ -152,7 +158,8 @@ impl Places {
         let carried = |(points, anchors): (&Vec<Vector>, &Vec<u32>)| primary.carrier.carried(points, anchors);
         let mut mirrored: Vec<Vec<Vector>> = own.iter().zip(anchors).map(carried).collect();
         cluster_motion::settle(&mut mirrored, &own, primary.carrier.kind, progress)?;
-        Ok(Places { mirrored, own })
+        let odd = |anchors: &Vec<u32>| anchors.iter().map(|&at| primary.odd[at as usize]).sum();
+        Ok(Places { mirrored, own, sides: anchors.iter().map(odd).collect() })
     }
 
     /// Mean distance from where points of `source` should be to the nearest points of `target`.
@@ -260,14 +267,16 @@ fn pair_shells(
     let colours: Vec<&ShellColours> = (0..shells.len()).map(of_shell).collect();
     keep_only_twins(&mut pairs, &colours, |own, twin| {
         let size = shells[own].area().min(shells[twin].area()).sqrt() as f32;
-        let may_be = own != primary && twin != primary && similar.differ(own, twin) < AREA_TOLERANCE;
+        let are_others = own != primary && twin != primary;
+        let are_across = places.sides[own] * places.sides[twin] <= 0.0;
+        let may_be = are_others && are_across && similar.differ(own, twin) < AREA_TOLERANCE;
         may_be.then_some(IN_PLACE * size)
     });
     Ok(pairs)
 }
 
 /// Pairs the only two of their connectivity, though one may be posed apart from the surface that it sits on, or have a neighbour of its twin nearer; not two that are
-/// their own images, nor one that lies nearer to its partner than what two that may be twins say is `in_place`.
+/// their own images, nor one that lies nearer to its partner than what two that may be twins say is `in_place`: two pouches on one hip may not.
 fn keep_only_twins(
     pairs: &mut Vec<(usize, usize, f32)>,
     colours: &[&ShellColours],
@@ -435,6 +444,13 @@ mod tests {
             ([10.2, 0.1, 0.0], 1.0, 0),
         ]);
         assert_eq!(targets(&mesh, 4)[1..], [Some(2), Some(1), None]);
+    }
+
+    #[test]
+    fn the_only_two_of_a_connectivity_on_one_side_are_no_partners() {
+        let mesh =
+            blocks(&[([-20.0, 0.0, 2.0], 40.0, 0), ([-11.0, 0.0, 0.0], 1.0, 5), ([-4.0, 9.0, 0.0], 1.0, 10)]);
+        assert_eq!(targets(&mesh, 3)[1..], [None, None]);
     }
 
     #[test]
