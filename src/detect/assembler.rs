@@ -29,6 +29,9 @@ use crate::refine::rigid_parts::{self, Carrier, Fitted};
 use crate::spectral::displacement::mean_displacement;
 use crate::verify::confidence::Evidence;
 use crate::verify::hypothesis::{Hypothesis, exchanges_sheets};
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+use std::cell::LazyCell;
 
 /// Distance of a plane's image from the surface, in sqrt(area), from which on a point has no partner.
 const LOST: f64 = 0.03;
@@ -211,7 +214,7 @@ impl<'a> Gatherer<'a> {
             }
             None => None,
         };
-        // A plane tells all but twins.
+        // A plane tells how shells lie: what changes lengths is another pairing.
         let may_be = |found: &Automorphism| reliance != Reliance::Twins || found.keeps_lengths(self.mesh);
         let exact = exact.filter(may_be).map(|found| found.within(&open));
         progress.report("mirrored vertices", 0.975)?;
@@ -262,6 +265,7 @@ impl<'a> Gatherer<'a> {
         }
     }
 
+    /// What sits on the first of some shells follows that.
     fn add_companions(
         &self,
         map: &mut PointMap,
@@ -481,12 +485,13 @@ fn fill_from_neighbours(partners: &mut [u32], shell: &Shell) {
     let paired: Vec<u32> = (0..partners.len() as u32).filter(has_partner).collect();
     let around = |vertex: u32| fans.of(vertex).iter().flat_map(|&triangle| triangles[triangle as usize]);
     let nearest = nearest_seeds(partners.len(), &paired, around);
-    let away = |a: u32, b: usize| squared_norm(subtract(positions[a as usize], positions[b]));
+    let leaf = |&vertex: &u32| GeomWithData::new(positions[vertex as usize], vertex);
+    let tree = LazyCell::new(|| RTree::bulk_load(paired.iter().map(leaf).collect()));
     for vertex in 0..partners.len() {
-        let in_space = || paired.iter().copied().min_by(|&a, &b| away(a, vertex).total_cmp(&away(b, vertex)));
+        let in_space = || tree.nearest_neighbor(positions[vertex]).expect("some are paired").data;
         if partners[vertex] == NONE {
-            let near = paired.get(nearest[vertex] as usize).copied().or_else(in_space);
-            partners[vertex] = near.map_or(NONE, |near| partners[near as usize]);
+            let near = paired.get(nearest[vertex] as usize).copied().unwrap_or_else(in_space);
+            partners[vertex] = partners[near as usize];
         }
     }
 }
