@@ -3,6 +3,7 @@
 mod attachment;
 mod canonical;
 mod connectivity_hash;
+mod copies;
 mod edges;
 mod fans;
 mod frame;
@@ -72,8 +73,8 @@ pub struct RepairReport {
     pub non_manifold_edges: usize,
     /// Vertices whose faces form more than one fan, kept.
     pub non_manifold_vertices: usize,
-    /// Vertices on seams (boundary edges in the same place, but for rounding and noise), treated as one point
-    /// with another vertex there.
+    /// Vertices on seams (boundary edges in the same place, but for rounding and noise) or on a copy of a shell in the same
+    /// place, treated as one point with another vertex there.
     pub welded_vertices: usize,
     /// Faces of no area (kept: intrinsic mollification handles them).
     pub zero_area_faces: usize,
@@ -171,18 +172,23 @@ struct Surface {
     polygon_of_triangle: Vec<u32>,
 }
 
-/// Closes seams; also the lowest vertex that each vertex coincides with.
+/// Makes one of shells that are there twice and closes seams; also the lowest vertex that each vertex coincides with.
 fn weld(mut polygons: Polygons, local: &[Vector], repairs: &mut RepairReport) -> (Polygons, Vec<u32>) {
-    let edges = EdgeTable::new(&polygons, local.len());
-    match weld::seam_representatives(&polygons, &edges, local) {
-        None => (polygons, (0..local.len() as u32).collect()),
-        Some(representative) => {
-            for corner in &mut polygons.corners {
-                *corner = representative[*corner as usize];
-            }
-            (polygons.without_degenerate(repairs).without_duplicates(local.len(), repairs), representative)
-        }
+    let mut representative: Vec<u32> = (0..local.len() as u32).collect();
+    let copies = weld::joined(local.len(), &[&copies::copied_vertices(&polygons, local)]);
+    let mut join = |polygons: Polygons, mut sets: UnionFind| {
+        representative.iter_mut().for_each(|vertex| *vertex = sets.find(*vertex));
+        let corners = polygons.corners.iter().map(|&corner| sets.find(corner)).collect();
+        Polygons { corners, ..polygons }.without_degenerate(repairs).without_duplicates(local.len(), repairs)
+    };
+    if let Some(sets) = copies {
+        polygons = join(polygons, sets);
     }
+    let edges = EdgeTable::new(&polygons, local.len());
+    if let Some(sets) = weld::seams(&polygons, &edges, local) {
+        polygons = join(polygons, sets);
+    }
+    (polygons, representative)
 }
 
 /// Triangulates, and drops polygons that fold onto themselves so that no triangle is left.

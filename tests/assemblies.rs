@@ -116,6 +116,47 @@ fn each_block_of_a_posed_figure_goes_to_its_twin() {
     assert_eq!(images(&figure, &found(&figure.polygons)), figure.twins);
 }
 
+/// As a negative scale leaves it.
+#[test]
+fn parts_of_one_side_whose_faces_look_inwards_go_to_their_twins() {
+    for mut figure in [figure(1.0, false), figure_of(&cube_of_squares(1), 0.0, 0.8, false)] {
+        let left: Vec<_> = figure.of_part.iter().skip(3).step_by(2).cloned().collect();
+        let size = figure.polygons.face_offsets[1] as usize;
+        for face in figure.polygons.face_vertices.chunks_mut(size) {
+            if left.iter().any(|part| part.contains(&(face[0] as usize))) {
+                face.reverse();
+            }
+        }
+        assert_eq!(images(&figure, &found(&figure.polygons)), figure.twins);
+    }
+}
+
+#[test]
+fn parts_that_are_there_twice_in_one_place_go_to_their_twins_copy_to_copy() {
+    for reversed in [false, true] {
+        let mut figure = figure_of(&cube_of_squares(1), 0.0, 0.8, false);
+        let Figure { polygons, of_part, twins } = &mut figure;
+        let (points, parts, faces) = (polygons.positions.len(), twins.len(), polygons.face_vertices.clone());
+        polygons.positions.extend_from_within(..);
+        for face in faces.chunks(polygons.face_offsets[1] as usize) {
+            let mut copy: Vec<u32> = face.iter().map(|corner| corner + points as u32).collect();
+            if reversed {
+                copy.reverse();
+            }
+            polygons.face_vertices.extend(copy);
+            polygons.face_offsets.push(polygons.face_vertices.len() as u32);
+        }
+        of_part.extend(of_part.clone().into_iter().map(|part| part.start + points..part.end + points));
+        twins.extend(twins.clone().into_iter().map(|twin| twin.map(|twin| twin + parts)));
+        let found = found(&figure.polygons);
+        assert_eq!(images(&figure, &found), figure.twins);
+        let partner = &found.symmetries[0].partner;
+        for (vertex, &own) in partner[..points].iter().enumerate() {
+            assert_eq!(partner[vertex + points], own + points as i32, "of the copy of {vertex}");
+        }
+    }
+}
+
 #[test]
 fn what_a_figure_holds_in_one_hand_has_no_partner() {
     let figure = figure(1.0, true);

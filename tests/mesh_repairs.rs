@@ -248,6 +248,26 @@ fn both_sides_of_a_doubled_sheet_become_one() {
 }
 
 #[test]
+fn a_copy_of_a_shell_in_its_place_becomes_one_with_it() {
+    let mut positions = TETRAHEDRON.to_vec();
+    positions.extend([2, 3, 0, 1].map(|vertex| TETRAHEDRON[vertex]));
+    let mut faces: Vec<Vec<u32>> = TETRAHEDRON_FACES.iter().map(|face| face.to_vec()).collect();
+    faces.extend(TETRAHEDRON_FACES.iter().rev().map(|face| face.iter().map(|v| (v + 2) % 4 + 4).collect()));
+    let validated = |positions: &[[f64; 3]], faces: &[Vec<u32>]| {
+        validated(positions, &faces.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    };
+    let mesh = validated(&positions, &faces);
+    assert_eq!(mesh.repairs, RepairReport { welded_vertices: 4, duplicate_faces: 4, ..Default::default() });
+    assert_eq!(mesh.point_of_vertex, [0, 1, 2, 3, 2, 3, 0, 1]);
+    assert_eq!((mesh.shell_count, mesh.triangles.len()), (1, 4));
+
+    let mut moved = positions.clone();
+    moved[4][0] += 1e-12;
+    assert_eq!(validated(&moved, &faces).repairs, RepairReport::default(), "a layer of its own");
+    assert_eq!(validated(&positions, &faces[..7]).repairs, RepairReport::default(), "not all of it");
+}
+
+#[test]
 fn touching_closed_shells_are_not_welded() {
     let mut positions = TETRAHEDRON.to_vec();
     positions.extend(TETRAHEDRON.map(|p| p.map(|coordinate| -coordinate)));

@@ -34,11 +34,12 @@ pub fn choose_by_faces(mesh: &Mesh, images: &[u32], kind: SymmetryKind, partners
                 let at = corners.at[corner];
                 let [to, after, behind] = [at, corners.next[corner], corners.before[corner]].map(image);
                 let wanted = if reverses { [to, behind, after] } else { [to, after, behind] };
-                let Some(other) = corners.find(wanted, points) else { continue };
+                let is_free = |other: u32| !mutual || is_open[other as usize];
+                let Some(other) = corners.find(wanted, points, is_free) else { continue };
                 if !mutual {
                     partners[vertex as usize] = other as i32;
                     is_open[vertex as usize] = false;
-                } else if is_open[other as usize] && image(to) == at {
+                } else if image(to) == at {
                     for [own, other] in [[vertex, other], [other, vertex]] {
                         partners[own as usize] = other as i32;
                         is_open[own as usize] = false;
@@ -92,17 +93,17 @@ impl WeldedCorners {
         found
     }
 
-    /// The vertex at the first corner with these points, or with the first two of them.
-    fn find(&self, [at, next, before]: [u32; 3], points: usize) -> Option<u32> {
+    /// The vertex at the first corner with these points, or with the first two of them, whose vertex may be taken.
+    fn find(&self, [at, next, before]: [u32; 3], points: usize, may_be: impl Fn(u32) -> bool) -> Option<u32> {
         if at == NONE || next == NONE {
             return None;
         }
         let there = &self.sorted[self.starts[at as usize] as usize..self.starts[at as usize + 1] as usize];
         let first = there.partition_point(|corner| corner.0 < next);
         let alike = there[first..].iter().take(CROWD).filter(|corner| corner.0 == next);
-        let mut alike = alike.map(|corner| corner.1 as usize);
-        let corner = alike.find(|&corner| points < 3 || self.before[corner] == before)?;
-        Some(self.vertex[corner])
+        let alike = alike.map(|corner| corner.1 as usize);
+        let alike = alike.filter(|&corner| points < 3 || self.before[corner] == before);
+        alike.map(|corner| self.vertex[corner]).find(|&vertex| may_be(vertex))
     }
 }
 

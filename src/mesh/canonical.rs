@@ -37,13 +37,16 @@ impl Mesh {
         let given_points = along_z_curve(&positions);
         let mut new = vec![0; given_points.len()];
         (0..).zip(&given_points).for_each(|(point, &old)| new[old as usize] = point);
+        // What looks inwards in that frame is turned over, so that twins of which one was given so look alike.
         let is_mirrored = dot(axes[0], cross(axes[1], axes[2])) < 0.0;
+        let inside_out = self.inside_out();
+        let turn = |point: u32| is_mirrored != inside_out[self.shell_of_point[point as usize] as usize];
         let ends = |triangle: usize| 3 * triangle..3 * triangle + 3;
         let corners = self.triangles.as_flattened();
-        let (triangles, corners) = sorted(corners, self.triangles.len(), ends, &new, is_mirrored);
+        let (triangles, corners) = sorted(corners, self.triangles.len(), ends, &new, turn);
         let ends = |face: usize| self.polygon_offsets[face] as usize..self.polygon_offsets[face + 1] as usize;
         let count = self.face_of_polygon.len();
-        let (polygons, polygon_points) = sorted(&self.polygon_points, count, ends, &new, is_mirrored);
+        let (polygons, polygon_points) = sorted(&self.polygon_points, count, ends, &new, turn);
         let mut polygon_offsets = vec![0];
         for &polygon in &polygons {
             polygon_offsets
@@ -87,19 +90,20 @@ fn from_smallest(cycle: &mut [u32]) {
     cycle.rotate_left(smallest);
 }
 
-/// Faces, each between its `ends` among `corners`, over new numbers and turned over if `mirrored`: their former places in the order of
+/// Faces, each between its `ends` among `corners`, over new numbers and turned over if their corners `turn`: their former places in the order of
 /// their corners, each from its smallest on, and these. O(points) beyond the faces that start alike.
 fn sorted(
     corners: &[u32],
     count: usize,
     ends: impl Fn(usize) -> Range<usize>,
     new: &[u32],
-    mirrored: bool,
+    turn: impl Fn(u32) -> bool,
 ) -> (Vec<u32>, Vec<u32>) {
-    let mut corners = picked(new, corners);
+    let given = corners;
+    let mut corners = picked(new, given);
     for face in 0..count {
         let corners = &mut corners[ends(face)];
-        if mirrored {
+        if turn(given[ends(face).start]) {
             corners.reverse();
         }
         from_smallest(corners);

@@ -3,7 +3,8 @@
 use super::Mesh;
 use super::edges::{EdgeTable, UnionFind};
 use super::polygons::Polygons;
-use super::vector::{cross, dot, subtract};
+use super::shells::centre;
+use super::vector::{Vector, cross, dot, squared_norm, subtract};
 
 /// What [`orientation`] decides, per polygon.
 pub struct Orientation {
@@ -60,20 +61,28 @@ fn lowest_that_agree(polygons: &Polygons, edges: &EdgeTable) -> Vec<[u32; 2]> {
 }
 
 impl Mesh {
-    /// Whether the faces of each shell look inwards: by its volume about the mean of its points, so that open ones say it, too.
+    /// Whether the faces of each shell look inwards: by its volume, which is negative then. That of an open shell depends on what it is
+    /// measured from, and counts if it is negative from everywhere within the root mean square distance of its points from their mean.
     pub(crate) fn inside_out(&self) -> Vec<bool> {
-        let (mut middles, mut counts) = (vec![[0.0; 3]; self.shell_count], vec![0.0; self.shell_count]);
-        for (at, &shell) in self.positions.iter().zip(&self.shell_of_point) {
-            (0..3).for_each(|axis| middles[shell as usize][axis] += at[axis]);
-            counts[shell as usize] += 1.0;
+        let mut points = vec![Vec::new(); self.shell_count];
+        for (&at, &shell) in self.positions.iter().zip(&self.shell_of_point) {
+            points[shell as usize].push(at);
         }
-        let mut volumes = vec![0.0; self.shell_count];
+        let middles: Vec<Vector> = points.iter_mut().map(|points| centre(points)).collect();
+        // Six times the volume, twice the vector area.
+        let mut sums = vec![(0.0, [0.0; 3]); self.shell_count];
         for triangle in &self.triangles {
             let shell = self.shell_of_point[triangle[0] as usize] as usize;
-            let middle = middles[shell].map(|sum| sum / counts[shell]);
-            let [a, b, c] = triangle.map(|corner| subtract(self.positions[corner as usize], middle));
-            volumes[shell] += dot(a, cross(b, c));
+            let [a, b, c] = triangle.map(|corner| subtract(self.positions[corner as usize], middles[shell]));
+            let (volume, area) = &mut sums[shell];
+            *volume += dot(a, cross(b, c));
+            let own = cross(subtract(b, a), subtract(c, a));
+            (0..3).for_each(|axis| area[axis] += own[axis]);
         }
-        volumes.into_iter().map(|volume| volume < 0.0).collect()
+        let is_negative = |((volume, area), points): ((f64, Vector), Vec<Vector>)| {
+            let square = points.iter().map(|&at| squared_norm(at)).sum::<f64>() / points.len() as f64;
+            volume < -(square * squared_norm(area)).sqrt()
+        };
+        sums.into_iter().zip(points).map(is_negative).collect()
     }
 }

@@ -20,13 +20,8 @@ const FOLDED: f64 = 0.98;
 /// Most edges at a place that are looked at: where there are more nothing is nearly in one place.
 const CROWD: usize = 32;
 
-/// The lowest vertex that each vertex is joined to (itself for most), or `None` if there is no seam.
-/// O(corners + boundary edges log boundary edges).
-pub fn seam_representatives(
-    polygons: &Polygons,
-    edges: &EdgeTable,
-    positions: &[Vector],
-) -> Option<Vec<u32>> {
+/// The sets of vertices that are joined, or `None` if there is no seam. O(corners + boundary edges log boundary edges).
+pub fn seams(polygons: &Polygons, edges: &EdgeTable, positions: &[Vector]) -> Option<UnionFind> {
     let boundary = boundary_edges_by_position(polygons, edges, positions);
     let (mut exact, mut lone) = (Vec::new(), Vec::new());
     for there in boundary.chunk_by(|a, b| a.place == b.place) {
@@ -46,11 +41,11 @@ pub fn seam_representatives(
         near.retain(|pair| !folded.contains(&sets.find(pair[0])));
         sets = joined(positions.len(), &[&exact, &near])?;
     }
-    Some((0..positions.len() as u32).map(|vertex| sets.find(vertex)).collect())
+    Some(sets)
 }
 
 /// The sets that these pairs make of all vertices; `None` if no two vertices are joined.
-fn joined(count: usize, pairs: &[&[[u32; 2]]]) -> Option<UnionFind> {
+pub fn joined(count: usize, pairs: &[&[[u32; 2]]]) -> Option<UnionFind> {
     let pairs = || pairs.iter().copied().flatten().filter(|[a, b]| a != b);
     pairs().next()?;
     let mut sets = UnionFind::new(count);
@@ -101,7 +96,7 @@ fn boundary_edges_by_position(
 }
 
 /// Equal exactly where positions are equal (the two zeros are), and totally ordered.
-fn position_key(position: Vector) -> [u64; 3] {
+pub fn position_key(position: Vector) -> [u64; 3] {
     position.map(|coordinate| (coordinate + 0.0).to_bits())
 }
 

@@ -104,15 +104,12 @@ pub fn shell_colours(mesh: &Mesh) -> Vec<ShellColours> {
     let colours = coloured(mesh, NEAR);
     // The order of colours around a face, from either side.
     let (mut seen, mut mirrored) = (colours.clone(), colours.clone());
-    let inside_out = mesh.inside_out();
     for face in mesh.polygon_offsets.windows(2) {
         let corners = &mesh.polygon_points[face[0] as usize..face[1] as usize];
         for (corner, &point) in corners.iter().enumerate() {
             let beside = [corner + corners.len() - 1, corner + 1];
             let [before, after] = beside.map(|beside| colours[corners[beside % corners.len()] as usize]);
             let [forth, back] = [[before, after], [after, before]].map(|[a, b]| hash(hash(a) ^ b));
-            let is_inside_out = inside_out[mesh.shell_of_point[point as usize] as usize];
-            let [forth, back] = if is_inside_out { [back, forth] } else { [forth, back] };
             let (seen, mirrored) = (&mut seen[point as usize], &mut mirrored[point as usize]);
             (*seen, *mirrored) = (seen.wrapping_add(forth), mirrored.wrapping_add(back));
         }
@@ -173,7 +170,8 @@ mod tests {
                 all.face_offsets.push(all.face_vertices.len() as u32);
             }
         }
-        Mesh::new(&all, &Limits::default()).expect("a usable mesh")
+        // Numbered so, all of it looks outwards.
+        Mesh::new(&all, &Limits::default()).expect("a usable mesh").canonical().mesh
     }
 
     #[test]
