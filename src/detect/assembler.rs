@@ -15,7 +15,7 @@ use crate::detect::correspondence::Symmetry;
 use crate::detect::domain::movement;
 use crate::detect::filled_holes::FilledShell;
 use crate::detect::fixed_curve::{odd_function, zero_set};
-use crate::detect::joined_shells::{LEAST, union};
+use crate::detect::joined_shells::{JoinedShells, LEAST, union};
 use crate::detect::mirror_plane::{MIRRORED, MOSTLY, MirrorPlane};
 use crate::detect::proxy::Proxy;
 use crate::detect::shell_symmetry::PreparedShell;
@@ -65,17 +65,17 @@ struct Known<'a> {
 }
 
 impl<'a> Gatherer<'a> {
-    /// `joints` join parts of the first of `shells`; `proxy` is that of it, if it has one. `connectivity` is `None` where it is not mirrored.
+    /// `proxy` is that of the first of the shells, if it has one. `connectivity` is `None` where it is not mirrored.
     pub fn new(
         mesh: &'a Mesh,
-        shells: &'a [Shell],
-        joints: &[[u32; 3]],
+        joined: &'a JoinedShells,
         proxy: Option<&Proxy>,
         connectivity: Option<&'a Connectivity>,
         mirrored_vertices: bool,
     ) -> Self {
+        let shells = &joined.shells;
         let mut anchors = if shells.len() > 1 { anchors(mesh, shells, 0) } else { Vec::new() };
-        let contacts = ContactGraph::new(mesh, shells, joints, &anchors);
+        let contacts = ContactGraph::new(mesh, joined, &anchors);
         if let Some(proxy) = proxy {
             for anchor in anchors.iter_mut().flatten() {
                 *anchor = proxy.nearest_vertex(*anchor);

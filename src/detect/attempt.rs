@@ -11,6 +11,7 @@ use crate::detect::detection::{Detection, Report};
 use crate::detect::domain::Domain;
 use crate::detect::filled_holes::FilledShell;
 use crate::detect::finishing::{Found, finish_best};
+use crate::detect::joined_shells::JoinedShells;
 use crate::detect::judging_mesh::JudgingMesh;
 use crate::detect::question::Question;
 use crate::detect::shell_symmetry::{candidates, of_images};
@@ -100,7 +101,7 @@ impl Attempt<'_> {
 
     /// The choice on the caller's mesh, and what the next call on the same connectivity needs.
     fn answer(&self, choice: Choice) -> Result<Detection> {
-        let Domain { shells, filled, question, .. } = self.domain;
+        let Domain { joined: JoinedShells { shells, .. }, filled, question } = self.domain;
         let Question { mesh, options, progress, .. } = **question;
         let Spectrum { shell, orbits, signs, proxy, .. } = self.spectrum;
         let assembled = choice

@@ -10,7 +10,7 @@ use crate::base::symmetry_kind::SymmetryKind;
 use crate::base::threads;
 use crate::detect::assembly::PointMap;
 use crate::detect::companions::AREA_TOLERANCE;
-use crate::detect::joined_shells::TOUCHING;
+use crate::detect::joined_shells::{JoinedShells, TOUCHING};
 use crate::geometry::embedded_triangles::TrianglePoint;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
@@ -34,6 +34,8 @@ pub struct ContactGraph {
     contacts: Vec<Contact>,
     /// Shells that are carried along, by those on which they hang, the smallest first.
     hung: Vec<Vec<Hung>>,
+    /// The likely twin of each shell, or [`NONE`].
+    twins: Vec<u32>,
 }
 
 /// Where two shells touch: the middle, and how far it reaches, squared.
@@ -64,9 +66,12 @@ struct Scene<'a> {
 }
 
 impl ContactGraph {
-    /// Shells, of which all but the first hang on the vertices of that one that are their `anchors`; `joints` join parts of the first. O(points log points).
-    pub fn new(mesh: &Mesh, shells: &[Shell], joints: &[[u32; 3]], anchors: &[Vec<u32>]) -> ContactGraph {
-        let mut graph = ContactGraph { contacts: Vec::new(), hung: Vec::new() };
+    /// Shells of which all but the first hang on the vertices of that one that are their `anchors`. O(points log points).
+    pub fn new(mesh: &Mesh, joined: &JoinedShells, anchors: &[Vec<u32>]) -> ContactGraph {
+        let JoinedShells { shells, joints, twins } = joined;
+        let mut graph =
+            ContactGraph { contacts: Vec::new(), hung: Vec::new(), twins: vec![NONE; mesh.shell_count] };
+        twins.iter().for_each(|&[own, twin]| graph.twins[own as usize] = twin);
         graph.hung.resize_with(mesh.shell_count, Vec::new);
         // One large shell has its images by the search.
         if shells.len() > 1 && (!joints.is_empty() || shells[0].area() < MOST) {
@@ -136,7 +141,7 @@ impl ContactGraph {
         progress.report("whole shells", 0.96)?;
         let token = progress.token();
         let scene = Scene { mesh, shells: mesh.shells(), kind };
-        let node = |own: usize| token.check().map(|()| scene.node(map, own));
+        let node = |own: usize| token.check().map(|()| scene.node(map, own, self.twins[own]));
         let nodes: Result<Vec<_>> =
             threads::map(threads, (0..scene.shells.len()).collect(), node).into_iter().collect();
         let mut nodes: Vec<Node> = nodes?.into_iter().flatten().collect();
@@ -213,10 +218,10 @@ impl ContactGraph {
 }
 
 impl Scene<'_> {
-    /// A shell that may be whole, if most of its points go to one shell.
-    fn node(&self, map: &PointMap, own: usize) -> Option<Node> {
+    /// A shell that may be whole, if some of its points go to its likely `twin` or most to one shell.
+    fn node(&self, map: &PointMap, own: usize, twin: u32) -> Option<Node> {
         let (mesh, shell) = (self.mesh, &self.shells[own]);
-        let target = partner(mesh, &self.shells, map, own)?;
+        let target = partner(mesh, &self.shells, map, own, twin)?;
         let there = &self.shells[target];
         let on_target = |&point: &u32| {
             let image = map.image[point as usize];
@@ -307,8 +312,8 @@ fn least_energy(costs: &[Vec<f64>], edges: &[([usize; 2], Vec<Vec<f64>>)]) -> Ve
     beliefs.iter().map(least).collect()
 }
 
-/// The shell to which most points of a shell go; `None` if it is settled, too small or too large.
-fn partner(mesh: &Mesh, shells: &[Shell], map: &PointMap, own: usize) -> Option<usize> {
+/// The likely twin of a shell if any of its points go there, or else where most go; `None` if it is settled, too small or too large.
+fn partner(mesh: &Mesh, shells: &[Shell], map: &PointMap, own: usize, twin: u32) -> Option<usize> {
     if !(LEAST..MOST).contains(&shells[own].area()) {
         return None;
     }
@@ -320,7 +325,8 @@ fn partner(mesh: &Mesh, shells: &[Shell], map: &PointMap, own: usize) -> Option<
     for &point in shells[own].points.iter().filter(is_open) {
         counts[mesh.shell_of_point[map.partner[point as usize] as usize] as usize] += 1;
     }
-    counts.iter().position(|&count| 2 * count > shells[own].points.len())
+    let likely = Some(twin as usize).filter(|&twin| counts.get(twin).is_some_and(|&count| count > 0));
+    likely.or_else(|| counts.iter().position(|&count| 2 * count > shells[own].points.len()))
 }
 
 #[cfg(test)]
@@ -372,19 +378,52 @@ mod tests {
     #[test]
     fn what_lies_on_itself_in_several_ways_follows_what_it_touches() {
         let mesh = blocks();
-        let whole = [mesh.shell_of((0..24).collect(), mesh.triangles.clone(), true)];
-        assert_eq!(settled(&mesh, &ContactGraph::new(&mesh, &whole, &[], &[]), true), onto(2));
+        let whole = vec![mesh.shell_of((0..24).collect(), mesh.triangles.clone(), true)];
+        let mut joined = JoinedShells::alone(whole);
+        assert_eq!(settled(&mesh, &ContactGraph::new(&mesh, &joined, &[]), true), onto(2));
         // The middle's left side touches the left arm's right one.
-        let joints = [0, 2, 4, 6].map(|left: u32| [left, 8 + (left ^ 1), 8]);
-        assert_eq!(settled(&mesh, &ContactGraph::new(&mesh, &whole, &joints, &[]), true), onto(1));
+        joined.joints = [0, 2, 4, 6].map(|left: u32| [left, 8 + (left ^ 1), 8]).to_vec();
+        assert_eq!(settled(&mesh, &ContactGraph::new(&mesh, &joined, &[]), true), onto(1));
     }
 
     #[test]
     fn what_hangs_on_a_shell_says_how_it_is_turned() {
         let mesh = blocks();
-        let shells = mesh.shells();
-        let graph = ContactGraph::new(&mesh, &shells, &[], &anchors(&mesh, &shells, 0));
+        let joined = JoinedShells::alone(mesh.shells());
+        let graph = ContactGraph::new(&mesh, &joined, &anchors(&mesh, &joined.shells, 0));
         assert_eq!(settled(&mesh, &graph, false), onto(1));
+    }
+
+    #[test]
+    fn a_shell_goes_to_its_likely_twin_if_some_of_its_points_do() {
+        let mesh = blocks();
+        let (mut joined, shells) = (JoinedShells::alone(mesh.shells()), mesh.shells());
+        let ends = |joined: &JoinedShells| {
+            let mut map = PointMap::empty(&mesh);
+            for own in [1, 2] {
+                // Half of its corners go to the middle.
+                for (target, half) in [(0, 0..4), (3 - own, 4..8)] {
+                    let images =
+                        VertexMap::at_vertices(&shells[target].triangles, (0..8).map(|c| c ^ 1).collect());
+                    let mut part = shells[own].clone();
+                    part.points = part.points[half.clone()].to_vec();
+                    let images = VertexMap {
+                        partners: images.partners[half.clone()].to_vec(),
+                        points: images.points[half].to_vec(),
+                    };
+                    map.insert(&part, &shells[target], &images, &[1.0; 4]);
+                }
+            }
+            let graph = ContactGraph::new(&mesh, joined, &[]);
+            graph
+                .settle(&mesh, &mut map, SymmetryKind::Reflection, 1, &Progress::default())
+                .expect("an answer");
+            map.partner[8..].to_vec()
+        };
+        assert_eq!(ends(&joined)[..4], [1, 0, 3, 2], "most go nowhere");
+        joined.twins = vec![[1, 2], [2, 1]];
+        let onto_twin: Vec<u32> = (16..24).chain(8..16).map(|corner| corner ^ 1).collect();
+        assert_eq!(ends(&joined), onto_twin);
     }
 
     #[test]

@@ -21,12 +21,9 @@ pub struct Domain<'a> {
     /// What is asked of which mesh.
     pub question: &'a Question<'a>,
     /// That shell, joined of several or the largest one, and the others.
-    pub shells: &'a [Shell],
+    pub joined: &'a JoinedShells,
     /// The first of those, its holes filled, if it has some.
     pub filled: Option<FilledShell>,
-    /// The shells that are joined to the first of those, and their likely twins.
-    twins: &'a [[u32; 2]],
-    joints: &'a [[u32; 3]],
 }
 
 impl<'a> Domain<'a> {
@@ -35,19 +32,19 @@ impl<'a> Domain<'a> {
         // Who states signs means those of the functions that the mesh has as it is.
         let fills = question.mechanisms.filled_holes && !question.options.states_signs();
         let filled = FilledShell::new(&joined.shells[0], &joined.joints, fills);
-        Domain { question, shells: &joined.shells, filled, twins: &joined.twins, joints: &joined.joints }
+        Domain { question, joined, filled }
     }
 
     /// The searched shell, its holes filled.
     pub fn searched(&self) -> &Shell {
-        self.filled.as_ref().map_or(&self.shells[0], |filled| &filled.shell)
+        self.filled.as_ref().map_or(&self.joined.shells[0], |filled| &filled.shell)
     }
 
     /// Carries maps of the searched shell, or of its `proxy`, to all shells.
     pub fn gatherer(&self, proxy: Option<&Proxy>) -> Gatherer<'_> {
         let Question { mesh, mechanisms, connectivity, .. } = self.question;
         let vertices = mechanisms.mirrored_vertices;
-        Gatherer::new(mesh, self.shells, self.joints, proxy, connectivity.as_ref(), vertices)
+        Gatherer::new(mesh, self.joined, proxy, connectivity.as_ref(), vertices)
     }
 
     /// The answer where the connectivity of the searched shell admits one reflection and the shape agrees with it: nothing is solved then.
@@ -55,7 +52,11 @@ impl<'a> Domain<'a> {
     /// # Errors
     /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
     pub fn exact(&self) -> Result<Option<Detection>> {
-        let Domain { shells, question: Question { mesh, options, progress, .. }, .. } = *self;
+        let Domain {
+            joined: JoinedShells { shells, .. },
+            question: Question { mesh, options, progress, .. },
+            ..
+        } = *self;
         let wanted = options.asks_for_one();
         let Some(found) = self.question.unrivalled.as_ref().filter(|_| wanted) else { return Ok(None) };
         // A pairing of all of them that has no rival, and to which lengths agree, is as good as a bijection, though defects or a part be left out.
@@ -81,7 +82,7 @@ impl<'a> Domain<'a> {
 
     /// The joined shell that each vertex of the solved one lies on, and its likely twin; what fills a hole goes with what is beside it.
     pub fn parts(&self, solved: &Shell) -> Option<TwinParts> {
-        if self.twins.is_empty() {
+        if self.joined.twins.is_empty() {
             return None;
         }
         let number = self.numbers();
@@ -97,7 +98,7 @@ impl<'a> Domain<'a> {
             }
         }
         let mut twin_of = [0; MOST_PARTS];
-        for [own, twin] in self.twins.iter().map(|pair| pair.map(|shell| number[shell as usize])) {
+        for [own, twin] in self.joined.twins.iter().map(|pair| pair.map(|shell| number[shell as usize])) {
             twin_of[own as usize] = twin as u8;
         }
         Some(TwinParts {
@@ -111,8 +112,8 @@ impl<'a> Domain<'a> {
         let last = MOST_PARTS as u32 - 1;
         let mut free = (0..).flat_map(|number| [number, last - number]);
         let mut numbers = vec![NONE; self.question.mesh.shell_count];
-        let pairs = self.twins.iter().filter(|[own, twin]| own < twin).flatten();
-        let alone = self.twins.iter().filter(|[own, twin]| own == twin).map(|[own, _]| own);
+        let pairs = self.joined.twins.iter().filter(|[own, twin]| own < twin).flatten();
+        let alone = self.joined.twins.iter().filter(|[own, twin]| own == twin).map(|[own, _]| own);
         pairs.chain(alone).zip(&mut free).for_each(|(&shell, number)| numbers[shell as usize] = number);
         numbers
     }

@@ -9,6 +9,7 @@ use crate::detect::assembler::Gatherer;
 use crate::detect::clock::Clock;
 use crate::detect::companions;
 use crate::detect::detection::{Detection, Report};
+use crate::detect::joined_shells::JoinedShells;
 use crate::detect::mirror_plane::MirrorPlane;
 use crate::mesh::{Canonical, Mesh};
 use crate::verify::reason::Reason;
@@ -80,11 +81,11 @@ impl<'a> Question<'a> {
             return Ok(None);
         };
         progress.check()?;
-        let shells = mesh.shells();
-        let companions = companions::by_plane(mesh, &shells, &plane, progress)?;
+        let joined = JoinedShells::alone(mesh.shells());
+        let companions = companions::by_plane(mesh, &joined.shells, &plane, progress)?;
         // Vertices that an exact plane mirrors lie at their images.
         let vertices = self.mechanisms.mirrored_vertices && !is_exact;
-        let gatherer = Gatherer::new(mesh, &shells, &[], None, self.connectivity.as_ref(), vertices);
+        let gatherer = Gatherer::new(mesh, &joined, None, self.connectivity.as_ref(), vertices);
         let found = gatherer.by_plane(&plane, &companions, options.threads, progress)?;
         Ok(found.map(|(symmetry, share)| {
             let reasons = vec![Reason::MirrorPlane { share }];

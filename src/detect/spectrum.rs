@@ -63,7 +63,7 @@ impl<'a> Spectrum<'a> {
         let known = match &proxy {
             Some(proxy) if options.states_signs() => {
                 let known = &options.known_signs;
-                stated_signs::on_proxy(&domain.shells[0], proxy, &surface, &basis, known, progress)?
+                stated_signs::on_proxy(&domain.joined.shells[0], proxy, &surface, &basis, known, progress)?
             }
             _ => options.known_signs.clone(),
         };
