@@ -261,9 +261,12 @@ fn a_copy_of_a_shell_in_its_place_becomes_one_with_it() {
     assert_eq!(mesh.point_of_vertex, [0, 1, 2, 3, 2, 3, 0, 1]);
     assert_eq!((mesh.shell_count, mesh.triangles.len()), (1, 4));
 
-    let mut moved = positions.clone();
-    moved[4][0] += 1e-12;
-    assert_eq!(validated(&moved, &faces).repairs, RepairReport::default(), "a layer of its own");
+    let moved = |by: f64| {
+        let copy = positions[4..].iter().map(|at| at.map(|coordinate| coordinate + by));
+        validated(&[&positions[..4], &copy.collect::<Vec<_>>()].concat(), &faces)
+    };
+    assert_eq!(moved(0.01).point_of_vertex, mesh.point_of_vertex, "against flicker");
+    assert_eq!(moved(0.1).repairs, RepairReport::default(), "a layer of its own");
     assert_eq!(validated(&positions, &faces[..7]).repairs, RepairReport::default(), "not all of it");
 }
 

@@ -96,7 +96,7 @@ fn boundary_edges_by_position(
 }
 
 /// Equal exactly where positions are equal (the two zeros are), and totally ordered.
-pub fn position_key(position: Vector) -> [u64; 3] {
+fn position_key(position: Vector) -> [u64; 3] {
     position.map(|coordinate| (coordinate + 0.0).to_bits())
 }
 
