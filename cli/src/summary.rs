@@ -91,8 +91,8 @@ pub fn repairs(repairs: &RepairReport) -> Vec<String> {
         ),
         (
             repairs.welded_vertices,
-            "boundary vertex joined with another at its place",
-            "boundary vertices joined with others at their place",
+            "vertex joined with another at its place",
+            "vertices joined with others at their place",
         ),
         (repairs.zero_area_faces, "face without area: kept", "faces without area: kept"),
     ];

@@ -59,7 +59,7 @@ class Repairs:
     non_manifold_edges: int
     #: Vertices whose faces form more than one fan, kept.
     non_manifold_vertices: int
-    #: Vertices on seams, treated as one point with another vertex there.
+    #: Vertices on seams, or of a copy of a shell in its place, treated as one point with another vertex there.
     welded_vertices: int
     #: Faces without area, kept.
     zero_area_faces: int
