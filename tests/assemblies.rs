@@ -157,6 +157,35 @@ fn parts_that_are_there_twice_in_one_place_go_to_their_twins_copy_to_copy() {
     }
 }
 
+/// As clothes that were made from it are.
+#[test]
+fn a_layer_on_a_part_is_not_its_twin() {
+    for pose in [0.0, 1.0] {
+        let mut figure = figure(pose, false);
+        let Figure { polygons, of_part, twins } = &mut figure;
+        let (parts, faces) = (twins.len(), polygons.face_vertices.clone());
+        for part in (3..parts).step_by(2) {
+            let own = of_part[part].clone();
+            let first = polygons.positions.len();
+            polygons.positions.extend_from_within(own.clone());
+            polygons.positions[first..].iter_mut().for_each(|at| *at = at.map(|x| x + 0.01));
+            for face in faces.chunks(3).filter(|face| own.contains(&(face[0] as usize))) {
+                polygons.face_vertices.extend(face.iter().map(|&v| v - own.start as u32 + first as u32));
+                polygons.face_offsets.push(polygons.face_vertices.len() as u32);
+            }
+            of_part.push(first..polygons.positions.len());
+        }
+        // A part's twin may be either of part and layer; the other has none.
+        let images = images(&figure, &found(&figure.polygons));
+        let part_of = |shell: usize| if shell < parts { shell } else { 3 + 2 * (shell - parts) };
+        for (shell, image) in images.iter().enumerate() {
+            let wanted = figure.twins[part_of(shell)];
+            assert!(image.is_none() || image.map(part_of) == wanted, "{shell} in pose {pose}: {images:?}");
+        }
+        assert_eq!(images.iter().flatten().count(), parts, "in pose {pose}: {images:?}");
+    }
+}
+
 #[test]
 fn what_a_figure_holds_in_one_hand_has_no_partner() {
     let figure = figure(1.0, true);

@@ -59,7 +59,7 @@ impl JoinedShells {
         }
         let contacts = Contacts::between(mesh, &shells[..members]);
         let distances = contacts.distances(mesh, &shells[..members]);
-        let mut twins = twins::likely(mesh, &shells[..members], &distances);
+        let mut twins = twins::likely(mesh, &shells[..members], &distances, &contacts.layers());
         contacts.add_hubs(&mut twins);
         // Shells that are all their own say no more together.
         if twins.iter().zip(0..).all(|(&twin, own)| twin == NONE || twin == own) {
@@ -204,6 +204,17 @@ impl Contacts {
         };
         let hubs: Vec<usize> = alone.filter(is_hub).collect();
         hubs.into_iter().for_each(|own| twins[own] = own as u32);
+    }
+
+    /// Pairs of shells in one place: skin and what fits it tightly, or a copy beside its original. Their twins are elsewhere.
+    fn layers(&self) -> HashSet<[usize; 2]> {
+        let lies_on = |own: usize, other: usize| {
+            let away =
+                |place: &Place| self.trees[other].nearest_neighbor_iter_with_distance_2(place.at).next();
+            let distances = self.places[own].iter().filter_map(away).map(|(_, square)| square.sqrt());
+            distances.sum::<f64>() < TOUCHING * self.places[own].len() as f64
+        };
+        self.pairs().into_iter().filter(|&[a, b]| lies_on(a, b) && lies_on(b, a)).collect()
     }
 
     /// Pairs of shells that touch.

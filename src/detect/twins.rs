@@ -7,6 +7,7 @@
 use crate::connectivity::automorphism::{ShellColours, shell_colours};
 use crate::mesh::vector::{Vector, dot};
 use crate::mesh::{Mesh, NONE, Shell};
+use std::collections::HashSet;
 
 /// What speaks for two shells of one size, where 1 speaks for a shell that is its own image, and by which part more if all their points see each other's mirror image.
 const SAME_SIZE: f64 = 2.0;
@@ -30,15 +31,16 @@ const NEARBY: f64 = 0.17;
 /// Pairs of one shell from which twins are sought.
 const MOST_STARTS: usize = 12;
 
-/// The likely twin of each shell, itself, or [`NONE`]. `distances` are those of shells, row by row. O(shells^3) a change, as many as shells, from each start.
-pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64]) -> Vec<u32> {
+/// The likely twin of each shell, itself, or [`NONE`]. `distances` are those of shells, row by row; `layers` are pairs of them in one place, which are no twins. O(shells^3)
+/// a change, as many as shells, from each start.
+pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64], layers: &HashSet<[usize; 2]>) -> Vec<u32> {
     let colours = shell_colours(mesh);
     let of_shell = |shell: &Shell| &colours[mesh.shell_of_point[shell.points[0] as usize] as usize];
     let colours: Vec<&ShellColours> = shells.iter().map(of_shell).collect();
     let sizes: Vec<[f64; 2]> = shells.iter().map(sizes).collect();
     let weights: Vec<f64> = sizes.iter().map(|size| size[0]).collect();
     let count = shells.len();
-    let evidence = evidence(&colours, &sizes);
+    let evidence = evidence(&colours, &sizes, layers);
     let nearness: Vec<f64> = distances.iter().map(|distance| (-distance / NEARBY).exp()).collect();
     let around = |a: usize| (0..count).map(|b| nearness[a * count + b] * weights[b]).sum::<f64>();
     let around = (0..count).map(around).collect();
@@ -46,7 +48,7 @@ pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64]) -> Vec<u32> {
 }
 
 /// What speaks for each pair of shells, row by row.
-fn evidence(colours: &[&ShellColours], sizes: &[[f64; 2]]) -> Vec<f64> {
+fn evidence(colours: &[&ShellColours], sizes: &[[f64; 2]], layers: &HashSet<[usize; 2]>) -> Vec<f64> {
     let count = sizes.len();
     let mirrored = |pair: usize| match (pair / count, pair % count) {
         (a, b) if a == b => (0, 0.0),
@@ -60,6 +62,9 @@ fn evidence(colours: &[&ShellColours], sizes: &[[f64; 2]]) -> Vec<f64> {
         distinct(a, b) > rivals.map(|c| distinct(a, c).max(distinct(b, c))).fold(0.0, f64::max)
     };
     let similarity = |a: usize, b: usize| {
+        if layers.contains(&[a.min(b), a.max(b)]) {
+            return 0.0;
+        }
         let [area, extent] = [0, 1].map(|k| (sizes[a][k] / sizes[b][k]).ln());
         let [by_area, by_extent] = [area / TOLERANCES[0], extent / TOLERANCES[1]].map(|ratio| ratio.powi(2));
         let apart = by_area + (1.0 - distinct(a, b)) * by_extent;
