@@ -209,10 +209,13 @@ impl Contacts {
     /// Pairs of shells in one place: skin and what fits it tightly, or a copy beside its original. Their twins are elsewhere.
     fn layers(&self) -> HashSet<[usize; 2]> {
         let lies_on = |own: usize, other: usize| {
-            let away =
-                |place: &Place| self.trees[other].nearest_neighbor_iter_with_distance_2(place.at).next();
-            let distances = self.places[own].iter().filter_map(away).map(|(_, square)| square.sqrt());
-            distances.sum::<f64>() < TOUCHING * self.places[own].len() as f64
+            // Mostly it does not, and a few places say so.
+            let mut left = TOUCHING * self.places[own].len() as f64;
+            self.places[own].iter().all(|place| {
+                let near = self.trees[other].nearest_neighbor(place.at).expect("a shell has places");
+                left -= squared_norm(subtract(place.at, *near.geom())).sqrt();
+                left > 0.0
+            })
         };
         self.pairs().into_iter().filter(|&[a, b]| lies_on(a, b) && lies_on(b, a)).collect()
     }

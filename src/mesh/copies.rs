@@ -43,14 +43,16 @@ pub fn copied_vertices(polygons: &Polygons, positions: &[Vector]) -> Vec<[u32; 2
     let mut is_copy = vec![false; count];
     let mut pairs = Vec::new();
     for (patch, own) in outlines.iter().enumerate() {
-        let is_like = |other: usize| {
+        if is_copy[patch] {
+            continue;
+        }
+        let is_like = |&other: &usize| {
             let there = &outlines[other];
-            (own.polygons, own.corners) == (there.polygons, there.corners)
+            other > patch && !is_copy[other] && (own.polygons, own.corners) == (there.polygons, there.corners)
         };
-        let near = middles.locate_within_distance(own.middle, own.reach * own.reach).take(CROWD);
-        let mut near: Vec<usize> = near.map(|there| there.data).filter(|&other| other > patch).collect();
-        near.retain(|&other| is_like(other) && !is_copy[other]);
-        if is_copy[patch] || near.is_empty() {
+        let near = middles.locate_within_distance(own.middle, own.reach * own.reach).map(|there| there.data);
+        let mut near: Vec<usize> = near.filter(is_like).take(CROWD).collect();
+        if near.is_empty() {
             continue;
         }
         near.sort_unstable();
@@ -126,17 +128,17 @@ impl<'a> Patches<'a> {
         let (mut pairs, mut taken) = (Vec::new(), Vec::new());
         for &polygon in self.of(patch) {
             let there = of.nearest_neighbor(*self.placed(polygon).geom())?.data;
-            let (own, there_corners) = (self.corners(polygon), self.corners(there));
+            let (own, others) = (self.corners(polygon), self.corners(there));
+            if own.len() != others.len() {
+                return None;
+            }
             for &corner in own {
                 let away = |other: &&u32| self.apart(corner, **other);
-                let nearest = *there_corners.iter().min_by(|a, b| away(a).total_cmp(&away(b)))?;
+                let nearest = *others.iter().min_by(|a, b| away(a).total_cmp(&away(b)))?;
                 if self.apart(corner, nearest) > reach * reach {
                     return None;
                 }
                 pairs.push([nearest, corner]);
-            }
-            if own.len() != there_corners.len() {
-                return None;
             }
             taken.push(there);
         }
