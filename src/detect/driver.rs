@@ -106,7 +106,8 @@ fn moved(mesh: &Mesh, found: &Detection) -> f64 {
     mesh.point_areas().into_iter().enumerate().map(square).sum()
 }
 
-/// The answer of the largest shell's connectivity, if it says nearly all; or of the joined shells; if that is not found that of the largest one alone, if that is worth more.
+/// The answer of the largest shell's connectivity, if it says nearly all; or of the joined shells; if that is not found that of the largest one alone, if that is worth more. If
+/// all that are joined are their own they say little more, and the largest one is asked first.
 fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
     // Twins are those of one symmetry, and stated signs those of the largest shell's functions.
     let alone = || JoinedShells::alone(question.mesh.shells());
@@ -125,11 +126,14 @@ fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<De
         clock.lap("correspondence");
         return Ok(exact);
     }
-    let found = of_parts(question, joined, plans, clock)?;
-    match found.outcome {
-        Outcome::Found => Ok(found),
-        _ => better(Some(found).filter(Detection::is_no_chance), of_parts(question, alone(), plans, clock)),
+    let are_own = joined.are_all_their_own();
+    let (first, second) = if are_own { (alone(), joined) } else { (joined, alone()) };
+    let found = of_parts(question, first, plans, clock)?;
+    if found.outcome == Outcome::Found {
+        return Ok(found);
     }
+    let earlier = Some(found).filter(|found| are_own || found.is_no_chance());
+    better(earlier, of_parts(question, second, plans, clock))
 }
 
 /// The answer of shells; or of what is left of the first without its parts that have no counterpart, if that is much more plausible.

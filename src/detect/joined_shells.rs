@@ -43,12 +43,17 @@ pub struct JoinedShells {
 }
 
 impl JoinedShells {
+    /// Whether no two of them are twins of each other.
+    pub fn are_all_their_own(&self) -> bool {
+        self.twins.iter().all(|[own, twin]| own == twin)
+    }
+
     /// The largest shell alone.
     pub fn alone(shells: Vec<Shell>) -> JoinedShells {
         JoinedShells { shells, joints: Vec::new(), twins: Vec::new() }
     }
 
-    /// The large shells that have a likely twin, joined, where none holds four fifths of the area and two are twins of each other; else the largest shell alone.
+    /// The large shells that have a likely twin or are their own, joined, where none holds four fifths of the area; else the largest shell alone.
     ///
     /// O(area / spacing^2 x log + shells x mesh).
     pub fn new(mesh: &Mesh, shells: Vec<Shell>) -> JoinedShells {
@@ -59,10 +64,11 @@ impl JoinedShells {
         }
         let contacts = Contacts::between(mesh, &shells[..members]);
         let distances = contacts.distances(mesh, &shells[..members]);
-        let mut twins = twins::likely(mesh, &shells[..members], &distances, &contacts.layers());
+        let layers = contacts.layers();
+        let mut twins = twins::likely(mesh, &shells[..members], &distances, &layers);
         contacts.add_hubs(&mut twins);
-        // Shells that are all their own say no more together.
-        if twins.iter().zip(0..).all(|(&twin, own)| twin == NONE || twin == own) {
+        drop_layers(&mut twins, &layers);
+        if twins.iter().filter(|&&twin| twin != NONE).count() < 2 {
             return JoinedShells::alone(shells);
         }
         let is_joined = |shell: usize| shell < members && twins[shell] != NONE;
@@ -92,6 +98,16 @@ pub fn union(mesh: &Mesh, shells: &[&Shell]) -> Shell {
     let triangles = of_mesh.iter().map(corners).collect();
     let orientable = shells.iter().all(|shell| shell.orientable);
     Shell { triangle_of_local: of_mesh, ..mesh.shell_of(points, triangles, orientable) }
+}
+
+/// Leaves no twin to a shell that is its own, where it lies on one that has its twin elsewhere.
+fn drop_layers(twins: &mut [u32], layers: &HashSet<[usize; 2]>) {
+    let is_own = |shell: usize| twins[shell] as usize == shell;
+    let is_elsewhere = |shell: usize| twins[shell] != NONE && !is_own(shell);
+    let both = layers.iter().flat_map(|&[a, b]| [[a, b], [b, a]]);
+    let dropped: Vec<usize> =
+        both.filter(|&[own, other]| is_own(own) && is_elsewhere(other)).map(|[own, _]| own).collect();
+    dropped.into_iter().for_each(|own| twins[own] = NONE);
 }
 
 /// Where two shells come near each other.
@@ -308,5 +324,13 @@ mod tests {
         let mut twins = [NONE, 2, 1, NONE, NONE];
         contacts.add_hubs(&mut twins);
         assert_eq!(twins, [0, 2, 1, NONE, NONE]);
+    }
+
+    #[test]
+    fn what_lies_on_an_arm_is_not_its_own_and_what_lies_on_a_trunk_may_be() {
+        // A trunk, two arms, and what lies on each of the first two.
+        let mut twins = [0, 2, 1, 3, 4];
+        drop_layers(&mut twins, &HashSet::from([[0, 3], [1, 4]]));
+        assert_eq!(twins, [0, 2, 1, 3, NONE]);
     }
 }

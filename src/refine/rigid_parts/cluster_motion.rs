@@ -34,6 +34,8 @@ const FARTHEST: f64 = 0.03;
 const BETTER: f64 = 0.7;
 const LIES_ON: f64 = 0.006;
 const GAIN: f64 = 0.001;
+/// A cluster whose middle the map moves by more than this, in sqrt(area), does not come back onto itself.
+const AWAY: f64 = 0.5 * RADIUS;
 
 /// Moves where shells should be, `mirrored` by a map of a `kind`, to where they fit on what there is, `own`; both are points by shell, in one unit. O(shells log shells).
 ///
@@ -118,7 +120,12 @@ fn best(
     let turned = finely.min_by(|a, b| a.0.total_cmp(&b.0)).expect("some turns");
     let near = points.registered(map, &many, ROUNDS);
     let (left, motion) = if turned.0 < LIES_ON.min(near.0 - GAIN) { turned } else { near };
-    Ok((left < BETTER * points.left(&many, |place| place.image)).then_some(motion))
+    let apart = |a, b| squared_norm(subtract(a, b));
+    let there = motion.of(spread.middle);
+    // What the map sends away, as a glove to the other hand, has its twins there or none.
+    let comes_back =
+        apart(about, spread.middle) > AWAY * AWAY && apart(there, spread.middle) < apart(there, about);
+    Ok((!comes_back && left < BETTER * points.left(&many, |place| place.image)).then_some(motion))
 }
 
 /// Points of all shells, or their middles.
@@ -190,6 +197,15 @@ mod tests {
             settle(mirrored, own, SymmetryKind::Reflection, &Progress::default()).unwrap();
             assert!(farthest(&cards) < 1e-3, "{angle}: {}", farthest(&cards));
         }
+    }
+
+    #[test]
+    fn what_the_map_sends_to_the_other_side_does_not_come_back() {
+        let [own, mut away] = cards(0.35);
+        away.iter_mut().flatten().for_each(|at| at[0] += 0.3);
+        let before = away.clone();
+        settle(&mut away, &own, SymmetryKind::Reflection, &Progress::default()).unwrap();
+        assert!(away == before);
     }
 
     #[test]

@@ -38,6 +38,8 @@ const ALIKE: f64 = 0.005;
 /// A shell lies on its partner if a motion leaves no more than this, and then every motion that leaves no more than that.
 const LIES_ON: f64 = 0.0008;
 const LIES_BESIDE: f64 = 0.002;
+/// A shell that a pose bends, as a face, lies where it leaves this share of what is left near the map.
+const MUCH_LESS: f64 = 0.35;
 /// What a motion leaves, and how far it goes from where it should, that are as bad: 1.
 const LEFT: f64 = 0.0006;
 const GONE: f64 = 0.05;
@@ -59,7 +61,9 @@ pub struct WholeShell {
     places: Vec<Place>,
     /// The motion nearest to the map.
     map: Motion,
-    /// What each way leaves, and the way.
+    /// By how much more what is bent leaves than what has kept its shape: 1 or more.
+    bent: f64,
+    /// What each way leaves, over that, and the way.
     ways: Vec<(f64, Motion)>,
 }
 
@@ -123,14 +127,15 @@ impl WholeShell {
             mirrored,
             map: Motion::between(&many, mirrored),
             places: many,
+            bent: 1.0,
             ways: Vec::new(),
         };
-        shell.ways = shell.found(&few);
+        (shell.bent, shell.ways) = shell.found(&few);
         Some(shell)
     }
 
-    /// Motions that lie on the target: that near the map, and from starts that are turned from it.
-    fn found(&self, few: &[Place]) -> Vec<(f64, Motion)> {
+    /// How bent the shell is, and motions that lie on the target: that near the map, and from starts that are turned from it.
+    fn found(&self, few: &[Place]) -> (f64, Vec<(f64, Motion)>) {
         let (surface, many) = (self.surface(), &self.places);
         let near = surface.settled(self.map, many, FINELY);
         let start = if near.0 < LIES_ON { near.1 } else { self.map };
@@ -148,11 +153,14 @@ impl WholeShell {
         let finely = distinct(roughly.collect(), few).into_iter().take(FOLLOWED);
         let finely = finely.map(|(_, motion)| surface.settled(motion, many, FINELY));
         let found: Vec<(f64, Motion)> = [near].into_iter().chain(finely).collect();
-        if found.iter().all(|found| found.0 >= LIES_ON) {
-            return Vec::new();
+        let least = found.iter().map(|found| found.0).fold(f64::INFINITY, f64::min);
+        if least >= LIES_ON.max(MUCH_LESS * near.0) {
+            return (1.0, Vec::new());
         }
-        let lying = found.into_iter().filter(|found| found.0 < LIES_BESIDE);
-        distinct(lying.chain([(LIES_BESIDE, self.map)]).collect(), many)
+        let bent = (least / LIES_ON).max(1.0);
+        let found = found.into_iter().map(|(left, motion)| (left / bent, motion));
+        let lying = found.filter(|found| found.0 < LIES_BESIDE);
+        (bent, distinct(lying.chain([(LIES_BESIDE, self.map)]).collect(), many))
     }
 
     /// Whether no motion is known that puts the shell onto its target.
@@ -165,11 +173,13 @@ impl WholeShell {
         let ratio = self.unit / other.unit;
         let theirs = other.ways.iter().map(|(_, motion)| motion.inverse().scaled(ratio));
         let all = self.ways.iter().map(|(_, motion)| *motion).chain(theirs);
+        let bent = self.bent.max(other.bent);
+        (self.bent, other.bent) = (bent, bent);
         let (own, others) = (self.surface(), other.surface());
         let both = |motion: Motion| {
             let [here, there] = [(&own, motion), (&others, motion.inverse().scaled(1.0 / ratio))]
                 .map(|(surface, motion)| surface.left(motion));
-            ((here.hypot(there) / 2f64.sqrt()).min(LIES_BESIDE), motion)
+            ((here.hypot(there) / 2f64.sqrt() / bent).min(LIES_BESIDE), motion)
         };
         let found = all.map(both).collect();
         self.ways = distinct(found, &self.places);
@@ -221,7 +231,8 @@ impl WholeShell {
         let start = best.map_or(self.map, |found| found.1);
         if let Some(start) = self.by_hints(&start, hints) {
             let near = surface.settled(start, &self.places, FROM_AFAR).1;
-            let found = surface.settled(near, &self.places, FINELY);
+            let (left, motion) = surface.settled(near, &self.places, FINELY);
+            let found = (left / self.bent, motion);
             let is_near = |other: &Motion| moved(&self.places, &found.1, other) < GONE * GONE;
             let is_better = best
                 .is_none_or(|best| is_near(&best.1) && self.cost(&found, hints) < self.cost(&best, hints));
@@ -430,6 +441,18 @@ mod tests {
             let around = (0..EACH as usize).filter(|&vertex| back[there[vertex] as usize] != vertex as u32);
             assert_eq!(around.count(), 0, "{way}");
         }
+    }
+
+    #[test]
+    fn what_is_a_little_bent_is_turned_back_too() {
+        let mesh = tubes(None, &[&|at| at, &|[x, y, z]| [3.0 + x, y + 0.1 * z * z, z]]);
+        let shell = whole(&mesh, 0, 1, 8);
+        assert!(!shell.has_none());
+        let partners = partners(&shell, &[]);
+        let is_beside =
+            |vertex: u32| (0..3).any(|step| partners[vertex as usize] == mirrored(vertex, AROUND - 1 + step));
+        let right = (0..EACH).filter(|&vertex| is_beside(vertex)).count() as u32;
+        assert!(3 * right > 2 * EACH, "{right} of {EACH}");
     }
 
     #[test]
