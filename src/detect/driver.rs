@@ -129,7 +129,9 @@ fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<De
     let are_own = joined.are_all_their_own();
     let (first, second) = if are_own { (alone(), joined) } else { (joined, alone()) };
     let found = of_parts(question, first, plans, clock)?;
-    if found.outcome == Outcome::Found {
+    // Joined, any lumps would have a map that sends each to itself.
+    let is_plausible = 100.0 * found.plausibility() >= question.options.plausibility as f64;
+    if found.outcome == Outcome::Found || are_own && !is_plausible {
         return Ok(found);
     }
     let earlier = Some(found).filter(|found| are_own || found.is_no_chance());

@@ -201,9 +201,9 @@ pub fn of_images(shell: &PreparedShell, target: &MatchTarget, images: VertexMap)
 
 /// `images` are those of all vertices.
 fn judge(shell: &PreparedShell, score: &Score, signature_mismatch: f64, images: &VertexMap) -> Judgement {
-    let displacement = match shell.surface.parts {
-        Some(_) => EXCHANGED,
-        None => mean_displacement(&shell.basis, &shell.surface.lumped_mass, &images.partners),
+    let displacement = match &shell.surface.parts {
+        Some(parts) if parts.any_exchange() => EXCHANGED,
+        _ => mean_displacement(&shell.basis, &shell.surface.lumped_mass, &images.partners),
     };
     Judgement::new(score, signature_mismatch, displacement).by(score)
 }

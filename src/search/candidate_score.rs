@@ -15,6 +15,7 @@ use crate::spectral::dense::product;
 use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
 use crate::spectral::sampling::{SPREAD_COORDINATES, Samples, spread_rows};
+use crate::spectral::twin_parts::TwinParts;
 use faer::{ColRef, Mat};
 
 /// Eigenfunctions that the orientation looks at on a surface with parts, whose first ones hardly vary inside parts; elsewhere as many as have signs.
@@ -139,7 +140,7 @@ impl<'a> Scorer<'a> {
             fixed: self.fixed_share(partners),
             disagreement: self.disagreement(&free),
             trace: mean_trace(map),
-            by_twins: self.refiner.samples.parts.is_some(),
+            by_twins: self.refiner.samples.parts.as_ref().is_some_and(TwinParts::any_exchange),
         })
     }
 

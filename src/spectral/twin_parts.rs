@@ -20,6 +20,11 @@ pub struct TwinParts {
 }
 
 impl TwinParts {
+    /// Whether some parts are not their own twins.
+    pub fn any_exchange(&self) -> bool {
+        self.own != self.twin
+    }
+
     /// Those of some of the vertices.
     pub fn at(&self, vertices: &[u32]) -> TwinParts {
         let of = |parts: &[u8]| vertices.iter().map(|&vertex| parts[vertex as usize]).collect();
