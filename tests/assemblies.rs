@@ -186,32 +186,47 @@ fn a_layer_on_a_part_is_not_its_twin() {
     }
 }
 
+/// Shells one above the other, each of a form, with the height of its middle, half axes and turn about the upright axis.
+fn column(parts: &[(&PolygonMesh, f64, Vector, f64)]) -> Figure {
+    let (mut positions, mut faces, mut of_part) = (Vec::new(), Vec::<Vec<u32>>::new(), Vec::new());
+    for &(form, height, axes, turn) in parts {
+        let first = positions.len();
+        for &[x, y, z] in &form.positions {
+            let [x, y, z] = rotated([axes[0] * x, axes[1] * y, axes[2] * z], [0.0, 1.0, 0.0], turn);
+            positions.push([x, y + height, z]);
+        }
+        let corners = form.face_vertices.chunks(3);
+        faces.extend(corners.map(|corners| corners.iter().map(|c| c + first as u32).collect()));
+        of_part.push(first..positions.len());
+    }
+    let faces: Vec<&[u32]> = faces.iter().map(Vec::as_slice).collect();
+    Figure {
+        polygons: polygon_mesh(&positions, &faces),
+        of_part,
+        twins: (0..parts.len()).map(Some).collect(),
+    }
+}
+
+/// A sphere with bumps of some heights in some directions.
+fn lump(bumps: &[(Vector, f64)]) -> PolygonMesh {
+    let mut form = icosphere(3);
+    for at in &mut form.positions {
+        let height = |(to, height): &(Vector, f64)| height * (-4.0 * distance(*at, *to).powi(2)).exp();
+        let bumped = 1.0 + bumps.iter().map(height).sum::<f64>();
+        *at = at.map(|x| bumped * x);
+    }
+    form
+}
+
 /// As a head with a trunk and hips that are posed apart, all of them their own images: none has half of the surface, and what one says of the others does not fit.
 #[test]
 fn shells_that_are_all_their_own_speak_together() {
-    let form = icosphere(3);
-    let parts = [
-        ([0.0, 0.0, 0.0], [0.62, 0.5, 0.45], 0.0),
-        ([0.0, -0.9, 0.0], [0.8, 0.45, 0.3], 0.75),
-        ([0.0, -1.65, 0.0], [0.75, 0.35, 0.3], 2.3),
-    ];
-    let (mut positions, mut faces) = (Vec::new(), Vec::<Vec<u32>>::new());
-    for (middle, axes, turn) in parts {
-        let first = positions.len() as u32;
-        for &[x, y, z] in &form.positions {
-            let bump = if z > 0.0 { 1.0 + 0.4 * z * z * z * (1.0 - 0.5 * y) } else { 1.0 };
-            let at = rotated([axes[0] * x, axes[1] * y, axes[2] * z * bump], [0.0, 1.0, 0.0], turn);
-            positions.push([0, 1, 2].map(|k| at[k] + middle[k]));
-        }
-        faces.extend(form.face_vertices.chunks(3).map(|corners| corners.iter().map(|c| c + first).collect()));
-    }
-    let faces: Vec<&[u32]> = faces.iter().map(Vec::as_slice).collect();
-    let count = form.positions.len();
-    let figure = Figure {
-        polygons: polygon_mesh(&positions, &faces),
-        of_part: (0..3).map(|part| part * count..(part + 1) * count).collect(),
-        twins: [0, 1, 2].map(Some).to_vec(),
-    };
+    let form = &lump(&[([0.0, -0.3, 1.0], 0.4)]);
+    let figure = column(&[
+        (form, 0.0, [0.62, 0.5, 0.45], 0.0),
+        (form, -0.9, [0.8, 0.45, 0.3], 0.75),
+        (form, -1.65, [0.75, 0.35, 0.3], 2.3),
+    ]);
     let found = found(&figure.polygons);
     assert_eq!(found.outcome, Outcome::Found);
     assert_eq!(images(&figure, &found), figure.twins);

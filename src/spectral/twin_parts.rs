@@ -36,3 +36,15 @@ impl TwinParts {
 pub fn code(part: u8) -> [f32; CODE] {
     std::array::from_fn(|bit| if part >> bit & 1 == 1 { SIZE } else { -SIZE })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn twins_tell_a_map_from_the_identity_where_some_part_is_not_its_own() {
+        let parts = |twin: [u8; 3]| TwinParts { own: vec![0, 1, 2], twin: twin.to_vec() };
+        assert!(parts([1, 0, 2]).any_exchange());
+        assert!(!parts([0, 1, 2]).any_exchange());
+    }
+}
