@@ -107,7 +107,7 @@ fn moved(mesh: &Mesh, found: &Detection) -> f64 {
 }
 
 /// The answer of the largest shell's connectivity, if it says nearly all; or of the joined shells; if that is not found that of the largest one alone, if that is worth more. If
-/// all that are joined are their own they say little more, and the largest one is asked first.
+/// all that are joined are their own, the largest one is asked first, and the others only if its map is plausible, but doubtful.
 fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
     // Twins are those of one symmetry, and stated signs those of the largest shell's functions.
     let alone = || JoinedShells::alone(question.mesh.shells());
@@ -126,7 +126,7 @@ fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<De
         clock.lap("correspondence");
         return Ok(exact);
     }
-    let are_own = joined.are_all_their_own();
+    let are_own = joined.twins.iter().all(|[own, twin]| own == twin);
     let (first, second) = if are_own { (alone(), joined) } else { (joined, alone()) };
     let found = of_parts(question, first, plans, clock)?;
     // Joined, any lumps would have a map that sends each to itself.

@@ -43,11 +43,6 @@ pub struct JoinedShells {
 }
 
 impl JoinedShells {
-    /// Whether no two of them are twins of each other.
-    pub fn are_all_their_own(&self) -> bool {
-        self.twins.iter().all(|[own, twin]| own == twin)
-    }
-
     /// The largest shell alone.
     pub fn alone(shells: Vec<Shell>) -> JoinedShells {
         JoinedShells { shells, joints: Vec::new(), twins: Vec::new() }

@@ -28,7 +28,7 @@ const POLISH_SIZES: [usize; 5] = [30, 30, 36, 42, 50];
 /// a symmetry, too.
 pub(super) const COARSE_SIZE: usize = 50;
 
-/// Displacement of a map of joined shells, in radii of the embedding: that twins go to each other tells it from the identity, however near to the middle the others lie.
+/// Displacement of a map of joined shells of which some are twins, in radii of the embedding: that twins go to each other tells it from the identity, however near to the middle the others lie.
 const EXCHANGED: f64 = 1.0;
 
 /// Vertices the network looks at.

@@ -47,7 +47,7 @@ pub struct Score {
     pub disagreement: f64,
     /// Mean trace of the map: 1 for the identity.
     pub trace: f64,
-    /// Whether the map takes parts to their likely twins: it is a reflection then, and no identity, whatever the orientation and the trace say.
+    /// Whether the map takes parts to their likely twins, of which some are not themselves: it is a reflection then, and no identity, whatever the orientation and the trace say.
     pub by_twins: bool,
 }
 
