@@ -29,6 +29,7 @@ use crate::refine::rigid_parts::{self, Carrier, Fitted};
 use crate::spectral::displacement::mean_displacement;
 use crate::verify::confidence::Evidence;
 use crate::verify::hypothesis::{Hypothesis, exchanges_sheets};
+use crate::verify::outcome::ALONE;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use std::cell::LazyCell;
@@ -55,6 +56,9 @@ struct Sitting<'a> {
     solved: &'a Shell,
     images: &'a VertexMap,
 }
+
+/// Finds partners of shells that sit on one: [`companions::find`] or [`companions::left_over`].
+type FindCompanions = fn(&Mesh, &[Shell], &[Vec<u32>], &Primary, &Progress) -> Result<Vec<Option<Companion>>>;
 
 /// A map of the searched shell, or of its proxy.
 struct Known<'a> {
@@ -169,7 +173,7 @@ impl<'a> Gatherer<'a> {
             let solved = proxy.map_or(searched, |proxy| &proxy.shell);
             let images = settled.as_ref().unwrap_or(images);
             let sitting = Sitting { shells: self.shells, anchors: &self.anchors, solved, images };
-            self.add_companions(&mut map, sitting, summary.kind, progress)?;
+            self.add_companions(&mut map, sitting, companions::find, summary.kind, progress)?;
             self.contacts.settle(self.mesh, &mut map, summary.kind, threads, progress)?;
             self.add_hanging(&mut map, summary.kind, threads, progress)?;
         }
@@ -245,15 +249,17 @@ impl<'a> Gatherer<'a> {
         threads: usize,
         progress: &Progress,
     ) -> Result<()> {
-        let mut count = 1;
+        let (mut count, mut left_over) = (1, false);
         loop {
             let is_known = |shell: &&Shell| map.partner[shell.points[0] as usize] != NONE;
             let (mut hosts, left): (Vec<&Shell>, Vec<&Shell>) = self.shells.iter().partition(is_known);
             hosts.retain(|shell| shell.area() >= LEAST);
-            if left.is_empty() || hosts.len() <= count {
+            let is_new = hosts.len() > count;
+            let is_most = hosts.iter().map(|shell| shell.area()).sum::<f64>() >= 1.0 - ALONE;
+            if left.is_empty() || !is_new && (left_over || !is_most) {
                 return Ok(());
             }
-            count = hosts.len();
+            (count, left_over) = (hosts.len(), !is_new);
             self.settle(map, kind, Reliance::Shells, threads, progress)?;
             let shells = [union(self.mesh, &hosts)].into_iter().chain(left.into_iter().cloned());
             let shells: Vec<Shell> = shells.collect();
@@ -261,7 +267,8 @@ impl<'a> Gatherer<'a> {
             let Some(images) = &images else { return Ok(()) };
             let anchors = &anchors(self.mesh, &shells, 0);
             let sitting = Sitting { shells: &shells, anchors, solved: &shells[0], images };
-            self.add_companions(map, sitting, kind, progress)?;
+            let find = if left_over { companions::left_over } else { companions::find };
+            self.add_companions(map, sitting, find, kind, progress)?;
         }
     }
 
@@ -270,6 +277,7 @@ impl<'a> Gatherer<'a> {
         &self,
         map: &mut PointMap,
         Sitting { shells, anchors, solved, images }: Sitting,
+        find: FindCompanions,
         kind: SymmetryKind,
         progress: &Progress,
     ) -> Result<()> {
@@ -277,7 +285,8 @@ impl<'a> Gatherer<'a> {
         let odd = solved.points.iter().map(|&point| map.odd.get(point as usize).copied().unwrap_or(0.0));
         let (carrier, odd) = (Carrier::new(solved, images, kind), odd.collect());
         let primary = Primary { index: 0, shell: solved, carrier, odd };
-        let companions = companions::find(self.mesh, shells, anchors, &primary, progress)?;
+        let mut companions = find(self.mesh, shells, anchors, &primary, progress)?;
+        companions::leave_own(self.mesh, shells, primary.index, &mut companions);
         for (own, companion) in companions.iter().enumerate() {
             let Some(companion) = companion else { continue };
             // What fills a hole says nothing.

@@ -7,6 +7,7 @@ use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::connectivity::automorphism::{ShellColours, only_twins, shell_colours};
 use crate::detect::mirror_plane::MirrorPlane;
+use crate::detect::twins::lookalikes;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{Vector, dot, mean, squared_norm, subtract};
@@ -90,6 +91,49 @@ pub fn find(
     paired(mesh, shells, &places, primary.index, progress)
 }
 
+/// Leaves shells that are their own without a partner where all that are like them are their own, or have none, and one has none: two that are equal go to each other.
+pub fn leave_own(mesh: &Mesh, shells: &[Shell], primary: usize, companions: &mut [Option<Companion>]) {
+    for set in lookalikes_among(mesh, shells, primary) {
+        let target =
+            |&own: &usize| companions.get(own).map(|companion| companion.as_ref().map(|of| of.target));
+        let is_alone = |own: &usize| target(own) == Some(None);
+        let is_own = |own: &usize| target(own) == Some(Some(*own));
+        if set.iter().any(is_alone) && set.iter().all(|own| is_alone(own) || is_own(own)) {
+            set.iter().for_each(|&own| companions[own] = None);
+        }
+    }
+}
+
+/// The same of [`lookalikes`] that are as yet all without a partner, however far apart a pose has put them.
+///
+/// # Errors
+/// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
+pub fn left_over(
+    mesh: &Mesh,
+    shells: &[Shell],
+    anchors: &[Vec<u32>],
+    primary: &Primary,
+    progress: &Progress,
+) -> Result<Vec<Option<Companion>>> {
+    let mut sets = lookalikes_among(mesh, shells, primary.index);
+    sets.retain(|set| !set.contains(&usize::MAX));
+    let mut companions: Vec<Option<Companion>> = shells.iter().map(|_| None).collect();
+    if !sets.is_empty() {
+        Places::new(mesh, shells, anchors, primary, progress)?.add_left_over(shells, &sets, &mut companions);
+    }
+    Ok(companions)
+}
+
+/// [`lookalikes`] by their places among `shells`; [`usize::MAX`] are those that are not there by themselves.
+fn lookalikes_among(mesh: &Mesh, shells: &[Shell], primary: usize) -> Vec<Vec<usize>> {
+    let mut local = vec![usize::MAX; mesh.shell_count];
+    let others = shells.iter().enumerate().filter(|(own, _)| *own != primary);
+    others.for_each(|(own, shell)| local[mesh.shell_of_point[shell.points[0] as usize] as usize] = own);
+    let mut sets = lookalikes(&mesh.shells());
+    sets.iter_mut().flatten().for_each(|shell| *shell = local[*shell]);
+    sets
+}
+
 /// The same of all shells, for a mesh with a mirror plane in space.
 ///
 /// # Errors
@@ -160,6 +204,34 @@ impl Places {
         cluster_motion::settle(&mut mirrored, &own, primary.carrier.kind, progress)?;
         let odd = |anchors: &Vec<u32>| anchors.iter().map(|&at| primary.odd[at as usize]).sum();
         Ok(Places { mirrored, own, sides: anchors.iter().map(odd).collect() })
+    }
+
+    /// Pairs shells of each set that are nearer to each other's mirrored place than to their own, or one of which lies in its own, as a hand before the chest does.
+    fn add_left_over(mut self, shells: &[Shell], sets: &[Vec<usize>], companions: &mut [Option<Companion>]) {
+        let middles = |of: &[Vec<Vector>]| -> Vec<Vector> {
+            of.iter().map(|points| mean(points.iter().copied())).collect()
+        };
+        let (goals, own) = (middles(&self.mirrored), middles(&self.own));
+        let gap = |a: usize, b: usize| squared_norm(subtract(goals[a], own[b])).sqrt();
+        let is_own = |a: usize| gap(a, a) < f64::from(FARTHEST);
+        let may_be = |&(a, b): &(usize, usize)| {
+            a < b && (gap(a, b) + gap(b, a) < gap(a, a) + gap(b, b) || is_own(a) || is_own(b))
+        };
+        let pairs = sets.iter().flat_map(|set| set.iter().flat_map(|&a| set.iter().map(move |&b| (a, b))));
+        let pairs: Vec<(usize, usize)> = pairs.filter(may_be).collect();
+        let gaps: Vec<f64> = pairs.iter().map(|&(a, b)| gap(a, b) + gap(b, a)).collect();
+        // No pair of them is too far to be one.
+        let unit = f64::from(FARTHEST) / gaps.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        let options = pairs.into_iter().zip(gaps).map(|(pair, gap)| (pair, (unit * gap) as f32)).collect();
+        for (first, second, _) in involution(&options) {
+            for (source, target) in [(first, second), (second, first)] {
+                let shift = subtract(own[target], goals[source]);
+                let moved = self.mirrored[source].iter_mut();
+                moved.for_each(|at| (0..3).for_each(|axis| at[axis] += shift[axis]));
+                let images = match_shells(shells, &self, source, target);
+                companions[source] = Some(Companion { target, images, mismatch: FARTHEST });
+            }
+        }
     }
 
     /// Mean distance from where points of `source` should be to the nearest points of `target`.
@@ -451,6 +523,60 @@ mod tests {
         let mesh =
             blocks(&[([-20.0, 0.0, 2.0], 40.0, 0), ([-11.0, 0.0, 0.0], 1.0, 5), ([-4.0, 9.0, 0.0], 1.0, 10)]);
         assert_eq!(targets(&mesh, 3)[1..], [None, None]);
+    }
+
+    /// Where boxes that a pose has put apart go: those of the shells, by whether a first search has found them to be their own.
+    fn left_over_targets(mesh: &Mesh, count: usize, found: &[(usize, usize)]) -> Vec<Option<usize>> {
+        let shells = mesh.shells();
+        let shell = |block: usize| mesh.shell_of_point[mesh.point_of_vertex[8 * block] as usize] as usize;
+        let block = |target: usize| (0..count).find(|&block| shell(block) == target).expect("a block");
+        let map = |&(own, target): &(usize, usize)| {
+            let images = VertexMap::at_vertices(&shells[shell(own)].triangles, (0..8).collect());
+            (shell(own), Companion { target: shell(target), images, mismatch: 0.0 })
+        };
+        let mut companions: Vec<Option<Companion>> = vec![None; count];
+        found.iter().map(map).for_each(|(own, companion)| companions[own] = Some(companion));
+        leave_own(mesh, &shells, shell(0), &mut companions);
+        let place = |shell: &Shell| shell.points.iter().map(|&at| mesh.positions[at as usize]).collect();
+        let own: Vec<Vec<Vector>> = shells.iter().map(place).collect();
+        let middle = -mesh.centre[0] / mesh.unit_length;
+        let image = |points: &Vec<Vector>| points.iter().map(|&[x, y, z]| [2.0 * middle - x, y, z]).collect();
+        let places = Places { mirrored: own.iter().map(image).collect(), own, sides: vec![0.0; count] };
+        let mut sets = lookalikes_among(mesh, &shells, shell(0));
+        sets.retain(|set| set.iter().all(|&own| own != usize::MAX && companions[own].is_none()));
+        places.add_left_over(&shells, &sets, &mut companions);
+        let target = |own: usize| companions[shell(own)].as_ref().map(|companion| block(companion.target));
+        (0..count).map(target).collect()
+    }
+
+    #[test]
+    fn equal_shells_that_are_left_over_go_across_and_two_on_one_side_stay_alone() {
+        let trunk = ([-20.0, 0.0, 2.0], 40.0, 0);
+        // Four legs, each on its own in a stride, and two pouches on one hip.
+        let leg = |x: f64, y: f64| ([x, y, 0.0], 1.0, 0);
+        let pouch = |y: f64| ([9.0, y, 9.0], 2.0, 0);
+        let mesh = blocks(&[
+            trunk,
+            leg(-11.0, 0.0),
+            leg(10.0, 4.0),
+            leg(-11.0, 20.0),
+            leg(10.0, 26.0),
+            pouch(0.0),
+            pouch(8.0),
+        ]);
+        let expected = [None, Some(2), Some(1), Some(4), Some(3), None, None];
+        assert_eq!(left_over_targets(&mesh, 7, &[]), expected);
+    }
+
+    #[test]
+    fn a_hand_before_the_chest_is_not_its_own_if_the_other_has_no_partner() {
+        let trunk = ([-20.0, 0.0, 2.0], 40.0, 0);
+        let hand = |x: f64, y: f64| ([x, y, 0.0], 1.0, 0);
+        let mesh = blocks(&[trunk, hand(-0.5, 0.0), hand(30.0, 9.0)]);
+        assert_eq!(left_over_targets(&mesh, 3, &[(1, 1)]), [None, Some(2), Some(1)]);
+        // Two buttons, both of them their own.
+        let mesh = blocks(&[trunk, hand(-0.5, 0.0), hand(-0.5, 9.0)]);
+        assert_eq!(left_over_targets(&mesh, 3, &[(1, 1), (2, 2)]), [None, Some(1), Some(2)]);
     }
 
     #[test]

@@ -28,6 +28,8 @@ const APART: f64 = 0.22;
 const EXCLUDED: f64 = 3.5;
 /// Distance, in sqrt(area), at which another shell says 1 / e of what one nearby does.
 const NEARBY: f64 = 0.17;
+/// How much the areas of two shells differ that are next to each other among those of one size.
+const ONE_SIZE: f64 = 0.01;
 /// Pairs of one shell from which twins are sought.
 const MOST_STARTS: usize = 12;
 
@@ -44,7 +46,32 @@ pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64], layers: &HashSet
     let nearness: Vec<f64> = distances.iter().map(|distance| (-distance / NEARBY).exp()).collect();
     let around = |a: usize| (0..count).map(|b| nearness[a * count + b] * weights[b]).sum::<f64>();
     let around = (0..count).map(around).collect();
-    Involution { evidence, weights, distances, nearness, around, twins: vec![NONE; count] }.settled()
+    let twins = vec![NONE; count];
+    let mut twins = Involution { evidence, weights, distances, nearness, around, twins }.settled();
+    pair_own(&mut twins, &lookalikes(shells));
+    twins
+}
+
+/// Sets of an even number of shells that have as many points and triangles, and one size.
+pub fn lookalikes(shells: &[Shell]) -> Vec<Vec<usize>> {
+    let counts = |shell: usize| (shells[shell].points.len(), shells[shell].triangles.len());
+    let mut order: Vec<usize> = (0..shells.len()).collect();
+    order.sort_by(|&a, &b| counts(a).cmp(&counts(b)).then(shells[a].area().total_cmp(&shells[b].area())));
+    let are_alike = |&a: &usize, &b: &usize| {
+        counts(a) == counts(b) && shells[b].area() <= (1.0 + ONE_SIZE) * shells[a].area()
+    };
+    order.chunk_by(are_alike).filter(|set| set.len() % 2 == 0).map(<[usize]>::to_vec).collect()
+}
+
+/// Makes a shell that is its own and its only lookalike without a twin each other's.
+fn pair_own(twins: &mut [u32], alike: &[Vec<usize>]) {
+    for set in alike {
+        let of =
+            |twin: fn(usize) -> u32| Vec::from_iter(set.iter().copied().filter(|&a| twins[a] == twin(a)));
+        if let ([own], [alone]) = (&of(|a| a as u32)[..], &of(|_| NONE)[..]) {
+            (twins[*own], twins[*alone]) = (*alone as u32, *own as u32);
+        }
+    }
 }
 
 /// What speaks for each pair of shells, row by row.
@@ -212,6 +239,13 @@ fn sizes(shell: &Shell) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_shell_is_not_its_own_while_the_only_one_like_it_has_no_twin() {
+        let mut twins = [1, 0, 2, NONE, 4, NONE, NONE, 7, 8, NONE];
+        pair_own(&mut twins, &[vec![0, 1], vec![2, 3], vec![4, 5, 6, 9], vec![7, 8]]);
+        assert_eq!(twins, [1, 0, 3, 2, 4, NONE, NONE, 7, 8, NONE]);
+    }
 
     #[test]
     fn legs_in_rows_change_sides_and_not_places_in_the_row() {

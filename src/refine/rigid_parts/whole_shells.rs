@@ -10,7 +10,7 @@ use crate::geometry::embedded_triangles::TrianglePoint;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::Shell;
-use crate::mesh::rotation::{principal_axes, product, rotation, turned};
+use crate::mesh::rotation::{Matrix, eigenvectors, principal_axes, product, rotation, transposed, turned};
 use crate::mesh::vector::{Vector, cross, point_areas, squared_norm, subtract, summed_normals, unit};
 use crate::spectral::sampling::area_weighted_vertices;
 use rstar::RTree;
@@ -40,6 +40,8 @@ const LIES_ON: f64 = 0.0008;
 const LIES_BESIDE: f64 = 0.002;
 /// A shell that a pose bends, as a face, lies where it leaves this share of what is left near the map.
 const MUCH_LESS: f64 = 0.35;
+/// Or this share of how far the map strays from the nearest motion.
+const NEXT_TO_NOTHING: f64 = 0.1;
 /// What a motion leaves, and how far it goes from where it should, that are as bad: 1.
 const LEFT: f64 = 0.0006;
 const GONE: f64 = 0.05;
@@ -130,12 +132,17 @@ impl WholeShell {
             bent: 1.0,
             ways: Vec::new(),
         };
-        (shell.bent, shell.ways) = shell.found(&few);
+        let by_axes = by_axes(
+            [&shell.own, &shell.target],
+            [&areas, &point_areas(&shell.target, &shell.triangles)],
+            mirrored,
+        );
+        (shell.bent, shell.ways) = shell.found(&few, by_axes);
         Some(shell)
     }
 
     /// How bent the shell is, and motions that lie on the target: that near the map, and from starts that are turned from it.
-    fn found(&self, few: &[Place]) -> (f64, Vec<(f64, Motion)>) {
+    fn found(&self, few: &[Place], by_axes: Vec<Motion>) -> (f64, Vec<(f64, Motion)>) {
         let (surface, many) = (self.surface(), &self.places);
         let near = surface.settled(self.map, many, FINELY);
         let start = if near.0 < LIES_ON { near.1 } else { self.map };
@@ -147,14 +154,17 @@ impl WholeShell {
             let turn = move |turn: u32| rotation(axes[k], TAU * f64::from(turn) / f64::from(TURNS));
             (0..TURNS).map(turn).flat_map(move |turn| flips.map(|flip| product(&turn, &flip)))
         });
-        let starts = starts.map(|turn| (0.0, start.then_turned(&turn, about))).collect();
+        let turned = starts.map(|turn| start.then_turned(&turn, about));
+        let starts = by_axes.into_iter().chain(turned).map(|start| (0.0, start)).collect();
         let roughly =
             distinct(starts, few).into_iter().map(|(_, start)| surface.settled(start, few, ROUGHLY));
         let finely = distinct(roughly.collect(), few).into_iter().take(FOLLOWED);
         let finely = finely.map(|(_, motion)| surface.settled(motion, many, FINELY));
         let found: Vec<(f64, Motion)> = [near].into_iter().chain(finely).collect();
         let least = found.iter().map(|found| found.0).fold(f64::INFINITY, f64::min);
-        if least >= LIES_ON.max(MUCH_LESS * near.0) {
+        let stray = |place: &Place| squared_norm(subtract(self.map.of(place.own.position), place.image));
+        let strays = (many.iter().map(stray).sum::<f64>() / many.len() as f64).sqrt();
+        if least >= LIES_ON.max(MUCH_LESS * near.0).max(NEXT_TO_NOTHING * strays) {
             return (1.0, Vec::new());
         }
         let bent = (least / LIES_ON).max(1.0);
@@ -282,6 +292,39 @@ impl WholeShell {
     fn surface(&self) -> Surface<'_> {
         Surface { shell: self, walk: SurfaceWalk::new(&self.target, &self.triangles) }
     }
+}
+
+/// Motions that take the axes of inertia of one set of points, by their `areas`, to those of another.
+fn by_axes(points: [&[Vector]; 2], areas: [&[f64]; 2], mirrored: bool) -> Vec<Motion> {
+    let frame = |side: usize| {
+        let (points, areas) = (points[side], areas[side]);
+        let all: f64 = areas.iter().sum();
+        let mut middle = [0.0; 3];
+        for (at, area) in points.iter().zip(areas) {
+            (0..3).for_each(|axis| middle[axis] += area / all * at[axis]);
+        }
+        let mut moments = Matrix::default();
+        for (&at, area) in points.iter().zip(areas) {
+            let offset = subtract(at, middle);
+            (0..9).for_each(|entry| {
+                moments[entry / 3][entry % 3] += area * offset[entry / 3] * offset[entry % 3]
+            });
+        }
+        let (values, vectors) = eigenvectors(moments);
+        let mut order = [0, 1, 2];
+        order.sort_by(|&a: &usize, &b| values[a].total_cmp(&values[b]));
+        let vectors = transposed(&vectors);
+        let [a, b, _] = order.map(|axis| vectors[axis]);
+        (middle, [a, b, cross(a, b)])
+    };
+    let ((from, axes), (to, others)) = (frame(0), frame(1));
+    let motion = |signs: u32| {
+        let sign = |axis: u32| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
+        let flipped = [0, 1, 2].map(|axis| others[axis].map(|x| sign(axis as u32) * x));
+        let turn = product(&transposed(&flipped), &axes);
+        Motion { turn, shift: subtract(to, turned(&turn, from)) }
+    };
+    (0..8u32).filter(|signs| (signs.count_ones() % 2 == 1) == mirrored).map(motion).collect()
 }
 
 /// How bad a squared distance is from where something should be.
@@ -453,6 +496,18 @@ mod tests {
             |vertex: u32| (0..3).any(|step| partners[vertex as usize] == mirrored(vertex, AROUND - 1 + step));
         let right = (0..EACH).filter(|&vertex| is_beside(vertex)).count() as u32;
         assert!(3 * right > 2 * EACH, "{right} of {EACH}");
+    }
+
+    #[test]
+    fn axes_of_inertia_put_a_shell_onto_its_twin_however_that_is_turned() {
+        let turn = rotation([0.3, -0.5, 0.8], 2.1);
+        let mesh = tubes(None, &[&|at| at, &|at| turned(&turn, at).map(|x| x + 2.0)]);
+        let shell = whole(&mesh, 0, 1, 0);
+        let areas = |points: &[Vector]| point_areas(points, &shell.triangles);
+        let (own, target) = (&shell.own[..], &shell.target[..]);
+        let motions = by_axes([own, target], [&areas(own), &areas(target)], true);
+        let least = motions.iter().map(|&motion| shell.surface().left(motion)).fold(f64::INFINITY, f64::min);
+        assert!(motions.len() == 4 && least < 1e-9, "{least}");
     }
 
     #[test]
