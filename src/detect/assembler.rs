@@ -88,6 +88,12 @@ impl<'a> Gatherer<'a> {
         Gatherer { mesh, shells, anchors, connectivity, mirrored_vertices, contacts }
     }
 
+    /// With the contacts of shells that are `joined`, though one of them alone is searched.
+    pub fn with_contacts_of(mut self, joined: &JoinedShells) -> Self {
+        self.contacts = ContactGraph::of(self.mesh, self.shells, joined, &self.anchors);
+        self
+    }
+
     /// The symmetry that an exact bijection of the searched shell is, to which the shape agrees; its vertices go to `partners`.
     ///
     /// # Errors

@@ -68,7 +68,12 @@ struct Scene<'a> {
 impl ContactGraph {
     /// Shells of which all but the first hang on the vertices of that one that are their `anchors`. O(points log points).
     pub fn new(mesh: &Mesh, joined: &JoinedShells, anchors: &[Vec<u32>]) -> ContactGraph {
-        let JoinedShells { shells, joints, twins } = joined;
+        ContactGraph::of(mesh, &joined.shells, joined, anchors)
+    }
+
+    /// The same of `shells`, with the contacts of others that are `joined`.
+    pub fn of(mesh: &Mesh, shells: &[Shell], joined: &JoinedShells, anchors: &[Vec<u32>]) -> ContactGraph {
+        let JoinedShells { joints, twins, .. } = joined;
         let mut graph =
             ContactGraph { contacts: Vec::new(), hung: Vec::new(), twins: vec![NONE; mesh.shell_count] };
         twins.iter().for_each(|&[own, twin]| graph.twins[own as usize] = twin);
@@ -77,7 +82,7 @@ impl ContactGraph {
         if shells.len() > 1 && (!joints.is_empty() || shells[0].area() < MOST) {
             graph.hang(mesh, shells, anchors);
         }
-        graph.join(mesh, &shells[0], joints);
+        graph.join(mesh, &joined.shells[0], joints);
         graph
     }
 
@@ -384,6 +389,9 @@ mod tests {
         // The middle's left side touches the left arm's right one.
         joined.joints = [0, 2, 4, 6].map(|left: u32| [left, 8 + (left ^ 1), 8]).to_vec();
         assert_eq!(settled(&mesh, &ContactGraph::new(&mesh, &joined, &[]), true), onto(1));
+        // Also where one is searched alone.
+        let shells = mesh.shells();
+        assert_eq!(settled(&mesh, &ContactGraph::of(&mesh, &shells, &joined, &[]), true), onto(1));
     }
 
     #[test]

@@ -47,11 +47,12 @@ impl<'a> Domain<'a> {
         Gatherer::new(mesh, self.joined, proxy, connectivity.as_ref(), vertices)
     }
 
-    /// The answer where the connectivity of the searched shell admits one reflection and the shape agrees with it: nothing is solved then.
+    /// The answer where the connectivity of the searched shell admits one reflection and the shape agrees with it: nothing is solved then. Others lie as the
+    /// `contacts` of joined shells say, though this one be searched alone.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
-    pub fn exact(&self) -> Result<Option<Detection>> {
+    pub fn exact(&self, contacts: &JoinedShells) -> Result<Option<Detection>> {
         let Domain {
             joined: JoinedShells { shells, .. },
             question: Question { mesh, options, progress, .. },
@@ -75,7 +76,12 @@ impl<'a> Domain<'a> {
         {
             return Ok(None);
         }
-        let symmetry = self.gatherer(None).exact(&found, partners, options.threads, progress)?;
+        let symmetry = self.gatherer(None).with_contacts_of(contacts).exact(
+            &found,
+            partners,
+            options.threads,
+            progress,
+        )?;
         let reasons = vec![Reason::MirroredConnectivity { length_change: change.median }];
         Ok(Some(Detection::new(vec![symmetry], ANY, Report { reasons, ..Report::of(mesh) })))
     }

@@ -120,7 +120,7 @@ fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<De
     }
     // A body of mirrored connectivity knows better than all that it wears.
     if question.unrivalled.is_some()
-        && let Some(exact) = Domain::new(question, &alone()).exact()?
+        && let Some(exact) = Domain::new(question, &alone()).exact(&joined)?
         && exact.worth() >= ENOUGH
     {
         clock.lap("correspondence");
@@ -213,7 +213,7 @@ fn of_shells(
 ) -> Result<(Detection, Vec<Shell>)> {
     question.progress.report("holes", 0.03)?;
     let domain = Domain::new(question, joined);
-    if let Some(exact) = domain.exact()? {
+    if let Some(exact) = domain.exact(joined)? {
         clock.lap("correspondence");
         return Ok((exact, Vec::new()));
     }
