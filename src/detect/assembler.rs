@@ -69,29 +69,23 @@ struct Known<'a> {
 }
 
 impl<'a> Gatherer<'a> {
-    /// `proxy` is that of the first of the shells, if it has one. `connectivity` is `None` where it is not mirrored.
+    /// `proxy` is that of the first of the `shells`, if it has one; these touch each other as those that are `joined` do. `connectivity` is `None` where it is not mirrored.
     pub fn new(
         mesh: &'a Mesh,
-        joined: &'a JoinedShells,
+        shells: &'a [Shell],
+        joined: &JoinedShells,
         proxy: Option<&Proxy>,
         connectivity: Option<&'a Connectivity>,
         mirrored_vertices: bool,
     ) -> Self {
-        let shells = &joined.shells;
         let mut anchors = if shells.len() > 1 { anchors(mesh, shells, 0) } else { Vec::new() };
-        let contacts = ContactGraph::new(mesh, joined, &anchors);
+        let contacts = ContactGraph::new(mesh, shells, joined, &anchors);
         if let Some(proxy) = proxy {
             for anchor in anchors.iter_mut().flatten() {
                 *anchor = proxy.nearest_vertex(*anchor);
             }
         }
         Gatherer { mesh, shells, anchors, connectivity, mirrored_vertices, contacts }
-    }
-
-    /// With the contacts of shells that are `joined`, though one of them alone is searched.
-    pub fn with_contacts_of(mut self, joined: &JoinedShells) -> Self {
-        self.contacts = ContactGraph::of(self.mesh, self.shells, joined, &self.anchors);
-        self
     }
 
     /// The symmetry that an exact bijection of the searched shell is, to which the shape agrees; its vertices go to `partners`.

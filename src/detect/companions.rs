@@ -93,6 +93,12 @@ pub fn find(
 
 /// Leaves shells that are their own without a partner where all that are like them are their own, or have none, and one has none: two that are equal go to each other.
 pub fn leave_own(mesh: &Mesh, shells: &[Shell], primary: usize, companions: &mut [Option<Companion>]) {
+    let is_own = |(own, companion): (usize, &Option<Companion>)| {
+        companion.as_ref().is_some_and(|companion| companion.target == own)
+    };
+    if !companions.iter().enumerate().any(is_own) {
+        return;
+    }
     for set in lookalikes_among(mesh, shells, primary) {
         let target =
             |&own: &usize| companions.get(own).map(|companion| companion.as_ref().map(|of| of.target));
@@ -104,7 +110,7 @@ pub fn leave_own(mesh: &Mesh, shells: &[Shell], primary: usize, companions: &mut
     }
 }
 
-/// The same of [`lookalikes`] that are as yet all without a partner, however far apart a pose has put them.
+/// Finds partners of [`lookalikes`] that are as yet all without one, however far apart a pose has put them.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
@@ -134,7 +140,7 @@ fn lookalikes_among(mesh: &Mesh, shells: &[Shell], primary: usize) -> Vec<Vec<us
     sets
 }
 
-/// The same of all shells, for a mesh with a mirror plane in space.
+/// The partner of every shell of a mesh with a mirror plane in space; `None` for those that have none.
 ///
 /// # Errors
 /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].

@@ -67,12 +67,8 @@ struct Scene<'a> {
 
 impl ContactGraph {
     /// Shells of which all but the first hang on the vertices of that one that are their `anchors`. O(points log points).
-    pub fn new(mesh: &Mesh, joined: &JoinedShells, anchors: &[Vec<u32>]) -> ContactGraph {
-        ContactGraph::of(mesh, &joined.shells, joined, anchors)
-    }
-
-    /// The same of `shells`, with the contacts of others that are `joined`.
-    pub fn of(mesh: &Mesh, shells: &[Shell], joined: &JoinedShells, anchors: &[Vec<u32>]) -> ContactGraph {
+    /// They touch each other as those that are `joined` do, though one of these alone be searched.
+    pub fn new(mesh: &Mesh, shells: &[Shell], joined: &JoinedShells, anchors: &[Vec<u32>]) -> ContactGraph {
         let JoinedShells { joints, twins, .. } = joined;
         let mut graph =
             ContactGraph { contacts: Vec::new(), hung: Vec::new(), twins: vec![NONE; mesh.shell_count] };
@@ -385,20 +381,20 @@ mod tests {
         let mesh = blocks();
         let whole = vec![mesh.shell_of((0..24).collect(), mesh.triangles.clone(), true)];
         let mut joined = JoinedShells::alone(whole);
-        assert_eq!(settled(&mesh, &ContactGraph::new(&mesh, &joined, &[]), true), onto(2));
+        assert_eq!(settled(&mesh, &ContactGraph::new(&mesh, &joined.shells, &joined, &[]), true), onto(2));
         // The middle's left side touches the left arm's right one.
         joined.joints = [0, 2, 4, 6].map(|left: u32| [left, 8 + (left ^ 1), 8]).to_vec();
-        assert_eq!(settled(&mesh, &ContactGraph::new(&mesh, &joined, &[]), true), onto(1));
+        assert_eq!(settled(&mesh, &ContactGraph::new(&mesh, &joined.shells, &joined, &[]), true), onto(1));
         // Also where one is searched alone.
         let shells = mesh.shells();
-        assert_eq!(settled(&mesh, &ContactGraph::of(&mesh, &shells, &joined, &[]), true), onto(1));
+        assert_eq!(settled(&mesh, &ContactGraph::new(&mesh, &shells, &joined, &[]), true), onto(1));
     }
 
     #[test]
     fn what_hangs_on_a_shell_says_how_it_is_turned() {
         let mesh = blocks();
         let joined = JoinedShells::alone(mesh.shells());
-        let graph = ContactGraph::new(&mesh, &joined, &anchors(&mesh, &joined.shells, 0));
+        let graph = ContactGraph::new(&mesh, &joined.shells, &joined, &anchors(&mesh, &joined.shells, 0));
         assert_eq!(settled(&mesh, &graph, false), onto(1));
     }
 
@@ -422,7 +418,7 @@ mod tests {
                     map.insert(&part, &shells[target], &images, &[1.0; 4]);
                 }
             }
-            let graph = ContactGraph::new(&mesh, joined, &[]);
+            let graph = ContactGraph::new(&mesh, &joined.shells, joined, &[]);
             graph
                 .settle(&mesh, &mut map, SymmetryKind::Reflection, 1, &Progress::default())
                 .expect("an answer");

@@ -42,9 +42,13 @@ impl<'a> Domain<'a> {
 
     /// Carries maps of the searched shell, or of its `proxy`, to all shells.
     pub fn gatherer(&self, proxy: Option<&Proxy>) -> Gatherer<'_> {
+        self.gatherer_with(self.joined, proxy)
+    }
+
+    fn gatherer_with(&self, contacts: &JoinedShells, proxy: Option<&Proxy>) -> Gatherer<'_> {
         let Question { mesh, mechanisms, connectivity, .. } = self.question;
         let vertices = mechanisms.mirrored_vertices;
-        Gatherer::new(mesh, self.joined, proxy, connectivity.as_ref(), vertices)
+        Gatherer::new(mesh, &self.joined.shells, contacts, proxy, connectivity.as_ref(), vertices)
     }
 
     /// The answer where the connectivity of the searched shell admits one reflection and the shape agrees with it: nothing is solved then. Others lie as the
@@ -76,12 +80,8 @@ impl<'a> Domain<'a> {
         {
             return Ok(None);
         }
-        let symmetry = self.gatherer(None).with_contacts_of(contacts).exact(
-            &found,
-            partners,
-            options.threads,
-            progress,
-        )?;
+        let gatherer = self.gatherer_with(contacts, None);
+        let symmetry = gatherer.exact(&found, partners, options.threads, progress)?;
         let reasons = vec![Reason::MirroredConnectivity { length_change: change.median }];
         Ok(Some(Detection::new(vec![symmetry], ANY, Report { reasons, ..Report::of(mesh) })))
     }

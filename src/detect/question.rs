@@ -85,7 +85,8 @@ impl<'a> Question<'a> {
         let companions = companions::by_plane(mesh, &joined.shells, &plane, progress)?;
         // Vertices that an exact plane mirrors lie at their images.
         let vertices = self.mechanisms.mirrored_vertices && !is_exact;
-        let gatherer = Gatherer::new(mesh, &joined, None, self.connectivity.as_ref(), vertices);
+        let gatherer =
+            Gatherer::new(mesh, &joined.shells, &joined, None, self.connectivity.as_ref(), vertices);
         let found = gatherer.by_plane(&plane, &companions, options.threads, progress)?;
         Ok(found.map(|(symmetry, share)| {
             let reasons = vec![Reason::MirrorPlane { share }];

@@ -1,7 +1,7 @@
 //! Whole shells that have kept their shape: plates of armour, links of a robot, wheels.
 //!
 //! What is round tells a map of eigenfunctions little of how it is turned, and a box lies on its partner in several ways. So the rigid motion nearest to the map, and others that are
-//! turned from it, are brought to the partner's surface (Y. Chen, G. Medioni, "Object modelling by registration of multiple range images", 1992); those
+//! turned from it or put axes of inertia onto each other, are brought to the partner's surface (Y. Chen, G. Medioni, "Object modelling by registration of multiple range images", 1992); those
 //! that come to lie on it are the ways in which the shell may go. Which it is, others tell: what the shell touches, and what hangs on it.
 
 use super::motion::{Approach, Motion, Oriented, Place, Spread};
@@ -10,7 +10,7 @@ use crate::geometry::embedded_triangles::TrianglePoint;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::Shell;
-use crate::mesh::rotation::{Matrix, eigenvectors, principal_axes, product, rotation, transposed, turned};
+use crate::mesh::rotation::{eigenvectors, principal_axes, product, rotation, transposed, turned};
 use crate::mesh::vector::{Vector, cross, point_areas, squared_norm, subtract, summed_normals, unit};
 use crate::spectral::sampling::area_weighted_vertices;
 use rstar::RTree;
@@ -141,7 +141,7 @@ impl WholeShell {
         Some(shell)
     }
 
-    /// How bent the shell is, and motions that lie on the target: that near the map, and from starts that are turned from it.
+    /// How bent the shell is, and motions that lie on the target: that near the map, and from starts that are turned from it or put axes of inertia onto each other.
     fn found(&self, few: &[Place], by_axes: Vec<Motion>) -> (f64, Vec<(f64, Motion)>) {
         let (surface, many) = (self.surface(), &self.places);
         let near = surface.settled(self.map, many, FINELY);
@@ -154,8 +154,8 @@ impl WholeShell {
             let turn = move |turn: u32| rotation(axes[k], TAU * f64::from(turn) / f64::from(TURNS));
             (0..TURNS).map(turn).flat_map(move |turn| flips.map(|flip| product(&turn, &flip)))
         });
-        let turned = starts.map(|turn| start.then_turned(&turn, about));
-        let starts = by_axes.into_iter().chain(turned).map(|start| (0.0, start)).collect();
+        let starts = by_axes.into_iter().chain(starts.map(|turn| start.then_turned(&turn, about)));
+        let starts = starts.map(|start| (0.0, start)).collect();
         let roughly =
             distinct(starts, few).into_iter().map(|(_, start)| surface.settled(start, few, ROUGHLY));
         let finely = distinct(roughly.collect(), few).into_iter().take(FOLLOWED);
@@ -297,19 +297,9 @@ impl WholeShell {
 /// Motions that take the axes of inertia of one set of points, by their `areas`, to those of another.
 fn by_axes(points: [&[Vector]; 2], areas: [&[f64]; 2], mirrored: bool) -> Vec<Motion> {
     let frame = |side: usize| {
-        let (points, areas) = (points[side], areas[side]);
-        let all: f64 = areas.iter().sum();
-        let mut middle = [0.0; 3];
-        for (at, area) in points.iter().zip(areas) {
-            (0..3).for_each(|axis| middle[axis] += area / all * at[axis]);
-        }
-        let mut moments = Matrix::default();
-        for (&at, area) in points.iter().zip(areas) {
-            let offset = subtract(at, middle);
-            (0..9).for_each(|entry| {
-                moments[entry / 3][entry % 3] += area * offset[entry / 3] * offset[entry % 3]
-            });
-        }
+        let places = points[side].iter().zip(areas[side]);
+        let places: Vec<Place> = places.map(|(&at, &area)| Place::unoriented(at, at, area)).collect();
+        let Spread { middle, moments, .. } = Spread::of(&places);
         let (values, vectors) = eigenvectors(moments);
         let mut order = [0, 1, 2];
         order.sort_by(|&a: &usize, &b| values[a].total_cmp(&values[b]));
