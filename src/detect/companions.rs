@@ -135,7 +135,7 @@ fn lookalikes_among(mesh: &Mesh, shells: &[Shell], primary: usize) -> Vec<Vec<us
     let mut local = vec![usize::MAX; mesh.shell_count];
     let others = shells.iter().enumerate().filter(|(own, _)| *own != primary);
     others.for_each(|(own, shell)| local[mesh.shell_of_point[shell.points[0] as usize] as usize] = own);
-    let mut sets = lookalikes(&mesh.shells());
+    let mut sets = lookalikes(mesh, &mesh.shells());
     sets.iter_mut().flatten().for_each(|shell| *shell = local[*shell]);
     sets
 }

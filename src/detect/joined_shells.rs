@@ -62,6 +62,7 @@ impl JoinedShells {
         let layers = contacts.layers();
         let mut twins = twins::likely(mesh, &shells[..members], &distances, &layers);
         contacts.add_hubs(&mut twins);
+        twins::pair_own(&mut twins, &twins::lookalikes(mesh, &shells[..members]));
         drop_layers(&mut twins, &layers);
         if twins.iter().filter(|&&twin| twin != NONE).count() < 2 {
             return JoinedShells::alone(shells);

@@ -4,7 +4,8 @@
 //! these are from each other, along the surface: so a sword in one hand, which would be its own mirror image by itself, has none. The involution of the
 //! shells that is worth most is sought by single changes, from each of the pairs of a shell that may have several twins.
 
-use crate::connectivity::automorphism::{ShellColours, shell_colours};
+use crate::connectivity::automorphism::{ShellColours, only_twins, shell_colours};
+use crate::detect::companions::AREA_TOLERANCE;
 use crate::mesh::vector::{Vector, dot};
 use crate::mesh::{Mesh, NONE, Shell};
 use std::collections::HashSet;
@@ -47,24 +48,26 @@ pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64], layers: &HashSet
     let around = |a: usize| (0..count).map(|b| nearness[a * count + b] * weights[b]).sum::<f64>();
     let around = (0..count).map(around).collect();
     let twins = vec![NONE; count];
-    let mut twins = Involution { evidence, weights, distances, nearness, around, twins }.settled();
-    pair_own(&mut twins, &lookalikes(shells));
-    twins
+    Involution { evidence, weights, distances, nearness, around, twins }.settled()
 }
 
-/// Sets of an even number of shells that have as many points and triangles, and one size.
-pub fn lookalikes(shells: &[Shell]) -> Vec<Vec<usize>> {
+/// Sets of an even number of shells that have as many points and triangles, and one size; and the only two of a connectivity, whose size a pose may change.
+pub fn lookalikes(mesh: &Mesh, shells: &[Shell]) -> Vec<Vec<usize>> {
     let counts = |shell: usize| (shells[shell].points.len(), shells[shell].triangles.len());
+    let differ = |a: usize, b: usize| (shells[b].area() / shells[a].area()).ln().abs();
     let mut order: Vec<usize> = (0..shells.len()).collect();
     order.sort_by(|&a, &b| counts(a).cmp(&counts(b)).then(shells[a].area().total_cmp(&shells[b].area())));
-    let are_alike = |&a: &usize, &b: &usize| {
-        counts(a) == counts(b) && shells[b].area() <= (1.0 + ONE_SIZE) * shells[a].area()
-    };
-    order.chunk_by(are_alike).filter(|set| set.len() % 2 == 0).map(<[usize]>::to_vec).collect()
+    let are_alike = |&a: &usize, &b: &usize| counts(a) == counts(b) && differ(a, b) <= ONE_SIZE;
+    let sets = order.chunk_by(are_alike).map(<[usize]>::to_vec);
+    let colours = shell_colours(mesh);
+    let of_shell = |shell: &Shell| &colours[mesh.shell_of_point[shell.points[0] as usize] as usize];
+    let only = only_twins(&shells.iter().map(of_shell).collect::<Vec<_>>()).into_iter();
+    let only = only.filter(|&[a, b]| differ(a, b) < AREA_TOLERANCE).map(Vec::from);
+    sets.filter(|set| set.len() % 2 == 0).chain(only).collect()
 }
 
 /// Makes a shell that is its own and its only lookalike without a twin each other's.
-fn pair_own(twins: &mut [u32], alike: &[Vec<usize>]) {
+pub fn pair_own(twins: &mut [u32], alike: &[Vec<usize>]) {
     for set in alike {
         let of =
             |twin: fn(usize) -> u32| Vec::from_iter(set.iter().copied().filter(|&a| twins[a] == twin(a)));
