@@ -4,7 +4,7 @@ mod attachment;
 mod canonical;
 mod connectivity_hash;
 mod copies;
-mod edges;
+pub mod edges;
 mod fans;
 mod frame;
 pub mod half_edges;

@@ -295,6 +295,34 @@ fn two_shells_swap() {
     assert_eq!(found.partner, truth);
 }
 
+#[test]
+fn a_defect_of_one_of_two_shells_leaves_the_rest_of_them_paired() {
+    let ear: Vec<Cell> = (0..5).map(|y| [6, y, 0]).chain([[7, 1, 0], [6, 3, 1]]).collect();
+    let all: Vec<Cell> = person().into_iter().chain(mirrored(&ear)).collect();
+    // Cut in no order.
+    let mix = |[x, y, z]: Cell| (7 * x.abs() + 13 * y + 29 * z).rem_euclid(17);
+    let mut figure = Figure::of_voxels(&all, 3).cut_from(|at| [mix(at), at[1], at[2], at[0].abs()]);
+    let mut truth = figure.truth();
+    let is_of_ear = |figure: &Figure, point: usize| figure.places[point][0].abs() > 30;
+    let ears: Vec<usize> = (0..truth.len()).filter(|&point| is_of_ear(&figure, point)).collect();
+    // No other shell is like them, and what lies on them says nothing of it.
+    let whole = figure.find(&truth, Reflection).unwrap();
+    assert!(ears.iter().all(|&point| whole.exact[point] && whole.unrivalled[point]));
+    let face =
+        figure.faces.iter().position(|face| face.iter().all(|&point| is_of_ear(&figure, point as usize)));
+    figure.split_edge(face.expect("a face of an ear"));
+    truth.push(NONE);
+    let found = figure.find(&truth, Reflection).unwrap();
+    let paired = ears.iter().filter(|&&point| found.partner[point] != NONE);
+    assert!(paired.clone().count() > ears.len() * 9 / 10);
+    assert!(paired.clone().all(|&point| found.partner[point] == truth[point]
+        && found.unrivalled[point]
+        && !found.exact[point]));
+    // Without an estimate nothing says that they are twins.
+    let found = figure.find(&nothing(&figure), Reflection).unwrap();
+    assert!(ears.iter().all(|&point| found.partner[point] == NONE));
+}
+
 /// Its arms, each with a finger that no reflection of it leaves in its place, are shells of their own.
 fn person_with_loose_arms() -> Vec<Cell> {
     let cells = person();

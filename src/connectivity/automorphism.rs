@@ -11,7 +11,7 @@
 //!    orientation. A shell's rarest colour gives few seeds, so the search needs no estimate.
 //! 2. Each seed is walked over its whole shell (`matching`); a walk that ends without contradiction is
 //!    an exact bijection, its own inverse. Seeds are ordered, and rival bijections judged, by the estimate.
-//! 3. Where no walk ends, patches are grown around the defects of the main shell, without its parts that have no counterpart (`almost`).
+//! 3. Where no walk ends, patches are grown around the defects, without parts that have no counterpart (`almost`).
 //!
 //! Before all that a test on the polygons alone leaves out the shells that cannot be mirrored (`lookalikes`): of independent
 //! triangulations no half-edges are made. Where the only bijection changes no lengths it is the answer ([`LengthChange`]).
@@ -32,7 +32,7 @@ use crate::base::progress::Progress;
 use crate::base::symmetry_kind::SymmetryKind;
 use crate::mesh::half_edges::HalfEdges;
 use crate::mesh::{Mesh, NONE};
-use almost::Context;
+use almost::{Context, Seeds};
 pub(crate) use colours::hash;
 use colours::{Classes, Colours};
 pub use estimate::Reliance;
@@ -41,6 +41,7 @@ pub use length_change::LengthChange;
 pub use lookalikes::{ShellColours, only_twins, shell_colours};
 use matching::Matching;
 use shells::Shells;
+use std::cell::LazyCell;
 
 /// Most vertices tried as the image of one pivot.
 const PIVOT_IMAGES: usize = 64;
@@ -63,8 +64,8 @@ pub struct Automorphism {
     pub covered: usize,
     /// Whether every shell is mapped by a bijection of the whole of it.
     pub complete: bool,
-    /// Whether a point's pair belongs to the only bijection that the connectivity of the main shell admits,
-    /// or to the only pairing of six tenths of its vertices. Shape can say nothing against it: no mesh is so by chance.
+    /// Whether a point's pair belongs to the only bijection that the connectivity of the main shell admits, to one of a shell many of whose vertices have no other
+    /// lookalike, or to the only pairing of six tenths of a shell's vertices. Shape can say nothing against it: no mesh is so by chance.
     pub unrivalled: Vec<bool>,
 }
 
@@ -182,7 +183,8 @@ impl Connectivity {
     /// `estimate` holds the estimated partner of each point or [`NONE`], `confidence` a weight in 0..=1; both
     /// have one entry per point. A bijection of a whole shell is accepted if its mean distance from the
     /// estimate is a small number of edges; on the main shell also if the connectivity
-    /// admits no other and a third of the estimate agrees, or there is none; so is a pairing of most of that shell. What else is accepted `reliance` says. `None` if no shell has any.
+    /// admits no other and a third of the estimate agrees, or there is none. So is a pairing of most of that shell, or of most of another one with what the estimate says is
+    /// its twin. What else is accepted `reliance` says. `None` if no shell has any.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`].
@@ -218,39 +220,53 @@ impl Connectivity {
         let matched = match_whole_shells(&mut matching, shells, &self.classes, estimate, known, progress)?;
         let bijections = matched.bijections;
         let exact: Vec<bool> = matching.vertex_image.iter().map(|&image| image != NONE).collect();
-        let unrivalled = match matched.defective {
-            Some(shell) if self.match_defective(&mut matching, estimate, shell, agrees, progress)? => {
-                Some(shell)
+        let mut unrivalled = matched.unrivalled;
+        let seeds = LazyCell::new(|| Seeds::new(half_edges, &self.colours.valences, kind));
+        let is_known =
+            |&shell: &usize| shells.is_main(shell) || estimate.shell(half_edges, shells, shell).is_some();
+        for shell in matched.defective.into_iter().filter(is_known) {
+            if self.match_defective(&mut matching, estimate, (shell, &seeds), &agrees, progress)? {
+                unrivalled.push(shell);
             }
-            _ => matched.unrivalled,
-        };
+        }
         let mut found = by_points(half_edges, &matching.vertex_image, &exact);
         if let Some(found) = &mut found {
             found.complete &= !self.in_part;
-        }
-        if let (Some(found), Some(shell)) = (&mut found, unrivalled) {
-            for &vertex in shells.vertices(shell) {
-                let point = half_edges.point_of_vertex[vertex as usize] as usize;
-                found.unrivalled[point] = found.partner[point] != NONE;
+            for &vertex in unrivalled.iter().flat_map(|&shell| shells.vertices(shell)) {
+                let point = half_edges.point_of_vertex[vertex as usize];
+                let both = [point, found.partner[point as usize]];
+                both.iter()
+                    .filter(|_| both[1] != NONE)
+                    .for_each(|&point| found.unrivalled[point as usize] = true);
             }
         }
         Ok((found, bijections))
     }
 
-    /// Pairs most of the main shell, which has no bijection, around its defects; says whether that has no rival and may stand against the estimate.
+    /// Pairs most of a shell, which has no bijection, around its defects; says whether that has no rival and may stand against the estimate. Which other shell is a
+    /// shell's twin the estimate says.
     fn match_defective(
         &self,
         matching: &mut Matching,
         estimate: &Estimate,
-        shell: usize,
+        (shell, seeds): (usize, &Seeds),
         agrees: impl Fn(&Matching, &[u32]) -> bool,
         progress: &Progress,
     ) -> Result<bool> {
         let (mark, vertices) = (matching.mark(), self.shells.vertices(shell));
         let valences = &self.colours.valences;
-        let context = Context { vertices, estimate, valences, classes: &self.classes };
-        let is_only = almost::match_shell(matching, &context, agrees, progress)?
-            && is_not_refuted(&estimate.distances(matching, vertices, vertices.len()));
+        let context = Context { vertices, seeds, valences, classes: &self.classes };
+        let is_free = |&vertex: &u32| matching.vertex_image[vertex as usize] == NONE;
+        let is_only = vertices.iter().all(is_free)
+            && almost::match_shell(matching, &context, agrees, progress)?
+            && match self.shells.is_main(shell) {
+                true => is_not_refuted(&estimate.distances(matching, vertices, vertices.len())),
+                false => {
+                    let twin = estimate.shell(&self.half_edges, &self.shells, shell);
+                    let images = vertices.iter().map(|&vertex| matching.vertex_image[vertex as usize]);
+                    images.filter(|&image| image != NONE).all(|image| Some(self.shells.of(image)) == twin)
+                }
+            };
         if !is_only {
             matching.rollback(mark);
         }
@@ -260,10 +276,10 @@ impl Connectivity {
 
 /// What walking whole shells gave.
 struct WholeShells {
-    /// The main shell, if it has no bijection.
-    defective: Option<usize>,
+    /// Shells that have no bijection.
+    defective: Vec<usize>,
     /// The main shell, if its bijection is the only one.
-    unrivalled: Option<usize>,
+    unrivalled: Vec<usize>,
     /// How many bijections that shell has.
     bijections: Bijections,
 }
@@ -303,19 +319,31 @@ fn match_whole_shells(
 ) -> Result<WholeShells> {
     let budget = WALKS * matching.half_edges.count() as u64;
     let mut search = WholeShellSearch { shells, classes, estimate, budget, bijections };
-    let (mut defective, mut unrivalled) = (None, None);
+    let (mut defective, mut unrivalled) = (Vec::new(), Vec::new());
     for shell in shells.by_size() {
         progress.check()?;
         if matching.vertex_image[shells.vertices(shell)[0] as usize] != NONE {
             continue;
         }
         match search.match_whole_shell(matching, shell, progress)? {
-            Whole::None => defective = defective.or(shells.is_main(shell).then_some(shell)),
+            Whole::None => defective.push(shell),
+            Whole::Bijection if has_only_partners(matching, shells.vertices(shell), classes) => {
+                unrivalled.push(shell);
+            }
             Whole::Refused | Whole::Bijection => {}
-            Whole::OnlyBijection => unrivalled = Some(shell),
+            Whole::OnlyBijection => unrivalled.push(shell),
         }
     }
     Ok(WholeShells { defective, unrivalled, bijections: search.bijections })
+}
+
+/// Whether many vertices of a shell have no other lookalike than their image: hardly any shell is so by chance.
+fn has_only_partners(matching: &Matching, vertices: &[u32], classes: &Classes) -> bool {
+    let is_only = |&&vertex: &&u32| {
+        let image = matching.vertex_image[vertex as usize];
+        image != vertex && classes.members(vertex).len() == 2 && classes.same(vertex, image)
+    };
+    vertices.iter().filter(is_only).count() >= almost::IRREGULAR
 }
 
 impl WholeShellSearch<'_> {

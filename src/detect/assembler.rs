@@ -221,6 +221,9 @@ impl<'a> Gatherer<'a> {
         // A plane tells how shells lie: what changes lengths is another pairing.
         let may_be = |found: &Automorphism| reliance != Reliance::Twins || found.keeps_lengths(self.mesh);
         let exact = exact.filter(may_be).map(|found| found.within(&open));
+        if let Some(found) = &exact {
+            map.replace_by_connectivity(self.mesh, found);
+        }
         progress.report("mirrored vertices", 0.975)?;
         let mirrored = match self.mirrored_vertices {
             true => {
@@ -231,9 +234,6 @@ impl<'a> Gatherer<'a> {
             }
             false => None,
         };
-        if let Some(found) = &exact {
-            map.replace_by_connectivity(self.mesh, found);
-        }
         if let Some(found) = &mirrored {
             map.replace_by_vertices(self.mesh, found);
         }

@@ -59,10 +59,13 @@ pub fn lookalikes(mesh: &Mesh, shells: &[Shell]) -> Vec<Vec<usize>> {
     order.sort_by(|&a, &b| counts(a).cmp(&counts(b)).then(shells[a].area().total_cmp(&shells[b].area())));
     let are_alike = |&a: &usize, &b: &usize| counts(a) == counts(b) && differ(a, b) <= ONE_SIZE;
     let sets = order.chunk_by(are_alike).map(<[usize]>::to_vec);
-    let colours = shell_colours(mesh);
-    let of_shell = |shell: &Shell| &colours[mesh.shell_of_point[shell.points[0] as usize] as usize];
-    let only = only_twins(&shells.iter().map(of_shell).collect::<Vec<_>>()).into_iter();
-    let only = only.filter(|&[a, b]| differ(a, b) < AREA_TOLERANCE).map(Vec::from);
+    let of_mesh = shell_colours(mesh);
+    let of_shell = |shell: &Shell| &of_mesh[mesh.shell_of_point[shell.points[0] as usize] as usize];
+    let colours: Vec<&ShellColours> = shells.iter().map(of_shell).collect();
+    let is_one = |&[a, b]: &[usize; 2]| {
+        differ(a, b) < AREA_TOLERANCE || colours[a].mirrored_in(colours[b]).0 as f64 >= MANY
+    };
+    let only = only_twins(&colours).into_iter().filter(is_one).map(Vec::from);
     sets.filter(|set| set.len() % 2 == 0).chain(only).collect()
 }
 
@@ -242,6 +245,46 @@ fn sizes(shell: &Shell) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::limits::Limits;
+    use crate::mesh::PolygonMesh;
+
+    /// Sheets of 10 by 10 squares, cut along diagonals that follow no rule, each mirrored or not, and scaled.
+    fn sheets(of: &[(bool, f64)]) -> Mesh {
+        let mut all = PolygonMesh { face_offsets: vec![0], ..PolygonMesh::default() };
+        for (copy, &(is_mirrored, scale)) in of.iter().enumerate() {
+            let first = all.positions.len() as u32;
+            let at = |k: u32| [f64::from(k % 11), f64::from(k / 11), 0.01 * f64::from(k * k % 7)];
+            let side = if is_mirrored { -scale } else { scale };
+            all.positions.extend(
+                (0..121).map(at).map(|[x, y, z]| [side * x + 100.0 * copy as f64, scale * y, scale * z]),
+            );
+            for square in (0..110u32).filter(|k| k % 11 < 10) {
+                let [a, b, c, d] =
+                    [square, square + 1, square + 12, square + 11].map(|corner| first + corner);
+                let faces = if square * square * 7 % 13 < 6 {
+                    [[a, b, c], [a, c, d]]
+                } else {
+                    [[a, b, d], [b, c, d]]
+                };
+                for [a, b, c] in faces {
+                    all.face_vertices.extend(if is_mirrored { [c, b, a] } else { [a, b, c] });
+                    all.face_offsets.push(all.face_vertices.len() as u32);
+                }
+            }
+        }
+        Mesh::new(&all, &Limits::default()).expect("a usable mesh")
+    }
+
+    #[test]
+    fn the_only_two_of_a_connectivity_are_alike_at_any_size_unless_one_is_but_moved() {
+        let sets = |of: &[(bool, f64)]| {
+            let mesh = sheets(of);
+            lookalikes(&mesh, &mesh.shells())
+        };
+        assert_eq!(sets(&[(false, 1.0), (true, 1.5)]), [[0, 1]]);
+        assert_eq!(sets(&[(false, 1.0), (false, 1.5)]), Vec::<Vec<usize>>::new());
+        assert_eq!(sets(&[(false, 1.0), (true, 1.5), (true, 2.5)]), Vec::<Vec<usize>>::new());
+    }
 
     #[test]
     fn a_shell_is_not_its_own_while_the_only_one_like_it_has_no_twin() {

@@ -2,6 +2,7 @@
 //! canonical form" (1968), on the vertices of a polygon mesh. A colour is a hash of the ring around a
 //! vertex as a multiset, so that a neighbourhood and its mirror image agree.
 
+use crate::base::symmetry_kind::SymmetryKind;
 use crate::mesh::NONE;
 use crate::mesh::half_edges::HalfEdges;
 
@@ -24,6 +25,51 @@ impl Colours {
         let far = (0..FAR).fold(valences.clone(), |colours, _| refined(half_edges, &sides, &colours));
         Colours { valences, far }
     }
+}
+
+/// The partner of each vertex that alone sees the mirror image of what its partner alone sees (or, under a half turn, the same), within as few
+/// rings as tell both from all others; [`NONE`] for others. O(half-edges + vertices log vertices).
+pub(super) fn only_pairs(half_edges: &HalfEdges, valences: &[u64], kind: SymmetryKind) -> Vec<u32> {
+    let mut partner = vec![NONE; valences.len()];
+    let (mut seen, mut mirrored) = (valences.to_vec(), valences.to_vec());
+    for _ in 0..FAR {
+        (seen, mirrored) = refined_in_order(half_edges, &seen, &mirrored);
+        let classes = Classes::new(&seen);
+        let only = |vertex: u32| match kind {
+            SymmetryKind::Reflection => classes.only(&seen, mirrored[vertex as usize]),
+            SymmetryKind::HalfTurn => match *classes.members(vertex) {
+                [first, second] => Some(if first == vertex { second } else { first }),
+                _ => None,
+            },
+        };
+        for vertex in 0..valences.len() as u32 {
+            let is_free = |vertex: u32| partner[vertex as usize] == NONE;
+            if let Some(image) =
+                only(vertex).filter(|&image| is_free(vertex) && is_free(image) && only(image) == Some(vertex))
+            {
+                partner[vertex as usize] = image;
+                partner[image as usize] = vertex;
+            }
+        }
+    }
+    partner
+}
+
+/// One round of colours as seen from outside, and as seen in a mirror: each vertex takes in the colours around it in their order.
+fn refined_in_order(half_edges: &HalfEdges, seen: &[u64], mirrored: &[u64]) -> (Vec<u64>, Vec<u64>) {
+    let around = |own: &[u64]| own.iter().map(|&colour| hash(colour)).collect::<Vec<_>>();
+    let (mut there, mut in_mirror) = (around(seen), around(mirrored));
+    for half_edge in 0..half_edges.count() as u32 {
+        let before = half_edges.start_vertex(half_edges.previous[half_edge as usize]) as usize;
+        let (own, after) =
+            (half_edges.start_vertex(half_edge) as usize, half_edges.to_vertex[half_edge as usize] as usize);
+        // Whether there is a face, or a hole.
+        let between = u64::from(half_edges.face[half_edge as usize] == NONE);
+        let pair = |first: u64, second: u64| hash(hash(first) ^ second ^ between);
+        there[own] = there[own].wrapping_add(pair(seen[before], seen[after]));
+        in_mirror[own] = in_mirror[own].wrapping_add(pair(mirrored[after], mirrored[before]));
+    }
+    (there, in_mirror)
 }
 
 /// Per edge, a hash of the degrees of the two faces beside it, in no order.
@@ -94,6 +140,20 @@ impl Classes {
     pub fn members(&self, vertex: u32) -> &[u32] {
         let class = self.class_of[vertex as usize] as usize;
         &self.members[self.starts[class] as usize..self.starts[class + 1] as usize]
+    }
+
+    /// The only vertex with a colour, of the `colours` that were grouped.
+    pub fn only(&self, colours: &[u64], colour: u64) -> Option<u32> {
+        let first = self.members.partition_point(|&vertex| colours[vertex as usize] < colour);
+        match self.members[first..]
+            .iter()
+            .take(2)
+            .filter(|&&vertex| colours[vertex as usize] == colour)
+            .collect::<Vec<_>>()[..]
+        {
+            [&only] => Some(only),
+            _ => None,
+        }
     }
 
     /// Whether two vertices have one colour.

@@ -44,16 +44,6 @@ impl<'a> Matching<'a> {
         }
     }
 
-    /// What is paired: reflection or half turn.
-    pub fn kind(&self) -> SymmetryKind {
-        self.kind
-    }
-
-    /// Image of a half-edge or [`NONE`].
-    pub fn image_of(&self, half_edge: u32) -> u32 {
-        self.image[half_edge as usize]
-    }
-
     /// All ways to send `vertex` to `image`, as half-edge pairs that fix everything else.
     pub fn seeds(&self, vertex: u32, image: u32) -> Vec<(u32, u32)> {
         let start = self.half_edges.outgoing[vertex as usize];
@@ -230,16 +220,5 @@ impl<'a> Matching<'a> {
         if image != NONE {
             self.vertex_image[image as usize] = NONE;
         }
-    }
-
-    /// Vertices paired since `mark`, both ends of each pair; those on the axis once.
-    pub fn paired_since(&self, mark: Mark) -> Vec<u32> {
-        let pairs = self.vertex_log[mark.vertices..].iter();
-        pairs
-            .flat_map(|&vertex| {
-                let image = self.vertex_image[vertex as usize];
-                std::iter::once(vertex).chain((image != vertex).then_some(image))
-            })
-            .collect()
     }
 }
