@@ -38,7 +38,7 @@ use colours::{Classes, Colours};
 pub use estimate::Reliance;
 use estimate::{Distances, Estimate};
 pub use length_change::LengthChange;
-pub use lookalikes::{ShellColours, only_twins, shell_colours};
+pub use lookalikes::{MANY, ShellColours, only_twins, shell_colours};
 use matching::Matching;
 use shells::Shells;
 use std::cell::LazyCell;

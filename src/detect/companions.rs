@@ -7,7 +7,7 @@ use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::connectivity::automorphism::{ShellColours, only_twins, shell_colours};
 use crate::detect::mirror_plane::MirrorPlane;
-use crate::detect::twins::lookalikes;
+use crate::detect::twins::{Lookalikes, lookalikes};
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::vector::{Vector, dot, mean, squared_norm, subtract};
@@ -99,7 +99,7 @@ pub fn leave_own(mesh: &Mesh, shells: &[Shell], primary: usize, companions: &mut
     if !companions.iter().enumerate().any(is_own) {
         return;
     }
-    for set in lookalikes_among(mesh, shells, primary) {
+    for Lookalikes { shells: set, .. } in lookalikes_among(mesh, shells, primary) {
         let target =
             |&own: &usize| companions.get(own).map(|companion| companion.as_ref().map(|of| of.target));
         let is_alone = |own: &usize| target(own) == Some(None);
@@ -122,7 +122,7 @@ pub fn left_over(
     progress: &Progress,
 ) -> Result<Vec<Option<Companion>>> {
     let mut sets = lookalikes_among(mesh, shells, primary.index);
-    sets.retain(|set| !set.contains(&usize::MAX));
+    sets.retain(|set| !set.shells.contains(&usize::MAX));
     let mut companions: Vec<Option<Companion>> = shells.iter().map(|_| None).collect();
     if !sets.is_empty() {
         Places::new(mesh, shells, anchors, primary, progress)?.add_left_over(shells, &sets, &mut companions);
@@ -131,12 +131,12 @@ pub fn left_over(
 }
 
 /// [`lookalikes`] by their places among `shells`; [`usize::MAX`] are those that are not there by themselves.
-fn lookalikes_among(mesh: &Mesh, shells: &[Shell], primary: usize) -> Vec<Vec<usize>> {
+fn lookalikes_among(mesh: &Mesh, shells: &[Shell], primary: usize) -> Vec<Lookalikes> {
     let mut local = vec![usize::MAX; mesh.shell_count];
     let others = shells.iter().enumerate().filter(|(own, _)| *own != primary);
     others.for_each(|(own, shell)| local[mesh.shell_of_point[shell.points[0] as usize] as usize] = own);
     let mut sets = lookalikes(mesh, &mesh.shells());
-    sets.iter_mut().flatten().for_each(|shell| *shell = local[*shell]);
+    sets.iter_mut().flat_map(|set| &mut set.shells).for_each(|shell| *shell = local[*shell]);
     sets
 }
 
@@ -212,19 +212,21 @@ impl Places {
         Ok(Places { mirrored, own, sides: anchors.iter().map(odd).collect() })
     }
 
-    /// Pairs shells of each set that are nearer to each other's mirrored place than to their own, or one of which lies in its own, as a hand before the chest does.
-    fn add_left_over(mut self, shells: &[Shell], sets: &[Vec<usize>], companions: &mut [Option<Companion>]) {
+    /// Pairs shells of each set that are nearer to each other's mirrored place than to their own, or one of which lies in its own, as a hand before the chest does; gloves always.
+    fn add_left_over(mut self, shells: &[Shell], sets: &[Lookalikes], companions: &mut [Option<Companion>]) {
         let middles = |of: &[Vec<Vector>]| -> Vec<Vector> {
             of.iter().map(|points| mean(points.iter().copied())).collect()
         };
         let (goals, own) = (middles(&self.mirrored), middles(&self.own));
         let gap = |a: usize, b: usize| squared_norm(subtract(goals[a], own[b])).sqrt();
         let is_own = |a: usize| gap(a, a) < f64::from(FARTHEST);
-        let may_be = |&(a, b): &(usize, usize)| {
-            a < b && (gap(a, b) + gap(b, a) < gap(a, a) + gap(b, b) || is_own(a) || is_own(b))
+        let may_be =
+            |a: usize, b: usize| gap(a, b) + gap(b, a) < gap(a, a) + gap(b, b) || is_own(a) || is_own(b);
+        let pairs_of = |set: &Lookalikes| -> Vec<(usize, usize)> {
+            let all = set.shells.iter().flat_map(|&a| set.shells.iter().map(move |&b| (a, b)));
+            all.filter(|&(a, b)| a < b && (set.are_gloves || may_be(a, b))).collect()
         };
-        let pairs = sets.iter().flat_map(|set| set.iter().flat_map(|&a| set.iter().map(move |&b| (a, b))));
-        let pairs: Vec<(usize, usize)> = pairs.filter(may_be).collect();
+        let pairs: Vec<(usize, usize)> = sets.iter().flat_map(pairs_of).collect();
         let gaps: Vec<f64> = pairs.iter().map(|&(a, b)| gap(a, b) + gap(b, a)).collect();
         // No pair of them is too far to be one.
         let unit = f64::from(FARTHEST) / gaps.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
@@ -347,14 +349,15 @@ fn pair_shells(
         let size = shells[own].area().min(shells[twin].area()).sqrt() as f32;
         let are_others = own != primary && twin != primary;
         let are_across = places.sides[own] * places.sides[twin] <= 0.0;
-        let may_be = are_others && are_across && similar.differ(own, twin) < AREA_TOLERANCE;
+        let are_alike = are_across && similar.differ(own, twin) < AREA_TOLERANCE;
+        let may_be = are_others && (are_alike || colours[own].are_gloves(colours[twin]));
         may_be.then_some(IN_PLACE * size)
     });
     Ok(pairs)
 }
 
 /// Pairs the only two of their connectivity, though one may be posed apart from the surface that it sits on, or have a neighbour of its twin nearer; not two that are
-/// their own images, nor one that lies nearer to its partner than what two that may be twins say is `in_place`: two pouches on one hip may not.
+/// their own images, nor one that lies nearer to its partner than what two that may be twins say is `in_place`: two pouches on one hip may not. Gloves are always.
 fn keep_only_twins(
     pairs: &mut Vec<(usize, usize, f32)>,
     colours: &[&ShellColours],
@@ -365,11 +368,13 @@ fn keep_only_twins(
         (partner[a], partner[b]) = (Some((b, mismatch)), Some((a, mismatch)));
     }
     for [own, twin] in only_twins(colours) {
+        let are_gloves = colours[own].are_gloves(colours[twin]);
         let Some(least) = in_place(own, twin) else { continue };
         let goes = |shell: usize| partner[shell].map(|(partner, _)| partner);
         let is_placed = |shell: usize| partner[shell].is_some_and(|(_, mismatch)| mismatch < least);
         let are_own = goes(own) == Some(own) && goes(twin) == Some(twin);
-        if goes(own) != Some(twin) && !are_own && !is_placed(own) && !is_placed(twin) {
+        let may_be = are_gloves || !are_own && !is_placed(own) && !is_placed(twin);
+        if goes(own) != Some(twin) && may_be {
             pairs.retain(|(a, b, _)| ![own, twin].contains(a) && ![own, twin].contains(b));
             pairs.push((own, twin, FARTHEST));
         }
@@ -531,6 +536,18 @@ mod tests {
         assert_eq!(targets(&mesh, 3)[1..], [None, None]);
     }
 
+    #[test]
+    fn gloves_are_partners_though_each_lies_in_its_own_place_and_other_twins_are_not() {
+        let mesh = crate::detect::twins::tests::sheets(&[(false, 1.0), (true, 2.0)]);
+        let boxes = blocks(&[([-1.0, 0.0, 0.0], 1.0, 0), ([4.0, 0.0, 0.0], 1.0, 0)]);
+        for (mesh, kept) in [(mesh, vec![(0, 1, FARTHEST)]), (boxes, vec![(0, 0, 0.0), (1, 1, 0.0)])] {
+            let colours = shell_colours(&mesh);
+            let mut pairs = vec![(0, 0, 0.0), (1, 1, 0.0)];
+            keep_only_twins(&mut pairs, &colours.iter().collect::<Vec<_>>(), |_, _| Some(0.1));
+            assert_eq!(pairs, kept);
+        }
+    }
+
     /// Where boxes that a pose has put apart go: those of the shells, by whether a first search has found them to be their own.
     fn left_over_targets(mesh: &Mesh, count: usize, found: &[(usize, usize)]) -> Vec<Option<usize>> {
         let shells = mesh.shells();
@@ -549,7 +566,7 @@ mod tests {
         let image = |points: &Vec<Vector>| points.iter().map(|&[x, y, z]| [2.0 * middle - x, y, z]).collect();
         let places = Places { mirrored: own.iter().map(image).collect(), own, sides: vec![0.0; count] };
         let mut sets = lookalikes_among(mesh, &shells, shell(0));
-        sets.retain(|set| set.iter().all(|&own| own != usize::MAX && companions[own].is_none()));
+        sets.retain(|set| set.shells.iter().all(|&own| own != usize::MAX && companions[own].is_none()));
         places.add_left_over(&shells, &sets, &mut companions);
         let target = |own: usize| companions[shell(own)].as_ref().map(|companion| block(companion.target));
         (0..count).map(target).collect()

@@ -4,7 +4,7 @@
 //! these are from each other, along the surface: so a sword in one hand, which would be its own mirror image by itself, has none. The involution of the
 //! shells that is worth most is sought by single changes, from each of the pairs of a shell that may have several twins.
 
-use crate::connectivity::automorphism::{ShellColours, only_twins, shell_colours};
+use crate::connectivity::automorphism::{MANY, ShellColours, only_twins, shell_colours};
 use crate::detect::companions::AREA_TOLERANCE;
 use crate::mesh::vector::{Vector, dot};
 use crate::mesh::{Mesh, NONE, Shell};
@@ -21,9 +21,8 @@ const LESS_BESIDE_TWIN: f64 = 2.5;
 const TOLERANCES: [f64; 2] = [0.045, 0.1];
 /// The same by area of shells that are alike to the last, as twins are that were mirrored, and feathers of one wing are not: others are half as similar.
 const CLOSE: f64 = 0.016;
-/// The same by area of the only two shells of a connectivity, which are more like each other than any other is to one of them, and how many points make that half as sure.
+/// The same by area of the only two shells of a connectivity, which are more like each other than any other is to one of them.
 const ONLY: f64 = 0.25;
-const MANY: f64 = 30.0;
 /// A change of a distance, in sqrt(area), from which on two pairs exclude each other, and what speaks against a pair that excludes all others.
 const APART: f64 = 0.22;
 const EXCLUDED: f64 = 3.5;
@@ -51,8 +50,17 @@ pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64], layers: &HashSet
     Involution { evidence, weights, distances, nearness, around, twins }.settled()
 }
 
+/// Shells that are equal, or each other's mirror image.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lookalikes {
+    /// Two, or another even number.
+    pub shells: Vec<usize>,
+    /// Whether they are a thing and its mirror image, which it is not itself, as gloves are.
+    pub are_gloves: bool,
+}
+
 /// Sets of an even number of shells that have as many points and triangles, and one size; and the only two of a connectivity, whose size a pose may change.
-pub fn lookalikes(mesh: &Mesh, shells: &[Shell]) -> Vec<Vec<usize>> {
+pub fn lookalikes(mesh: &Mesh, shells: &[Shell]) -> Vec<Lookalikes> {
     let counts = |shell: usize| (shells[shell].points.len(), shells[shell].triangles.len());
     let differ = |a: usize, b: usize| (shells[b].area() / shells[a].area()).ln().abs();
     let mut order: Vec<usize> = (0..shells.len()).collect();
@@ -62,20 +70,32 @@ pub fn lookalikes(mesh: &Mesh, shells: &[Shell]) -> Vec<Vec<usize>> {
     let of_mesh = shell_colours(mesh);
     let of_shell = |shell: &Shell| &of_mesh[mesh.shell_of_point[shell.points[0] as usize] as usize];
     let colours: Vec<&ShellColours> = shells.iter().map(of_shell).collect();
-    let is_one = |&[a, b]: &[usize; 2]| {
-        differ(a, b) < AREA_TOLERANCE || colours[a].mirrored_in(colours[b]).0 as f64 >= MANY
-    };
-    let only = only_twins(&colours).into_iter().filter(is_one).map(Vec::from);
-    sets.filter(|set| set.len() % 2 == 0).chain(only).collect()
+    let is_one =
+        |&[a, b]: &[usize; 2]| differ(a, b) < AREA_TOLERANCE || colours[a].mirrored_in(colours[b]).0 >= MANY;
+    let only = only_twins(&colours).into_iter().filter(is_one);
+    let only = only.map(|pair| Lookalikes {
+        shells: pair.into(),
+        are_gloves: colours[pair[0]].are_gloves(colours[pair[1]]),
+    });
+    let sets = sets.filter(|set| set.len() % 2 == 0).map(|shells| Lookalikes { shells, are_gloves: false });
+    sets.chain(only).collect()
 }
 
-/// Makes a shell that is its own and its only lookalike without a twin each other's.
-pub fn pair_own(twins: &mut [u32], alike: &[Vec<usize>]) {
-    for set in alike {
+/// Makes a shell that is its own and its only lookalike without a twin each other's; and gloves, whatever they are.
+pub fn pair_own(twins: &mut [u32], alike: &[Lookalikes]) {
+    for Lookalikes { shells: set, are_gloves } in alike {
         let of =
             |twin: fn(usize) -> u32| Vec::from_iter(set.iter().copied().filter(|&a| twins[a] == twin(a)));
-        if let ([own], [alone]) = (&of(|a| a as u32)[..], &of(|_| NONE)[..]) {
-            (twins[*own], twins[*alone]) = (*alone as u32, *own as u32);
+        let pair = match (&of(|a| a as u32)[..], &of(|_| NONE)[..]) {
+            ([own], [alone]) => [*own, *alone],
+            _ if *are_gloves => [set[0], set[1]],
+            _ => continue,
+        };
+        for [own, twin] in [pair, [pair[1], pair[0]]] {
+            if let Some(former) = twins.get_mut(twins[own] as usize) {
+                *former = NONE;
+            }
+            twins[own] = twin as u32;
         }
     }
 }
@@ -107,7 +127,7 @@ fn evidence(colours: &[&ShellColours], sizes: &[[f64; 2]], layers: &HashSet<[usi
             return similar;
         }
         let points = mirrored[a * count + b].0 as f64;
-        let certain = (2.0 * distinct(a, b)).min(1.0) * points / (points + MANY);
+        let certain = (2.0 * distinct(a, b)).min(1.0) * points / (points + MANY as f64);
         similar.max(certain * (-(area / ONLY).powi(2)).exp())
     };
     let twin = |a: usize, b: usize| similarity(a, b) * distinct(a, b);
@@ -243,13 +263,13 @@ fn sizes(shell: &Shell) -> [f64; 2] {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use crate::base::limits::Limits;
     use crate::mesh::PolygonMesh;
 
     /// Sheets of 10 by 10 squares, cut along diagonals that follow no rule, each mirrored or not, and scaled.
-    fn sheets(of: &[(bool, f64)]) -> Mesh {
+    pub fn sheets(of: &[(bool, f64)]) -> Mesh {
         let mut all = PolygonMesh { face_offsets: vec![0], ..PolygonMesh::default() };
         for (copy, &(is_mirrored, scale)) in of.iter().enumerate() {
             let first = all.positions.len() as u32;
@@ -281,16 +301,21 @@ mod tests {
             let mesh = sheets(of);
             lookalikes(&mesh, &mesh.shells())
         };
-        assert_eq!(sets(&[(false, 1.0), (true, 1.5)]), [[0, 1]]);
-        assert_eq!(sets(&[(false, 1.0), (false, 1.5)]), Vec::<Vec<usize>>::new());
-        assert_eq!(sets(&[(false, 1.0), (true, 1.5), (true, 2.5)]), Vec::<Vec<usize>>::new());
+        assert_eq!(sets(&[(false, 1.0), (true, 1.5)]), [Lookalikes { shells: vec![0, 1], are_gloves: true }]);
+        assert_eq!(sets(&[(false, 1.0), (false, 1.5)]), []);
+        assert_eq!(sets(&[(false, 1.0), (true, 1.5), (true, 2.5)]), []);
     }
 
     #[test]
     fn a_shell_is_not_its_own_while_the_only_one_like_it_has_no_twin() {
         let mut twins = [1, 0, 2, NONE, 4, NONE, NONE, 7, 8, NONE];
-        pair_own(&mut twins, &[vec![0, 1], vec![2, 3], vec![4, 5, 6, 9], vec![7, 8]]);
+        let sets = [vec![0, 1], vec![2, 3], vec![4, 5, 6, 9], vec![7, 8]];
+        pair_own(&mut twins, &sets.map(|shells| Lookalikes { shells, are_gloves: false }));
         assert_eq!(twins, [1, 0, 3, 2, 4, NONE, NONE, 7, 8, NONE]);
+        // Gloves leave what they had before.
+        let mut twins = [0, 2, 1, 3];
+        pair_own(&mut twins, &[Lookalikes { shells: vec![0, 1], are_gloves: true }]);
+        assert_eq!(twins, [1, 0, NONE, 3]);
     }
 
     #[test]

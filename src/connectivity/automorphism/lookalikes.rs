@@ -13,6 +13,8 @@ use std::collections::BTreeMap;
 const ROUNDS: usize = 5;
 /// Rounds of the colours that tell two shells alike in part: what is three rings away from a difference looks the same.
 const NEAR: usize = 3;
+/// Points that tell two shells from all others.
+pub const MANY: usize = 30;
 
 /// Which shells have as many lookalikes as [`super::almost`] asks for. Others have no bijection, and no pairing but for a few
 /// defects. O(corners + points log points).
@@ -65,6 +67,11 @@ impl ShellColours {
     /// Whether another shell has the same connectivity, mirrored or not.
     pub fn are_like(&self, other: &ShellColours) -> bool {
         self.seen == other.mirrored || self.seen == other.seen
+    }
+
+    /// Whether this is the mirror image of another shell's connectivity, and not of its own, as gloves are; by many points: of few it is so by chance.
+    pub fn are_gloves(&self, other: &ShellColours) -> bool {
+        self.seen != self.mirrored && self.seen == other.mirrored && self.mirrored_in(other).0 >= MANY
     }
 
     /// How many points tell themselves from all others by their surroundings and have the mirror image of these in another shell, and their share, 0..=1: nearly
