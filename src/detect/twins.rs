@@ -263,7 +263,7 @@ fn sizes(shell: &Shell) -> [f64; 2] {
 }
 
 #[cfg(test)]
-pub mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::base::limits::Limits;
     use crate::mesh::PolygonMesh;
