@@ -278,9 +278,9 @@ impl Connectivity {
 struct WholeShells {
     /// Shells that have no bijection.
     defective: Vec<usize>,
-    /// The main shell, if its bijection is the only one.
+    /// The main shell, if its bijection is the only one; others many of whose vertices are like no other than their image.
     unrivalled: Vec<usize>,
-    /// How many bijections that shell has.
+    /// How many bijections the main shell has.
     bijections: Bijections,
 }
 

@@ -1,7 +1,7 @@
 //! The only pairing of most of a shell: its connectivity is mirrored but for defects, a split edge or some flipped triangles, and for parts without a counterpart.
 //!
 //! Patches grow from pairs of vertices that alone see each other's mirror image, those with most such pairs around them first, over all pairs of faces with equal degrees and
-//! equal valences at their corners. The first patch that holds most vertices of the shell, and meets few contradictions, is the pairing; several together are where a cut parts
+//! equal valences at their corners. The first patch that pairs most vertices of the shell as most of their neighbours is the pairing; several together are where a cut parts
 //! the shell. What is left over is paired by its neighbours, and what most of its neighbours do not follow is dropped. Where the same vertices can be sent elsewhere and most
 //! of the shell follows, too, as in a box with two mirror planes, or in a body whose front is its back but for the nose, shape decides.
 
@@ -28,7 +28,8 @@ const FEW: usize = 8;
 const RIVAL: f64 = 0.9;
 /// Most pairings that are looked at.
 const MOST_PAIRINGS: usize = 4;
-/// Fewest irregular vertices of a shell of which defects may leave some unpaired: fewer have too little to tell a pairing from chance.
+/// Fewest irregular vertices of a shell of which defects may leave some unpaired: fewer have too little to tell a pairing from chance. So
+/// many vertices without another lookalike than their image tell a bijection, too.
 pub(super) const IRREGULAR: usize = 32;
 /// Least share of vertices with a lookalike: a defect takes it from all within some rings, and from their partners.
 pub(super) const REPEATED: f64 = 0.2;
