@@ -222,10 +222,11 @@ impl Connectivity {
         let exact: Vec<bool> = matching.vertex_image.iter().map(|&image| image != NONE).collect();
         let mut unrivalled = matched.unrivalled;
         let seeds = LazyCell::new(|| Seeds::new(half_edges, &self.colours.valences, kind));
-        let is_known =
-            |&shell: &usize| shells.is_main(shell) || estimate.shell(half_edges, shells, shell).is_some();
-        for shell in matched.defective.into_iter().filter(is_known) {
-            if self.match_defective(&mut matching, estimate, (shell, &seeds), &agrees, progress)? {
+        for shell in matched.defective {
+            let twin = estimate.shell(half_edges, shells, shell);
+            if (shells.is_main(shell) || twin.is_some())
+                && self.match_defective(&mut matching, estimate, (shell, twin, &seeds), &agrees, progress)?
+            {
                 unrivalled.push(shell);
             }
         }
@@ -234,22 +235,22 @@ impl Connectivity {
             found.complete &= !self.in_part;
             for &vertex in unrivalled.iter().flat_map(|&shell| shells.vertices(shell)) {
                 let point = half_edges.point_of_vertex[vertex as usize];
-                let both = [point, found.partner[point as usize]];
-                both.iter()
-                    .filter(|_| both[1] != NONE)
-                    .for_each(|&point| found.unrivalled[point as usize] = true);
+                let image = found.partner[point as usize];
+                if image != NONE {
+                    (found.unrivalled[point as usize], found.unrivalled[image as usize]) = (true, true);
+                }
             }
         }
         Ok((found, bijections))
     }
 
-    /// Pairs most of a shell, which has no bijection, around its defects; says whether that has no rival and may stand against the estimate. Which other shell is a
-    /// shell's twin the estimate says.
+    /// Pairs most of a shell, which has no bijection, around its defects; says whether that has no rival and may stand against the estimate. Another
+    /// shell than the main one goes to its `twin`.
     fn match_defective(
         &self,
         matching: &mut Matching,
         estimate: &Estimate,
-        (shell, seeds): (usize, &Seeds),
+        (shell, twin, seeds): (usize, Option<usize>, &Seeds),
         agrees: impl Fn(&Matching, &[u32]) -> bool,
         progress: &Progress,
     ) -> Result<bool> {
@@ -262,7 +263,6 @@ impl Connectivity {
             && match self.shells.is_main(shell) {
                 true => is_not_refuted(&estimate.distances(matching, vertices, vertices.len())),
                 false => {
-                    let twin = estimate.shell(&self.half_edges, &self.shells, shell);
                     let images = vertices.iter().map(|&vertex| matching.vertex_image[vertex as usize]);
                     images.filter(|&image| image != NONE).all(|image| Some(self.shells.of(image)) == twin)
                 }
