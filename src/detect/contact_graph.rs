@@ -178,7 +178,7 @@ impl ContactGraph {
         let mut costs: Vec<Vec<f64>> = vec![Vec::new(); nodes.len()];
         for (index, node) in nodes.iter().enumerate() {
             let hints = self.hints(scene, map, node, |other| node_of[other].is_none());
-            let own = node.shell.costs(&hints, node.own == node.target);
+            let own = node.shell.costs(&hints);
             let sums = &mut costs[variable(index)];
             sums.resize(own.len(), 0.0);
             sums.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);

@@ -132,10 +132,15 @@ impl Detection {
     /// The same where time ended what could remove its doubts.
     pub(crate) fn out_of_time(mut self) -> Detection {
         self.outcome = self.outcome.max(Outcome::Doubtful);
-        if !self.report.reasons.contains(&Reason::TimeLimit) {
+        if !self.is_out_of_time() {
             self.report.reasons.push(Reason::TimeLimit);
         }
         self
+    }
+
+    /// Whether time ended the search.
+    pub(crate) fn is_out_of_time(&self) -> bool {
+        self.report.reasons.contains(&Reason::TimeLimit)
     }
 
     /// Whether no larger plan needs to be followed.

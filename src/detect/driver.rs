@@ -20,7 +20,6 @@ use crate::mesh::vector::{squared_norm, subtract};
 use crate::mesh::{Mesh, Shell};
 use crate::search::sign_network::SignNetwork;
 use crate::verify::outcome::{CONFIDENT, Outcome};
-use crate::verify::reason::Reason;
 
 /// A mirror plane in space, or one shell's mirrored connectivity, from whose [`Detection::worth`] on it is the answer, and nothing is searched.
 const ENOUGH: f64 = 0.9;
@@ -63,9 +62,7 @@ pub fn detect_by(
     let found = Question::new(mesh, &canonical, options, mechanisms, progress, &mut clock)
         .and_then(|question| answer(&question, plans, &mut clock))
         .map(|best| best.without_empty(options.plausibility))
-        .and_then(
-            |best| if best.report.reasons.contains(&Reason::TimeLimit) { late(best) } else { Ok(best) },
-        );
+        .and_then(|best| if best.is_out_of_time() { late(best) } else { Ok(best) });
     let mut best = progress.name_stage(found)?;
     progress.done()?;
     best.report.seconds = clock.laps;
@@ -197,7 +194,10 @@ fn of_rest(
 fn better(earlier: Option<Detection>, later: Result<Detection>) -> Result<Detection> {
     match (earlier, later) {
         (Some(earlier), Err(Error::TimeLimit { .. })) => late(earlier),
-        (Some(earlier), Ok(later)) if !later.is_worth_more(&earlier) => Ok(earlier),
+        (Some(earlier), Ok(later)) if !later.is_worth_more(&earlier) => match later.is_out_of_time() {
+            true => late(earlier),
+            false => Ok(earlier),
+        },
         (_, later) => later,
     }
 }

@@ -1,8 +1,8 @@
 //! The mirror plane of a mesh at rest, if it has one.
 //!
-//! What nobody has posed yet is symmetric in space, and its plane says more than any map along the surface. A plane's normal is a principal axis; the plane
-//! is then fitted to the places of the surface and those nearest to their images (P. Besl, N. McKay, "A method for registration of 3-D shapes", 1992; the
-//! plane of pairs: the eigenvector of least eigenvalue of the symmetrised moments between them).
+//! What nobody has posed yet is symmetric in space, and its plane says more than any map along the surface. A plane's normal is at first a principal
+//! axis; the plane is then brought to where the images of places lie best on the tangent planes of the surface (Y. Chen, G. Medioni, "Object modelling by registration of
+//! multiple range images", 1992).
 
 use crate::geometry::surface_grid::{Place, places};
 use crate::geometry::surface_walk::{SurfaceWalk, nearest_of};
@@ -27,17 +27,14 @@ pub const MIRRORED: f64 = 0.006;
 const MEETS: f64 = 0.001;
 /// The least share of the surface, and of points of the mesh, that a mirror plane of the mesh mirrors.
 pub const MOSTLY: f64 = 0.75;
-/// Rounds of the fit, and those that tell how much a plane mirrors; the share of the places that is fitted, the nearest to the surface.
+/// Rounds of the fit.
 const ROUNDS: usize = 8;
-const FEW_ROUNDS: usize = 4;
-const KEPT: f64 = 0.8;
 /// Places near an image whose triangles may hold the nearest point.
 const AROUND: usize = 4;
 /// Images of a plane worth looking at are this near to the surface, in sqrt(area), in the median.
 const NEAR: f64 = 0.015;
-/// From this median on a plane is not fitted any more, and no place counts as farther from its image.
-const HOPELESS: f64 = 0.04;
-/// A point whose image is farther than this, in sqrt(area), from where it should be does not count.
+/// A point whose image is farther than this, in sqrt(area), from where it should be does not count, at first and once a plane is near.
+const AFAR: f64 = 0.2;
 const FAR: f64 = 0.045;
 /// How that shrinks each round, as far as where a point is mirrored.
 const SHRINKS: f64 = 0.7;
@@ -47,9 +44,6 @@ const TURNS: u32 = 12;
 /// Planes that put images so far apart are others, and as good if they mirror this part of what the best one mirrors.
 const OTHER: f64 = 0.1;
 const ALIKE: f64 = 0.97;
-
-/// A place, and its number.
-type Leaf = GeomWithData<Vector, usize>;
 
 /// A place, its image on the surface, and the surface's normal there.
 #[derive(Debug, Clone, Copy)]
@@ -75,7 +69,7 @@ impl MirrorPlane {
     pub fn of(mesh: &Mesh) -> Option<(MirrorPlane, bool)> {
         let places: Vec<Place> = places(&mesh.positions, &mesh.triangles, SPACING);
         let middle = mean(places.iter().map(|place| place.at));
-        let moments = moments(places.iter().map(|place| subtract(place.at, middle)).map(|at| (at, at)));
+        let moments = moments(places.iter().map(|place| subtract(place.at, middle)));
         let axes = principal_axes(moments);
         let sizes = [0, 1, 2].map(|k| along(&moments, axes[k]));
         let largest = sizes.iter().copied().fold(0.0, f64::max);
@@ -93,10 +87,8 @@ impl MirrorPlane {
             places.iter().step_by(places.len().div_ceil(count).max(1)).map(|place| place.at).collect()
         };
         let fitted: Vec<Vector> = some(FITTED);
-        let starts = axes
-            .iter()
-            .chain(&turned)
-            .map(|&normal| MirrorPlane { normal, offset: dot(normal, middle) }.fitted(&fitted, &tree));
+        let starts =
+            axes.iter().chain(&turned).map(|&normal| MirrorPlane { normal, offset: dot(normal, middle) });
         let compared: Vec<Vector> = some(SETTLED);
         let surface = SurfaceWalk::new(&mesh.positions, &mesh.triangles);
         let nearest = |goal: Vector| {
@@ -111,10 +103,11 @@ impl MirrorPlane {
             (to, unit(cross(subtract(corners[1], corners[0]), subtract(corners[2], corners[0]))))
         };
         let mut planes: Vec<(f64, MirrorPlane)> = Vec::new();
-        for (start, _) in starts.filter(|(_, median)| *median < NEAR) {
+        let starts = starts.map(|start| start.settled(AFAR, &fitted, nearest));
+        for start in starts.filter(|start| start.mirrored(NEAR, &fitted, nearest) >= 0.5) {
             let is_new = |plane: &MirrorPlane| planes.iter().all(|other| other.1.distance(plane) > OTHER);
             if is_new(&start) {
-                let plane = start.settled((FEW_ROUNDS, 1.0), &compared, nearest);
+                let plane = start.settled(FAR, &compared, nearest);
                 if is_new(&plane) {
                     planes.push((plane.mirrored(MIRRORED, &compared, nearest), plane));
                 }
@@ -128,12 +121,10 @@ impl MirrorPlane {
         // Places depend on how the mesh lies; points of it do not.
         let step = mesh.point_count().div_ceil(POINTS).max(1);
         let points: Vec<Vector> = mesh.positions.iter().step_by(step).copied().collect();
-        let settled = planes.into_iter().map(|(_, plane)| plane.settled((ROUNDS, SHRINKS), &points, nearest));
+        let settled = planes.into_iter().map(|(_, plane)| plane.settled(FAR, &points, nearest));
         let settled = settled.filter(|plane| plane.mirrored(MIRRORED, &points, nearest) >= MOSTLY);
-        let settled = alike(
-            settled.map(|plane| (plane.mirrored(MIRRORED, &compared, nearest), plane)).collect(),
-            MOSTLY,
-        );
+        let settled = settled.map(|plane| (plane.mirrored(MIRRORED, &compared, nearest), plane));
+        let settled = alike(settled.collect(), MOSTLY);
         // Of planes that mirror as much, that one is meant which mirrors more vertices to vertices, or else moves more.
         let vertices = RTree::bulk_load(if settled.len() > 1 { mesh.positions.clone() } else { Vec::new() });
         let meets = |plane: &MirrorPlane| {
@@ -151,7 +142,7 @@ impl MirrorPlane {
     /// The plane nearby whose images lie best on the surface, of which `nearest` gives the nearest point and the normal there.
     fn settled(
         mut self,
-        (rounds, shrinks): (usize, f64),
+        mut far: f64,
         places: &[Vector],
         nearest: impl Fn(Vector) -> (Vector, Vector) + Copy,
     ) -> MirrorPlane {
@@ -159,13 +150,12 @@ impl MirrorPlane {
             let (to, normal) = nearest(plane.image(from));
             Pair { from, to, normal }
         };
-        let mut far = FAR;
-        for _ in 0..rounds {
+        for _ in 0..ROUNDS {
             let pairs: Vec<Pair> = places.iter().map(|place| pair(&self, place)).collect();
             let next = self.through(&pairs, far);
             let moved = next.distance(&self);
             self = next;
-            far = MIRRORED.max(shrinks * far);
+            far = MIRRORED.max(SHRINKS * far);
             if moved < RESTS {
                 break;
             }
@@ -195,35 +185,7 @@ impl MirrorPlane {
         squared_norm(apart).sqrt() + 2.0 * (self.offset - same * other.offset).abs()
     }
 
-    /// The place nearest to the mirror image of another, and its squared distance.
-    fn nearest(&self, from: Vector, tree: &RTree<Leaf>) -> (f64, Vector) {
-        let image = self.image(from);
-        let near = *tree.nearest_neighbor(image).expect("a place").geom();
-        (squared_norm(subtract(image, near)), near)
-    }
-
-    /// The plane nearby that fits best, and the median distance of images from the surface.
-    fn fitted(mut self, sought: &[Vector], tree: &RTree<Leaf>) -> (MirrorPlane, f64) {
-        let mut median = f64::INFINITY;
-        for _ in 0..ROUNDS {
-            let pair = |&from: &Vector| {
-                let (squared, near) = self.nearest(from, tree);
-                (squared, from, near)
-            };
-            let mut pairs: Vec<(f64, Vector, Vector)> = sought.iter().map(pair).collect();
-            pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-            median = pairs[pairs.len() / 2].0.sqrt();
-            if median > HOPELESS {
-                break;
-            }
-            pairs.truncate((KEPT * pairs.len() as f64).ceil() as usize);
-            self = MirrorPlane::between(&pairs);
-        }
-        (self, median)
-    }
-
-    /// The plane nearby whose images lie best on the tangent planes of the surface (Y. Chen, G. Medioni, "Object modelling by registration of multiple range
-    /// images", 1992), but for points that have no image near where it should be.
+    /// The plane nearby whose images lie best on the tangent planes of the surface, but for points that have no image near where it should be.
     fn through(&self, pairs: &[Pair], far: f64) -> MirrorPlane {
         let mut aside = principal_axes(std::array::from_fn(|i| self.normal.map(|x| x * self.normal[i])));
         aside.sort_by(|a, b| dot(*a, self.normal).abs().total_cmp(&dot(*b, self.normal).abs()));
@@ -248,17 +210,6 @@ impl MirrorPlane {
         let length = squared_norm(normal).sqrt();
         MirrorPlane { normal: normal.map(|x| x / length), offset: (self.offset + shift) / length }
     }
-
-    /// The plane that fits best to pairs, whose distances come first.
-    fn between(pairs: &[(f64, Vector, Vector)]) -> MirrorPlane {
-        let from = mean(pairs.iter().map(|pair| pair.1));
-        let to = mean(pairs.iter().map(|pair| pair.2));
-        let centred = |&(_, a, b): &(f64, Vector, Vector)| (subtract(a, from), subtract(b, to));
-        let moments = moments(pairs.iter().map(centred));
-        let least = |a: &Vector, b: &Vector| along(&moments, *a).total_cmp(&along(&moments, *b));
-        let normal = principal_axes(moments).into_iter().min_by(least).expect("three");
-        MirrorPlane { normal, offset: 0.5 * (dot(normal, from) + dot(normal, to)) }
-    }
 }
 
 /// The planes of at least some worth that are worth nearly as much as the best.
@@ -273,15 +224,11 @@ fn along(moments: &[[f64; 3]; 3], axis: Vector) -> f64 {
     (0..3).map(|i| axis[i] * dot(moments[i], axis)).sum()
 }
 
-/// The sum of `(a b^T + b a^T) / 2`.
-fn moments(pairs: impl Iterator<Item = (Vector, Vector)>) -> [[f64; 3]; 3] {
+/// The sum of `a a^T`.
+fn moments(offsets: impl Iterator<Item = Vector>) -> [[f64; 3]; 3] {
     let mut sum = [[0.0; 3]; 3];
-    for (a, b) in pairs {
-        for i in 0..3 {
-            for j in 0..3 {
-                sum[i][j] += 0.5 * (a[i] * b[j] + b[i] * a[j]);
-            }
-        }
+    for a in offsets {
+        (0..3).for_each(|i| (0..3).for_each(|j| sum[i][j] += a[i] * a[j]));
     }
     sum
 }

@@ -13,9 +13,8 @@ use std::collections::HashSet;
 /// What speaks for two shells of one size, where 1 speaks for a shell that is its own image, and by which part more if all their points see each other's mirror image.
 const SAME_SIZE: f64 = 2.0;
 const DISTINCT: f64 = 0.75;
-/// How much less speaks for a shell that is its own image if another is of its size, and if its points see each other's mirror image.
+/// How much less speaks for a shell that is its own image if another is of its size.
 const LESS_BESIDE_SIZE: f64 = 0.4;
-const LESS_BESIDE_TWIN: f64 = 2.5;
 /// Natural logarithms of ratios of two shells' lengths by area and by extent at which these count as one size by 1 / e. A limb that is bent in one
 /// of two twins changes its extent: where the connectivity tells points apart it says nothing, and areas may differ twice as much.
 const TOLERANCES: [f64; 2] = [0.045, 0.1];
@@ -130,12 +129,9 @@ fn evidence(colours: &[&ShellColours], sizes: &[[f64; 2]], layers: &HashSet<[usi
         let certain = (2.0 * distinct(a, b)).min(1.0) * points / (points + MANY as f64);
         similar.max(certain * (-(area / ONLY).powi(2)).exp())
     };
-    let twin = |a: usize, b: usize| similarity(a, b) * distinct(a, b);
-    let most = |a: usize, of: &dyn Fn(usize, usize) -> f64| {
-        (0..count).filter(|&b| b != a).map(|b| of(a, b)).fold(0.0, f64::max)
-    };
+    let most = |a: usize| (0..count).filter(|&b| b != a).map(|b| similarity(a, b)).fold(0.0, f64::max);
     let of = |a: usize, b: usize| match a == b {
-        true => 1.0 - LESS_BESIDE_SIZE * most(a, &similarity) - LESS_BESIDE_TWIN * most(a, &twin),
+        true => 1.0 - LESS_BESIDE_SIZE * most(a),
         false => SAME_SIZE * (1.0 + DISTINCT * distinct(a, b)) * (2.0 * similarity(a, b) - 1.0),
     };
     (0..count * count).map(|pair| of(pair / count, pair % count)).collect()

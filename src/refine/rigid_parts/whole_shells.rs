@@ -1,7 +1,7 @@
 //! Whole shells that have kept their shape: plates of armour, links of a robot, wheels.
 //!
 //! What is round tells a map of eigenfunctions little of how it is turned, and a box lies on its partner in several ways. So the rigid motion nearest to the map, and others that are
-//! turned from it or put axes of inertia onto each other, are brought to the partner's surface (Y. Chen, G. Medioni, "Object modelling by registration of multiple range images", 1992); those
+//! turned from it, are brought to the partner's surface (Y. Chen, G. Medioni, "Object modelling by registration of multiple range images", 1992); those
 //! that come to lie on it are the ways in which the shell may go. Which it is, others tell: what the shell touches, and what hangs on it.
 
 use super::motion::{Approach, Motion, Oriented, Place, Spread};
@@ -10,7 +10,7 @@ use crate::geometry::embedded_triangles::TrianglePoint;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
 use crate::mesh::Shell;
-use crate::mesh::rotation::{eigenvectors, principal_axes, product, rotation, transposed, turned};
+use crate::mesh::rotation::{principal_axes, product, rotation, turned};
 use crate::mesh::vector::{Vector, cross, point_areas, squared_norm, subtract, summed_normals, unit};
 use crate::spectral::sampling::area_weighted_vertices;
 use rstar::RTree;
@@ -132,17 +132,12 @@ impl WholeShell {
             bent: 1.0,
             ways: Vec::new(),
         };
-        let by_axes = by_axes(
-            [&shell.own, &shell.target],
-            [&areas, &point_areas(&shell.target, &shell.triangles)],
-            mirrored,
-        );
-        (shell.bent, shell.ways) = shell.found(&few, by_axes);
+        (shell.bent, shell.ways) = shell.found(&few);
         Some(shell)
     }
 
-    /// How bent the shell is, and motions that lie on the target: that near the map, and from starts that are turned from it or put axes of inertia onto each other.
-    fn found(&self, few: &[Place], by_axes: Vec<Motion>) -> (f64, Vec<(f64, Motion)>) {
+    /// How bent the shell is, and motions that lie on the target: that near the map, and from starts that are turned from it.
+    fn found(&self, few: &[Place]) -> (f64, Vec<(f64, Motion)>) {
         let (surface, many) = (self.surface(), &self.places);
         let near = surface.settled(self.map, many, FINELY);
         let start = if near.0 < LIES_ON { near.1 } else { self.map };
@@ -154,8 +149,7 @@ impl WholeShell {
             let turn = move |turn: u32| rotation(axes[k], TAU * f64::from(turn) / f64::from(TURNS));
             (0..TURNS).map(turn).flat_map(move |turn| flips.map(|flip| product(&turn, &flip)))
         });
-        let starts = by_axes.into_iter().chain(starts.map(|turn| start.then_turned(&turn, about)));
-        let starts = starts.map(|start| (0.0, start)).collect();
+        let starts = starts.map(|turn| (0.0, start.then_turned(&turn, about))).collect();
         let roughly =
             distinct(starts, few).into_iter().map(|(_, start)| surface.settled(start, few, ROUGHLY));
         let finely = distinct(roughly.collect(), few).into_iter().take(FOLLOWED);
@@ -197,13 +191,9 @@ impl WholeShell {
         other.ways = self.ways.iter().map(inverse).collect();
     }
 
-    /// How bad is each way, beside what the `hints` say. Of a shell that `is_own` target each way should be its own inverse.
-    pub fn costs(&self, hints: &[Hint], is_own: bool) -> Vec<f64> {
-        let cost = |found: &(f64, Motion)| {
-            let back = if is_own { bad(moved(&self.places, &found.1, &found.1.inverse())) } else { 0.0 };
-            self.cost(found, hints) + back
-        };
-        self.ways.iter().map(cost).collect()
+    /// How bad is each way, beside what the `hints` say.
+    pub fn costs(&self, hints: &[Hint]) -> Vec<f64> {
+        self.ways.iter().map(|found| self.cost(found, hints)).collect()
     }
 
     /// How bad it is, in all ways of this shell and of one that it touches, that they take `places` between them apart.
@@ -292,29 +282,6 @@ impl WholeShell {
     fn surface(&self) -> Surface<'_> {
         Surface { shell: self, walk: SurfaceWalk::new(&self.target, &self.triangles) }
     }
-}
-
-/// Motions that take the axes of inertia of one set of points, by their `areas`, to those of another.
-fn by_axes(points: [&[Vector]; 2], areas: [&[f64]; 2], mirrored: bool) -> Vec<Motion> {
-    let frame = |side: usize| {
-        let places = points[side].iter().zip(areas[side]);
-        let places: Vec<Place> = places.map(|(&at, &area)| Place::unoriented(at, at, area)).collect();
-        let Spread { middle, moments, .. } = Spread::of(&places);
-        let (values, vectors) = eigenvectors(moments);
-        let mut order = [0, 1, 2];
-        order.sort_by(|&a: &usize, &b| values[a].total_cmp(&values[b]));
-        let vectors = transposed(&vectors);
-        let [a, b, _] = order.map(|axis| vectors[axis]);
-        (middle, [a, b, cross(a, b)])
-    };
-    let ((from, axes), (to, others)) = (frame(0), frame(1));
-    let motion = |signs: u32| {
-        let sign = |axis: u32| if signs >> axis & 1 == 1 { -1.0 } else { 1.0 };
-        let flipped = [0, 1, 2].map(|axis| others[axis].map(|x| sign(axis as u32) * x));
-        let turn = product(&transposed(&flipped), &axes);
-        Motion { turn, shift: subtract(to, turned(&turn, from)) }
-    };
-    (0..8u32).filter(|signs| (signs.count_ones() % 2 == 1) == mirrored).map(motion).collect()
 }
 
 /// How bad a squared distance is from where something should be.
@@ -437,7 +404,7 @@ mod tests {
 
     /// Partners by the way that costs least.
     fn partners(shell: &WholeShell, hints: &[Hint]) -> Vec<u32> {
-        let costs = shell.costs(hints, false);
+        let costs = shell.costs(hints);
         let way = (0..costs.len()).min_by(|&a, &b| costs[a].total_cmp(&costs[b]));
         shell.images(way, hints).expect("images").partners
     }
@@ -486,18 +453,6 @@ mod tests {
             |vertex: u32| (0..3).any(|step| partners[vertex as usize] == mirrored(vertex, AROUND - 1 + step));
         let right = (0..EACH).filter(|&vertex| is_beside(vertex)).count() as u32;
         assert!(3 * right > 2 * EACH, "{right} of {EACH}");
-    }
-
-    #[test]
-    fn axes_of_inertia_put_a_shell_onto_its_twin_however_that_is_turned() {
-        let turn = rotation([0.3, -0.5, 0.8], 2.1);
-        let mesh = tubes(None, &[&|at| at, &|at| turned(&turn, at).map(|x| x + 2.0)]);
-        let shell = whole(&mesh, 0, 1, 0);
-        let areas = |points: &[Vector]| point_areas(points, &shell.triangles);
-        let (own, target) = (&shell.own[..], &shell.target[..]);
-        let motions = by_axes([own, target], [&areas(own), &areas(target)], true);
-        let least = motions.iter().map(|&motion| shell.surface().left(motion)).fold(f64::INFINITY, f64::min);
-        assert!(motions.len() == 4 && least < 1e-9, "{least}");
     }
 
     #[test]
