@@ -218,9 +218,13 @@ impl<'a> Gatherer<'a> {
             }
             None => None,
         };
-        // A plane tells how shells lie: what changes lengths is another pairing.
-        let may_be = |found: &Automorphism| reliance != Reliance::Twins || found.keeps_lengths(self.mesh);
-        let exact = exact.filter(may_be).map(|found| found.within(&open));
+        // A plane tells where points go: what changes lengths, or sends one elsewhere, is another pairing.
+        let is_by_plane = reliance == Reliance::Twins;
+        let exact = exact.filter(|found| !is_by_plane || found.keeps_lengths(self.mesh));
+        let exact = exact.map(|found| match is_by_plane {
+            true => found.within(&map.sent_within(LOST, self.mesh, &open, &found)),
+            false => found.within(&open),
+        });
         if let Some(found) = &exact {
             map.replace_by_connectivity(self.mesh, found);
         }

@@ -143,6 +143,16 @@ impl PointMap {
         self.make_odd(mesh);
     }
 
+    /// Those of some `points` that a pairing sends within a `distance` of their images.
+    pub fn sent_within(&self, distance: f64, mesh: &Mesh, points: &[u32], found: &Automorphism) -> Vec<u32> {
+        let is_near = |&point: &u32| {
+            let image = self.image[point as usize].interpolate_vectors(&mesh.triangles, &mesh.positions);
+            let partner = mesh.positions.get(found.partner[point as usize] as usize);
+            partner.is_some_and(|&partner| squared_norm(subtract(partner, image)) < distance * distance)
+        };
+        points.iter().copied().filter(is_near).collect()
+    }
+
     /// Replaces the images of shells whose vertices are mirrored.
     pub fn replace_by_vertices(&mut self, mesh: &Mesh, found: &MirroredVertices) {
         let odd = self.odd.clone();
@@ -436,6 +446,18 @@ mod tests {
         map.partner[1] = NONE;
         map.replace_by_connectivity(&mesh, &Automorphism { partner: vec![NONE; 6], ..found });
         assert_eq!(map.exact, [false, false, true, false, false, true]);
+    }
+
+    #[test]
+    fn what_a_pairing_sends_away_from_its_image_is_told() {
+        let (mesh, found) = triangles([[6.0, 0.0, 0.0], [5.5, 1.0, 0.0]]);
+        let mut map = replaced(&mesh, &found);
+        map.image.swap(1, 2);
+        let points: Vec<u32> = (0..6).collect();
+        assert_eq!(map.sent_within(0.1, &mesh, &points, &found), [0, 3, 4, 5]);
+        assert_eq!(map.sent_within(9.0, &mesh, &points[1..], &found), [1, 2, 3, 4, 5]);
+        let found = Automorphism { partner: vec![NONE; 6], ..found };
+        assert!(map.sent_within(9.0, &mesh, &points, &found).is_empty());
     }
 
     #[test]
