@@ -135,7 +135,7 @@ fn lookalikes_among(mesh: &Mesh, shells: &[Shell], primary: usize) -> Vec<Lookal
     let mut local = vec![usize::MAX; mesh.shell_count];
     let others = shells.iter().enumerate().filter(|(own, _)| *own != primary);
     others.for_each(|(own, shell)| local[mesh.shell_of_point[shell.points[0] as usize] as usize] = own);
-    let mut sets = lookalikes(mesh, &mesh.shells());
+    let mut sets = lookalikes(&Vec::from_iter(&shell_colours(mesh)), &mesh.shells());
     sets.iter_mut().flat_map(|set| &mut set.shells).for_each(|shell| *shell = local[*shell]);
     sets
 }

@@ -4,6 +4,7 @@
 //! shells are joined by triangles across their contacts, some at each, the more the larger it is, and what comes of it is searched like any other surface. A contact much smaller than
 //! the others of its shells, as of a hand on a hip, joins nothing. Triangles that join are no part of the result.
 
+use crate::connectivity::automorphism::{ShellColours, shell_colours};
 use crate::detect::proxy::Proxy;
 use crate::detect::twins;
 use crate::geometry::shortest_paths::EdgeLengths;
@@ -48,7 +49,7 @@ impl JoinedShells {
         JoinedShells { shells, joints: Vec::new(), twins: Vec::new() }
     }
 
-    /// The large shells that have a likely twin or are their own, joined, where none holds four fifths of the area; else the largest shell alone.
+    /// Of all `shells` of the mesh: the large ones that have a likely twin or are their own, joined, where none holds four fifths of the area; else the largest shell alone.
     ///
     /// O(area / spacing^2 x log + shells x mesh).
     pub fn new(mesh: &Mesh, shells: Vec<Shell>) -> JoinedShells {
@@ -60,9 +61,11 @@ impl JoinedShells {
         let contacts = Contacts::between(mesh, &shells[..members]);
         let distances = contacts.distances(mesh, &shells[..members]);
         let layers = contacts.layers();
-        let mut twins = twins::likely(mesh, &shells[..members], &distances, &layers);
+        let colours = shell_colours(mesh);
+        let colours: Vec<&ShellColours> = colours.iter().take(members).collect();
+        let mut twins = twins::likely(&colours, &shells[..members], &distances, &layers);
         contacts.add_hubs(&mut twins);
-        twins::pair_own(&mut twins, &twins::lookalikes(mesh, &shells[..members]));
+        twins::pair_own(&mut twins, &twins::lookalikes(&colours, &shells[..members]));
         drop_layers(&mut twins, &layers);
         if twins.iter().filter(|&&twin| twin != NONE).count() < 2 {
             return JoinedShells::alone(shells);

@@ -65,7 +65,7 @@ pub struct MirrorPlane {
 impl MirrorPlane {
     /// The plane that mirrors most of the surface, and whether it does so exactly; `None` if that is less than [`MOSTLY`], or if many planes mirror as much.
     ///
-    /// O(triangles + area / spacing^2), and if images are near, some thousand walks on the surface.
+    /// O(triangles + area / spacing^2), about a thousand walks on the surface for each normal, and some thousand more if images are near.
     pub fn of(mesh: &Mesh) -> Option<(MirrorPlane, bool)> {
         let places: Vec<Place> = places(&mesh.positions, &mesh.triangles, SPACING);
         let middle = mean(places.iter().map(|place| place.at));

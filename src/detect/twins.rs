@@ -4,10 +4,10 @@
 //! these are from each other, along the surface: so a sword in one hand, which would be its own mirror image by itself, has none. The involution of the
 //! shells that is worth most is sought by single changes, from each of the pairs of a shell that may have several twins.
 
-use crate::connectivity::automorphism::{MANY, ShellColours, only_twins, shell_colours};
+use crate::connectivity::automorphism::{MANY, ShellColours, only_twins};
 use crate::detect::companions::AREA_TOLERANCE;
 use crate::mesh::vector::{Vector, dot};
-use crate::mesh::{Mesh, NONE, Shell};
+use crate::mesh::{NONE, Shell};
 use std::collections::HashSet;
 
 /// What speaks for two shells of one size, where 1 speaks for a shell that is its own image, and by which part more if all their points see each other's mirror image.
@@ -34,14 +34,16 @@ const MOST_STARTS: usize = 12;
 
 /// The likely twin of each shell, itself, or [`NONE`]. `distances` are those of shells, row by row; `layers` are pairs of them in one place, which are no twins. O(shells^3)
 /// a change, as many as shells, from each start.
-pub fn likely(mesh: &Mesh, shells: &[Shell], distances: &[f64], layers: &HashSet<[usize; 2]>) -> Vec<u32> {
-    let colours = shell_colours(mesh);
-    let of_shell = |shell: &Shell| &colours[mesh.shell_of_point[shell.points[0] as usize] as usize];
-    let colours: Vec<&ShellColours> = shells.iter().map(of_shell).collect();
+pub fn likely(
+    colours: &[&ShellColours],
+    shells: &[Shell],
+    distances: &[f64],
+    layers: &HashSet<[usize; 2]>,
+) -> Vec<u32> {
     let sizes: Vec<[f64; 2]> = shells.iter().map(sizes).collect();
     let weights: Vec<f64> = sizes.iter().map(|size| size[0]).collect();
     let count = shells.len();
-    let evidence = evidence(&colours, &sizes, layers);
+    let evidence = evidence(colours, &sizes, layers);
     let nearness: Vec<f64> = distances.iter().map(|distance| (-distance / NEARBY).exp()).collect();
     let around = |a: usize| (0..count).map(|b| nearness[a * count + b] * weights[b]).sum::<f64>();
     let around = (0..count).map(around).collect();
@@ -59,19 +61,16 @@ pub struct Lookalikes {
 }
 
 /// Sets of an even number of shells that have as many points and triangles, and one size; and the only two of a connectivity, whose size a pose may change.
-pub fn lookalikes(mesh: &Mesh, shells: &[Shell]) -> Vec<Lookalikes> {
+pub fn lookalikes(colours: &[&ShellColours], shells: &[Shell]) -> Vec<Lookalikes> {
     let counts = |shell: usize| (shells[shell].points.len(), shells[shell].triangles.len());
     let differ = |a: usize, b: usize| (shells[b].area() / shells[a].area()).ln().abs();
     let mut order: Vec<usize> = (0..shells.len()).collect();
     order.sort_by(|&a, &b| counts(a).cmp(&counts(b)).then(shells[a].area().total_cmp(&shells[b].area())));
     let are_alike = |&a: &usize, &b: &usize| counts(a) == counts(b) && differ(a, b) <= ONE_SIZE;
     let sets = order.chunk_by(are_alike).map(<[usize]>::to_vec);
-    let of_mesh = shell_colours(mesh);
-    let of_shell = |shell: &Shell| &of_mesh[mesh.shell_of_point[shell.points[0] as usize] as usize];
-    let colours: Vec<&ShellColours> = shells.iter().map(of_shell).collect();
     let is_one =
         |&[a, b]: &[usize; 2]| differ(a, b) < AREA_TOLERANCE || colours[a].mirrored_in(colours[b]).0 >= MANY;
-    let only = only_twins(&colours).into_iter().filter(is_one);
+    let only = only_twins(colours).into_iter().filter(is_one);
     let only = only.map(|pair| Lookalikes {
         shells: pair.into(),
         are_gloves: colours[pair[0]].are_gloves(colours[pair[1]]),
@@ -262,7 +261,8 @@ fn sizes(shell: &Shell) -> [f64; 2] {
 pub(super) mod tests {
     use super::*;
     use crate::base::limits::Limits;
-    use crate::mesh::PolygonMesh;
+    use crate::connectivity::automorphism::shell_colours;
+    use crate::mesh::{Mesh, PolygonMesh};
 
     /// Sheets of 10 by 10 squares, cut along diagonals that follow no rule, each mirrored or not, and scaled.
     pub fn sheets(of: &[(bool, f64)]) -> Mesh {
@@ -295,7 +295,7 @@ pub(super) mod tests {
     fn the_only_two_of_a_connectivity_are_alike_at_any_size_unless_one_is_but_moved() {
         let sets = |of: &[(bool, f64)]| {
             let mesh = sheets(of);
-            lookalikes(&mesh, &mesh.shells())
+            lookalikes(&Vec::from_iter(&shell_colours(&mesh)), &mesh.shells())
         };
         assert_eq!(sets(&[(false, 1.0), (true, 1.5)]), [Lookalikes { shells: vec![0, 1], are_gloves: true }]);
         assert_eq!(sets(&[(false, 1.0), (false, 1.5)]), []);
