@@ -31,8 +31,8 @@ pub const MOSTLY: f64 = 0.75;
 const ROUNDS: usize = 8;
 /// Places near an image whose triangles may hold the nearest point.
 const AROUND: usize = 4;
-/// Images of a plane worth looking at are this near to the surface, in sqrt(area), in the median.
-const NEAR: f64 = 0.015;
+/// Of a plane worth settling, images of [`MOSTLY`] all places are this near to the surface, in sqrt(area).
+const NEAR: f64 = 0.012;
 /// A point whose image is farther than this, in sqrt(area), from where it should be does not count, at first and once a plane is near.
 const AFAR: f64 = 0.2;
 const FAR: f64 = 0.045;
@@ -104,7 +104,7 @@ impl MirrorPlane {
         };
         let mut planes: Vec<(f64, MirrorPlane)> = Vec::new();
         let starts = starts.map(|start| start.settled(AFAR, &fitted, nearest));
-        for start in starts.filter(|start| start.mirrored(NEAR, &fitted, nearest) >= 0.5) {
+        for start in starts.filter(|start| start.mirrored(NEAR, &fitted, nearest) >= MOSTLY) {
             let is_new = |plane: &MirrorPlane| planes.iter().all(|other| other.1.distance(plane) > OTHER);
             if is_new(&start) {
                 let plane = start.settled(FAR, &compared, nearest);
