@@ -7,7 +7,6 @@ use crate::base::options::Options;
 use crate::base::progress::Progress;
 use crate::detect::attempt::attempt;
 use crate::detect::clock::Clock;
-use crate::detect::correspondence::Symmetry;
 use crate::detect::coverage::partner_point;
 use crate::detect::detection::Detection;
 use crate::detect::domain::Domain;
@@ -179,8 +178,9 @@ fn of_rest(
         let (found, rests) = of_shells(question, joined, plans, best, clock)?;
         // What is cut off is not answered.
         let share = joined.shells[0].area() / whole.area();
-        let is_better = |best: &Detection| {
-            found.is_much_more_plausible(best) && share * found.plausibility() > best.plausibility()
+        let is_better = |best: &Detection| match best.symmetries.is_empty() {
+            true => found.report.judged.is_some_and(|judged| judged.is_sure()),
+            false => found.is_much_more_plausible(best) && share * found.plausibility() > best.plausibility(),
         };
         if best.map_or(found.outcome == Outcome::Found, is_better) {
             return Ok(Some((found, rests)));
@@ -252,21 +252,19 @@ fn of_shells(
     }
     let best = best.expect("a plan");
     // A map that says little tells no parts from others.
-    let may_be_partial = |found: &Symmetry| {
-        whole.is_none_or(|whole| best.is_much_more_plausible(whole))
-            && found.mean_confidence >= CONFIDENT
-            && question.guesses_parts()
-            && joined.twins.is_empty()
-    };
-    let rests = match (best.symmetries.first(), solved) {
-        (Some(symmetry), Some(solved)) if may_be_partial(symmetry) => {
+    let symmetry = best.symmetries.first().filter(|found| found.mean_confidence >= CONFIDENT);
+    let may_be_partial = whole.is_none_or(|whole| best.is_much_more_plausible(whole))
+        && question.guesses_parts()
+        && joined.twins.is_empty();
+    let rests = match solved.filter(|_| may_be_partial) {
+        Some(solved) => {
             let excess = Excess::of(&joined.shells[0], domain.searched(), solved.proxy.as_ref());
             match excess.rests(question.mesh, symmetry, !best.is_settled(), question.progress) {
                 Err(Error::TimeLimit { .. }) => return late(best).map(|best| (best, Vec::new())),
                 rests => rests?,
             }
         }
-        _ => Vec::new(),
+        None => Vec::new(),
     };
     clock.lap("excess");
     Ok((best, rests))

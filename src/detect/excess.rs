@@ -18,9 +18,9 @@ use crate::search::extrema_starts::extrema;
 use crate::spectral::sampling::area_weighted_vertices;
 
 /// Vertices of the surface along which distances are measured.
-const COARSE: usize = 2000;
+const COARSE: usize = 1000;
 /// Places that are looked at, and those from which their distances are measured.
-const PLACES: usize = 400;
+const PLACES: usize = 250;
 const ANCHORS: usize = 24;
 /// Two distances are compared by their difference over their sum and this length, in sqrt(area); at most by the second.
 const SHORT: f64 = 0.15;
@@ -63,17 +63,17 @@ impl<'a> Excess<'a> {
         Excess { shell, solved, proxy, coarse: Proxy::new(solved, COARSE, 1) }
     }
 
-    /// The shell without its places that stick out under a symmetry of the mesh; if there are none, each time without the end of one limb that may be longer than its twin.
+    /// The shell without its places that stick out under a `symmetry` of the mesh; then, if `limbs` are asked for, each time without the end of one that may be longer than its twin.
     ///
     /// A place sticks out if its distances from many others agree with those of no image, but with those of one that is nearer to all by one
-    /// length. Some 60 searches over 2,000 vertices.
+    /// length. Some 60 searches over 1,000 vertices.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`], [`crate::Error::TimeLimit`].
     pub fn rests(
         &self,
         mesh: &Mesh,
-        symmetry: &Symmetry,
+        symmetry: Option<&Symmetry>,
         limbs: bool,
         progress: &Progress,
     ) -> Result<Vec<Shell>> {
@@ -83,21 +83,24 @@ impl<'a> Excess<'a> {
         if coarse.points.len() > TOO_FINE * COARSE {
             return Ok(Vec::new());
         }
-        let image = |&point: &u32| {
-            let vertex = mesh.vertex_of_point.get(point as usize)?;
-            let image = partner_point(mesh, symmetry.partner[*vertex as usize]);
-            Some(self.coarse_vertex(self.shell.points.binary_search(&image).ok()?))
+        // Nothing sticks out where all are their own images.
+        let image = |(own, &point): (usize, &u32)| match symmetry {
+            None => Some(own),
+            Some(symmetry) => {
+                let vertex = mesh.vertex_of_point.get(point as usize)?;
+                let image = partner_point(mesh, symmetry.partner[*vertex as usize]);
+                Some(self.coarse_vertex(self.shell.points.binary_search(&image).ok()?))
+            }
         };
-        let images: Vec<Option<usize>> = coarse.points.iter().map(image).collect();
+        let images: Vec<Option<usize>> = coarse.points.iter().enumerate().map(image).collect();
         let walk = SurfaceWalk::new(&coarse.positions, &coarse.triangles);
         let edges = EdgeLengths::of_walk(&walk, &coarse.positions);
         let Some(distances) = Distances::new(coarse, &edges, &images) else { return Ok(Vec::new()) };
-        let by_map = self.without(&distances.sticking_out(&walk, &images, progress)?);
-        if by_map.is_some() || !limbs {
-            return Ok(by_map.into_iter().collect());
+        let mut parts = vec![distances.sticking_out(&walk, &images, progress)?];
+        if limbs {
+            parts.extend(longer_limbs(&edges, &distances.averages()));
         }
-        let limbs = longer_limbs(&edges, &distances.averages());
-        Ok(limbs.iter().filter_map(|part| self.without(part)).collect())
+        Ok(parts.iter().filter_map(|part| self.without(part)).collect())
     }
 
     /// That beside a vertex of the shell.
