@@ -296,7 +296,7 @@ impl Distances {
     }
 }
 
-/// The ends by which limbs are longer than others that may be their twins, the likeliest first.
+/// The ends by which limbs are longer than others that may be their twins, first those that are longer by more than they misfit.
 ///
 /// Two limbs may be twins if their tips' distances from all other tips differ by one length, and no other tip is like either.
 fn longer_limbs(edges: &EdgeLengths, averages: &[f64]) -> Vec<Vec<bool>> {
@@ -331,7 +331,7 @@ fn longer_limbs(edges: &EdgeLengths, averages: &[f64]) -> Vec<Vec<bool>> {
         };
         let has_other = || (0..count).any(|k| k != a && k != b && (is_twin(a, k) || is_twin(b, k)));
         if length > LENGTH && misfit < ALIKE && length < from[a][tips[b] as usize] && !has_other() {
-            found.push((misfit, a, length));
+            found.push((misfit / length, a, length));
         }
     }
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
