@@ -46,13 +46,13 @@ fn judged(
     (paired, errors.iter().sum::<f64>() / errors.len() as f64)
 }
 
-/// A creature the end of whose limb is drawn out to a rod.
-fn armed(whole: &PolygonMesh) -> PolygonMesh {
+/// A creature the end of whose limb is drawn out to a rod, `1 + by` times as long as the end.
+fn armed(whole: &PolygonMesh, by: f64) -> PolygonMesh {
     let mut armed = whole.clone();
     for position in &mut armed.positions {
         let beyond = dot(*position, LIMB) - ROD;
         if beyond > 0.0 {
-            *position = std::array::from_fn(|axis| position[axis] + 1.5 * beyond * LIMB[axis]);
+            *position = std::array::from_fn(|axis| position[axis] + by * beyond * LIMB[axis]);
         }
     }
     armed
@@ -62,7 +62,7 @@ fn armed(whole: &PolygonMesh) -> PolygonMesh {
 fn what_sticks_out_of_a_hand_has_no_partner() {
     let whole = creature(5, 0.4);
     let truth = creature_truth(&whole);
-    let armed = armed(&whole);
+    let armed = armed(&whole, 1.5);
     let lacks = |v: usize| dot(armed.positions[v], LIMB) > ROD + 1.2;
     let (with, without) = (found(&armed, true), found(&armed, false));
     assert_eq!(with.outcome, Outcome::Found);
@@ -73,9 +73,22 @@ fn what_sticks_out_of_a_hand_has_no_partner() {
     assert!(error < 0.01, "{error}");
 }
 
+#[test]
+fn a_limb_that_is_longer_than_its_twin_is_shortened_where_the_whole_has_no_map() {
+    let whole = creature(5, 0.4);
+    let truth = creature_truth(&whole);
+    let armed = armed(&whole, 3.0);
+    let lacks = |v: usize| dot(armed.positions[v], LIMB) > ROD + 2.4;
+    assert_eq!(found(&armed, false).outcome, Outcome::None);
+    let found = found(&armed, true);
+    assert_eq!(found.outcome, Outcome::Found);
+    let (paired, error) = judged(&armed, &found, &truth, lacks);
+    assert!(paired == 0.0 && error < 0.01, "{paired} {error}");
+}
+
 /// What comes of a detection that a callback interrupts once, when parts without a counterpart are sought first; and how many reports follow.
 fn interrupted(seconds: usize, interrupt: impl Fn(&CancelToken)) -> (intrinsym::Result<Detection>, usize) {
-    let (mesh, token) = (validated(&armed(&creature(4, 0.4))), CancelToken::default());
+    let (mesh, token) = (validated(&armed(&creature(4, 0.4), 1.5)), CancelToken::default());
     let after = Cell::new(None);
     let callback = |stage: &str, _: f64| match after.get() {
         Some(count) => after.set(Some(count + 1)),
