@@ -1,5 +1,6 @@
-//! The shared vocabulary: errors, options, efforts, limits, progress, threads, atomic files.
+//! The shared vocabulary: errors, options, efforts, limits, progress, threads, atomic files, assignments.
 
+pub mod assignment;
 pub mod atomic_file;
 pub mod effort;
 pub mod error;

@@ -1,7 +1,7 @@
 //! NumPy archives: arrays of doubles in a `.npz` file (NumPy enhancement proposal 1, format version 1.0).
 
-use std::io::{Cursor, Result, Write};
-use zip::write::{SimpleFileOptions, ZipWriter};
+use rawzip::ZipArchiveWriter;
+use std::io::{Error, Result, Write};
 
 /// An array to store: name, shape, and values in C order.
 pub struct Array<'a> {
@@ -15,19 +15,20 @@ pub struct Array<'a> {
 
 /// The bytes of an uncompressed `.npz` file. The same arrays give the same bytes.
 pub fn archive(arrays: &[Array]) -> Result<Vec<u8>> {
-    let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
+    let mut archive = ZipArchiveWriter::new(Vec::new());
     for array in arrays {
-        let large = array.values.len() > (1 << 28);
-        let options =
-            SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored).large_file(large);
-        writer.start_file(format!("{}.npy", array.name), options)?;
+        let name = format!("{}.npy", array.name);
+        let (mut entry, config) = archive.new_file(&*name).start().map_err(Error::other)?;
+        let mut writer = config.wrap(&mut entry);
         writer.write_all(&header(array.shape))?;
         for chunk in array.values.chunks(8192) {
             let bytes: Vec<u8> = chunk.iter().flat_map(|value| value.to_le_bytes()).collect();
             writer.write_all(&bytes)?;
         }
+        let (_, sums) = writer.finish().map_err(Error::other)?;
+        entry.finish(sums).map_err(Error::other)?;
     }
-    Ok(writer.finish()?.into_inner())
+    archive.finish().map_err(Error::other)
 }
 
 /// Magic, version, length and description, padded to a multiple of 64 bytes.

@@ -3,6 +3,7 @@
 //! A companion shell (an eye, a tooth, a shoe) goes where the surface goes that it sits on. There its mirror image must sit:
 //! on itself, or on another shell of the same size, with which it swaps; its points then meet what is nearest.
 
+use crate::base::assignment::assignment;
 use crate::base::error::Result;
 use crate::base::progress::Progress;
 use crate::connectivity::automorphism::{ShellColours, only_twins, shell_colours};
@@ -15,8 +16,6 @@ use crate::mesh::{Mesh, Shell, UnionFind};
 use crate::refine::rigid_parts::{Carrier, cluster_motion};
 use crate::search::refinement::nearest;
 use faer::Mat;
-use pathfinding::matrix::Matrix;
-use pathfinding::prelude::kuhn_munkres_min;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 use std::collections::BTreeMap;
@@ -424,16 +423,14 @@ fn involution(options: &BTreeMap<(usize, usize), f32>) -> Vec<(usize, usize, f32
     pairs
 }
 
-/// For each of `count` its partner, or a number from `count` on if it has none (H. W. Kuhn, "The Hungarian method for the assignment problem", 1955). O(count^3).
+/// For each of `count` its partner, or a number from `count` on if it has none. O(count^3).
 fn assigned(count: usize, mismatch: impl Fn(usize, usize) -> Option<f32>) -> Vec<usize> {
-    let square = |mismatch: f32| (1e15 * f64::from(mismatch).powi(2)) as i64;
+    let square = |mismatch: f32| f64::from(mismatch).powi(2);
     let farthest = square(FARTHEST);
-    let cost = |(i, j): (usize, usize)| match j < count {
-        true => mismatch(i, j).map_or(4 * farthest, square),
+    assignment(count, 2 * count, |i, j| match j < count {
+        true => mismatch(i, j).map_or(4.0 * farthest, square),
         false => farthest,
-    };
-    let costs = Matrix::from_fn(count, 2 * count, cost);
-    kuhn_munkres_min(&costs).1
+    })
 }
 
 /// Images of the points of `source` on `target`: the nearest points to where they should be.
