@@ -289,7 +289,7 @@ fn the_plane_of_a_turned_creature_is_its_own() {
     let turned = |position: Vector| rotated(position, [1.0, 2.0, 3.0], 0.7);
     let mut mesh = creature(4, 0.4);
     mesh.positions.iter_mut().for_each(|position| *position = turned(*position));
-    let (plane, _) = MirrorPlane::of(&validated(&mesh)).expect("a plane");
+    let (plane, _) = MirrorPlane::of(&validated(&mesh), 2).expect("a plane");
     let normal = turned([1.0, 0.0, 0.0]);
     let along: f64 = (0..3).map(|axis| normal[axis] * plane.normal[axis]).sum();
     assert!(along.abs() > 0.9999, "{plane:?}");
@@ -299,11 +299,11 @@ fn the_plane_of_a_turned_creature_is_its_own() {
 #[test]
 fn what_is_worn_on_one_side_does_not_turn_the_plane() {
     let mut mesh = creature(8, 0.4);
-    let (_, is_exact) = MirrorPlane::of(&validated(&mesh)).expect("a plane");
+    let (_, is_exact) = MirrorPlane::of(&validated(&mesh), 2).expect("a plane");
     assert!(is_exact);
     let is_under = |[x, y, _]: &Vector| *x > 0.2 && (0.0..0.4).contains(y);
     mesh.positions.iter_mut().filter(|at| is_under(at)).for_each(|at| *at = at.map(|x| 1.04 * x));
-    let (plane, _) = MirrorPlane::of(&validated(&mesh)).expect("a plane");
+    let (plane, _) = MirrorPlane::of(&validated(&mesh), 2).expect("a plane");
     assert!(plane.normal[1].hypot(plane.normal[2]) < 1e-3, "{plane:?}");
 }
 
@@ -325,7 +325,7 @@ fn what_a_round_body_wears_tells_its_plane() {
         );
     }
     let faces: Vec<&[u32]> = faces.iter().map(Vec::as_slice).collect();
-    let (plane, _) = MirrorPlane::of(&validated(&polygon_mesh(&positions, &faces))).expect("a plane");
+    let (plane, _) = MirrorPlane::of(&validated(&polygon_mesh(&positions, &faces)), 2).expect("a plane");
     let normals = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(|normal| rotated(normal, [1.0, 2.0, 3.0], 0.7));
     let along = |normal: Vector| (0..3).map(|axis| normal[axis] * plane.normal[axis]).sum::<f64>().abs();
     assert!(normals.into_iter().any(|normal| along(normal) > 0.999), "{plane:?}");
@@ -333,7 +333,7 @@ fn what_a_round_body_wears_tells_its_plane() {
 
 #[test]
 fn a_sphere_has_no_plane_of_its_own() {
-    assert!(MirrorPlane::of(&validated(&icosphere(3))).is_none());
+    assert!(MirrorPlane::of(&validated(&icosphere(3)), 2).is_none());
 }
 
 /// A body that left and right mirror exactly, and front and back but for a nose.

@@ -4,6 +4,7 @@
 //! axis; the plane is then brought to where the images of places lie best on the tangent planes of the surface (Y. Chen, G. Medioni, "Object modelling by registration of
 //! multiple range images", 1992).
 
+use crate::base::threads;
 use crate::geometry::surface_grid::{Place, places};
 use crate::geometry::surface_walk::{SurfaceWalk, nearest_of};
 use crate::mesh::Mesh;
@@ -65,8 +66,8 @@ pub struct MirrorPlane {
 impl MirrorPlane {
     /// The plane that mirrors most of the surface, and whether it does so exactly; `None` if that is less than [`MOSTLY`], or if many planes mirror as much.
     ///
-    /// O(triangles + area / spacing^2), about a thousand walks on the surface for each normal, and some thousand more if images are near.
-    pub fn of(mesh: &Mesh) -> Option<(MirrorPlane, bool)> {
+    /// O(triangles + area / spacing^2), about a thousand walks on the surface for each normal, and some thousand more if images are near; on at most `threads` threads.
+    pub fn of(mesh: &Mesh, threads: usize) -> Option<(MirrorPlane, bool)> {
         let places: Vec<Place> = places(&mesh.positions, &mesh.triangles, SPACING);
         let middle = mean(places.iter().map(|place| place.at));
         let moments = moments(places.iter().map(|place| subtract(place.at, middle)));
@@ -88,7 +89,7 @@ impl MirrorPlane {
         };
         let fitted: Vec<Vector> = some(FITTED);
         let starts =
-            axes.iter().chain(&turned).map(|&normal| MirrorPlane { normal, offset: dot(normal, middle) });
+            axes.into_iter().chain(turned).map(|normal| MirrorPlane { normal, offset: dot(normal, middle) });
         let compared: Vec<Vector> = some(SETTLED);
         let surface = SurfaceWalk::new(&mesh.positions, &mesh.triangles);
         let nearest = |goal: Vector| {
@@ -103,8 +104,11 @@ impl MirrorPlane {
             (to, unit(cross(subtract(corners[1], corners[0]), subtract(corners[2], corners[0]))))
         };
         let mut planes: Vec<(f64, MirrorPlane)> = Vec::new();
-        let starts = starts.map(|start| start.settled(AFAR, &fitted, nearest));
-        for start in starts.filter(|start| start.mirrored(NEAR, &fitted, nearest) >= MOSTLY) {
+        let rough = threads::map(threads, starts.collect(), |start: MirrorPlane| {
+            let plane = start.settled(AFAR, &fitted, nearest);
+            (plane.mirrored(NEAR, &fitted, nearest) >= MOSTLY).then_some(plane)
+        });
+        for start in rough.into_iter().flatten() {
             let is_new = |plane: &MirrorPlane| planes.iter().all(|other| other.1.distance(plane) > OTHER);
             if is_new(&start) {
                 let plane = start.settled(FAR, &compared, nearest);
@@ -287,7 +291,7 @@ mod tests {
     #[test]
     fn large_faces_have_images_far_from_all_corners() {
         let mesh = wheels();
-        let (plane, _) = MirrorPlane::of(&mesh).expect("a plane");
+        let (plane, _) = MirrorPlane::of(&mesh, 2).expect("a plane");
         let nearest = |image: Vector| {
             mesh.positions.iter().map(|&at| squared_norm(subtract(at, image))).fold(f64::MAX, f64::min)
         };
@@ -305,7 +309,7 @@ mod tests {
                 face_vertices: vec![0, 2, 3, 1, 4, 5, 7, 6, 0, 1, 5, 4, 2, 6, 7, 3, 0, 4, 6, 2, 1, 3, 7, 5],
             };
             let mesh = Mesh::new(&polygons, &Limits::default()).expect("a usable mesh");
-            let (plane, _) = MirrorPlane::of(&mesh).expect("a plane");
+            let (plane, _) = MirrorPlane::of(&mesh, 2).expect("a plane");
             let longest = sizes.iter().position(|&size| size == 3.0).expect("one");
             assert!(plane.normal[longest].abs() > 0.999, "{sizes:?}: {plane:?}");
         }
@@ -328,7 +332,7 @@ mod tests {
             }
         }
         let mesh = Mesh::new(&polygons, &Limits::default()).expect("a usable mesh");
-        let (plane, _) = MirrorPlane::of(&mesh).expect("a plane");
+        let (plane, _) = MirrorPlane::of(&mesh, 2).expect("a plane");
         assert!(plane.normal[1].abs() > 0.999 || plane.normal[2].abs() > 0.999, "{plane:?}");
     }
 

@@ -77,7 +77,7 @@ impl<'a> Question<'a> {
         let Question { mesh, options, progress, .. } = *self;
         let wanted = self.mechanisms.mirror_plane && options.asks_for_one();
         progress.report("mirror plane", 0.02)?;
-        let Some((plane, is_exact)) = wanted.then(|| MirrorPlane::of(mesh)).flatten() else {
+        let Some((plane, is_exact)) = wanted.then(|| MirrorPlane::of(mesh, options.threads)).flatten() else {
             return Ok(None);
         };
         progress.check()?;
