@@ -231,7 +231,7 @@ fn descent_along_the_mesh_finds_what_a_full_search_finds() {
             graph,
             triangles,
             fans: &fans,
-            queries: &target.rows.mapped(map, 1),
+            queries: &target.rows.mapped(map),
             targets: &target.rows,
             columns: target.rows.columns(map.ncols(), Guide::Eigenfunctions),
             threads: 2,

@@ -6,7 +6,6 @@
 
 use crate::base::error::Result;
 use crate::base::progress::{CancelToken, Progress};
-use crate::base::threads;
 use crate::geometry::adjacency::Adjacency;
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
 use crate::geometry::vertex_map::VertexMap;
@@ -18,7 +17,6 @@ use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
 use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
-use std::ops::Range;
 use std::sync::Arc;
 
 /// A shell with what matching on all its vertices needs; clones share it.
@@ -66,7 +64,7 @@ impl<'a> MatchTarget<'a> {
             graph: &self.graph,
             triangles: &self.surface.triangles,
             fans: &self.fans,
-            queries: &self.rows.mapped(map, self.threads),
+            queries: &self.rows.mapped(map),
             targets: &self.rows,
             columns: self.rows.columns(map.ncols(), guide),
             threads: self.threads,
@@ -88,26 +86,18 @@ impl<'a> MatchTarget<'a> {
         };
         let columns = self.rows.function_columns(size);
         let points = images.iter().zip(&self.surface.lumped_mass).map(weighted);
-        let pulled = self.rows.combined(points, columns, self.threads);
+        let pulled = self.rows.combined(points, columns);
         let (from, onto) = (self.rows.functions(size), pulled.functions(size));
-        let rows = |range: Range<usize>| {
-            let mut rows = Mat::<f32>::zeros(range.len(), size);
-            let from = from.subcols(range.start, range.len()).transpose();
-            matmul(rows.as_mut(), Accum::Replace, from, onto, 1.0, Par::Seq);
-            (range.start, rows)
-        };
-        let mut map = Mat::zeros(size, size);
-        for (first, rows) in threads::map(self.threads, threads::ranges(size, self.threads), rows) {
-            let rows = Mat::from_fn(rows.nrows(), size, |i, j| f64::from(rows[(i, j)]));
-            map.subrows_mut(first, rows.nrows()).copy_from(&rows);
-        }
+        let mut map = Mat::<f32>::zeros(size, size);
+        matmul(map.as_mut(), Accum::Replace, from.transpose(), onto, 1.0, Par::Seq);
+        let map = Mat::from_fn(size, size, |i, j| f64::from(map[(i, j)]));
         nearest_involution(&map)
     }
 
     /// What `rows` of the vertices give at `points`.
     pub fn rows_at(&self, rows: &VertexRows, points: &[TrianglePoint]) -> VertexRows {
         let points = points.iter().map(|point| (self.corners(point), point.barycentric));
-        rows.combined(points, 0..rows.width(), 1)
+        rows.combined(points, 0..rows.width())
     }
 
     /// The corners of `point`'s triangle.

@@ -12,9 +12,12 @@ use crate::base::threads;
 use crate::geometry::adjacency::{Adjacency, some};
 use crate::geometry::embedded_triangles::{Fans, TrianglePoint, TriangleProducts, nearest_in_triangle};
 use crate::mesh::NONE;
-use crate::refine::vertex_rows::{LEAST_PER_THREAD, SquaredDistance, VertexRows, products};
+use crate::refine::vertex_rows::{SquaredDistance, VertexRows, products};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
+
+/// Sources for which a thread is started, and after which a cancel is looked for.
+const LEAST_PER_THREAD: usize = 1000;
 
 /// What is nearest to a source.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,6 +1,5 @@
 //! What images are sought by: mean curvature and eigenfunctions of points in single precision, a row a point.
 
-use crate::base::threads;
 use crate::geometry::embedded_triangles::TriangleProducts;
 use crate::spectral::eigenbasis::Eigenbasis;
 use crate::spectral::laplacian::IntrinsicSurface;
@@ -12,9 +11,6 @@ use std::ops::Range;
 
 /// Weight of the mean curvature beside the eigenfunctions, whose squares have mean 1 each (`docs/notebook/2026-11-25-method.md`).
 const CURVATURE_WEIGHT: f64 = 8.0;
-
-/// Rows for which a thread is started, and after which a cancel is looked for.
-pub const LEAST_PER_THREAD: usize = 1000;
 
 /// What images are sought by.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,55 +66,38 @@ impl VertexRows {
         VertexRows { values, width, curvature_columns, leading, twins: Vec::new(), arch: Arch::new() }
     }
 
-    /// At each of `points` (three rows and their weights) the weighted sum of the rows, of which only `columns`; on at
-    /// most `threads` threads.
+    /// At each of `points` (three rows and their weights) the weighted sum of the rows, of which only `columns`.
     pub fn combined(
         &self,
         points: impl Iterator<Item = ([u32; 3], [f32; 3])>,
         columns: Range<usize>,
-        threads: usize,
     ) -> VertexRows {
         let points: Vec<_> = points.collect();
         let [curvature, leading] = [self.curvature_columns, self.leading]
             .map(|before| before.clamp(columns.start, columns.end) - columns.start);
         let mut combined =
             VertexRows::zero(points.len(), curvature, leading - curvature, columns.len() - leading);
-        combined.fill(threads, |range, out| {
-            let (points, columns) = (&points[range], columns.clone());
-            self.arch.dispatch(WeightedSums { rows: self, points, columns, out });
-        });
+        let out = &mut combined.values;
+        self.arch.dispatch(WeightedSums { rows: self, points: &points, columns, out });
         combined
     }
 
-    /// The same points with their eigenfunctions under `map` (size x size): `functions * map`; on at most `threads`
-    /// threads.
-    pub fn mapped(&self, map: &Mat<f64>, threads: usize) -> VertexRows {
+    /// The same points with their eigenfunctions under `map` (size x size): `functions * map`.
+    pub fn mapped(&self, map: &Mat<f64>) -> VertexRows {
         let (curvature, leading, size) = (self.curvature_columns, self.leading, map.ncols());
         let mut mapped = VertexRows::zero(self.count(), curvature, leading - curvature, size);
         let width = mapped.width;
         let map = Mat::from_fn(map.nrows(), size, |i, j| map[(i, j)] as f32);
-        mapped.fill(threads, |range, out| {
-            for (out, row) in out.chunks_exact_mut(width.max(1)).zip(range.clone()) {
-                out[..curvature].copy_from_slice(&self.row(row)[..curvature]);
-                if let Some(&twin) = self.twins.get(row) {
-                    out[curvature..leading].copy_from_slice(&code(twin));
-                }
+        for (out, row) in mapped.values.chunks_exact_mut(width.max(1)).zip(0..) {
+            out[..curvature].copy_from_slice(&self.row(row)[..curvature]);
+            if let Some(&twin) = self.twins.get(row) {
+                out[curvature..leading].copy_from_slice(&code(twin));
             }
-            let from = self.functions(map.nrows()).subrows(range.start, range.len());
-            let out = MatMut::from_row_major_slice_mut(out, range.len(), width).subcols_mut(leading, size);
-            matmul(out, Accum::Replace, from, map.as_ref(), 1.0, Par::Seq);
-        });
+        }
+        let out = MatMut::from_row_major_slice_mut(&mut mapped.values, self.count(), width);
+        let (out, from) = (out.subcols_mut(leading, size), self.functions(map.nrows()));
+        matmul(out, Accum::Replace, from, map.as_ref(), 1.0, Par::Seq);
         mapped
-    }
-
-    /// Has `work` write the rows, range by range, on at most `threads` threads.
-    fn fill(&mut self, threads: usize, work: impl Fn(Range<usize>, &mut [f32]) + Sync) {
-        let width = self.width.max(1);
-        let at_once = self.count().div_ceil(threads.max(1)).max(LEAST_PER_THREAD);
-        let parts = self.values.chunks_mut(at_once * width).enumerate().collect();
-        threads::map(threads, parts, |(part, out): (usize, &mut [f32])| {
-            work(part * at_once..part * at_once + out.len() / width, out);
-        });
     }
 
     /// Number of points.
