@@ -439,3 +439,74 @@ fn what_hangs_on_a_part_that_is_posed_apart_follows_that() {
         assert_eq!(right, points.len(), "part {part}");
     }
 }
+
+/// The letters F and J cut out of a board, whose triangles in front are not those behind.
+#[test]
+fn what_is_thin_exchanges_its_sides_if_nothing_else_mirrors_it() {
+    const FINE: usize = 6;
+    let letters = ["###...#", "#......#", "##.....#", "#....#.#", "#....###"];
+    let is_wood = |x: usize, y: usize| {
+        letters.get(y / FINE).is_some_and(|row| row.as_bytes().get(x / FINE) == Some(&b'#'))
+    };
+    let (columns, rows) = (8 * FINE, 5 * FINE);
+    let mut numbers = std::collections::HashMap::new();
+    let (mut positions, mut faces): (Vec<Vector>, Vec<Vec<u32>>) = (Vec::new(), Vec::new());
+    let mut corner = |[x, y, z]: [usize; 3]| {
+        *numbers.entry([x, y, z]).or_insert_with(|| {
+            positions.push([x as f64, y as f64, 0.6 * z as f64 - 0.3]);
+            positions.len() as u32 - 1
+        })
+    };
+    for (x, y) in (0..columns).flat_map(|x| (0..rows).map(move |y| (x, y))).filter(|&(x, y)| is_wood(x, y)) {
+        let around = [[x, y], [x + 1, y], [x + 1, y + 1], [x, y + 1]];
+        let [behind, front] = [0, 1].map(|z| around.map(|[x, y]| corner([x, y, z])));
+        faces.push(front.to_vec());
+        faces.push(behind.into_iter().rev().collect());
+        let beside = [(x, y.wrapping_sub(1)), (x + 1, y), (x, y + 1), (x.wrapping_sub(1), y)];
+        for side in (0..4).filter(|&side| !is_wood(beside[side].0, beside[side].1)) {
+            let next = (side + 1) % 4;
+            faces.push(vec![behind[side], behind[next], front[next], front[side]]);
+        }
+    }
+    let polygons = with_random_diagonals(&polygon_mesh(&positions, &faces));
+    let found = found(&polygons);
+    assert_eq!(found.outcome, Outcome::Found);
+    assert!(found.report.evidence().contains("a plane in space"), "{}", found.report.evidence());
+    for (&[x, y, z], &partner) in positions.iter().zip(&found.symmetries[0].partner) {
+        assert!(distance(positions[partner as usize], [x, y, -z]) < 1e-9, "{x} {y} {z}");
+    }
+    // A flat sheet lies on its own mirror image, which is no symmetry of it.
+    let flat: Vec<Vector> = positions.iter().map(|&[x, y, _]| [x, y, 0.0]).collect();
+    let front: Vec<Vec<u32>> =
+        faces.into_iter().filter(|face| face.iter().all(|&at| positions[at as usize][2] > 0.0)).collect();
+    let sheet = with_random_diagonals(&polygon_mesh(&flat, &front));
+    let found = detect(&validated(&sheet), &Options::default(), &Progress::default()).expect("an answer");
+    assert!(found.outcome != Outcome::Found, "{}", found.report.evidence());
+}
+
+/// A body and four wheels, of which one is one surface with the body.
+#[test]
+fn at_rest_a_wheel_has_its_twin_though_it_is_one_surface_with_the_car() {
+    let form = icosphere(2);
+    let count = form.positions.len() as u32;
+    let body = |&[x, y, z]: &Vector| [x, 0.5 * y, if z > 0.0 { 2.0 * z } else { 1.7 * z }];
+    let mut positions: Vec<Vector> = form.positions.iter().map(body).collect();
+    let wheels = [[1.2, -0.3, 1.0], [-1.2, -0.3, 1.0], [1.2, -0.3, -1.0], [-1.2, -0.3, -1.0]];
+    for [x, y, z] in wheels {
+        positions.extend(form.positions.iter().map(|at| [x + 0.1 * at[0], y + 0.4 * at[1], z + 0.4 * at[2]]));
+    }
+    let shifted = |shell: u32| {
+        form.face_vertices.chunks(3).map(move |face| face.iter().map(|v| v + shell * count).collect())
+    };
+    let mut faces: Vec<Vec<u32>> = (0..5).flat_map(shifted).collect();
+    // A thread from an edge of the body to one of the first wheel.
+    let ([a, b], [c, d]) = ([faces[0][0], faces[0][1]], [faces[0][0] + count, faces[0][1] + count]);
+    faces.extend([vec![a, b, c], vec![b, c, d]]);
+    let mesh = polygon_mesh(&positions, &faces);
+    assert_eq!(validated(&mesh).shell_count, 4);
+    let found = found(&mesh);
+    for (&[x, y, z], &partner) in positions.iter().zip(&found.symmetries[0].partner) {
+        let image = positions.get(partner as usize);
+        assert!(image.is_some_and(|&image| distance(image, [-x, y, z]) < 1e-6), "{x} {y} {z}: {image:?}");
+    }
+}

@@ -20,9 +20,10 @@ use crate::detect::mirror_plane::{MIRRORED, MOSTLY, MirrorPlane};
 use crate::detect::proxy::Proxy;
 use crate::detect::shell_symmetry::PreparedShell;
 use crate::geometry::adjacency::nearest_seeds;
-use crate::geometry::embedded_triangles::Fans;
+use crate::geometry::embedded_triangles::{Fans, TrianglePoint};
+use crate::geometry::surface_walk::SurfaceWalk;
 use crate::geometry::vertex_map::VertexMap;
-use crate::mesh::vector::{dot, squared_norm, subtract};
+use crate::mesh::vector::{Vector, dot, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell, anchors};
 use crate::refine::full_refinement::MatchTarget;
 use crate::refine::rigid_parts::{self, Carrier, Fitted};
@@ -110,7 +111,7 @@ impl<'a> Gatherer<'a> {
         self.complete(map, known, threads, progress)
     }
 
-    /// The symmetry that a plane in space is, and the share of the surface that it mirrors; `None` if that is not nearly all, or if it but exchanges the sides of a thin sheet.
+    /// The symmetry that a plane in space is, and the share of the surface that it mirrors; `None` if that is not nearly all.
     ///
     /// # Errors
     /// [`crate::Error::Cancelled`], [`crate::Error::Internal`].
@@ -129,24 +130,23 @@ impl<'a> Gatherer<'a> {
             let (shell, target) = (&self.shells[own], &self.shells[companion.target]);
             map.insert(shell, target, &companion.images, &vec![companion.trust(); shell.points.len()]);
         }
+        add_elsewhere(mesh, plane, &mut map);
         let areas = mesh.point_areas();
-        let (mut mirrored, mut moved) = (0.0, 0.0);
+        let mut mirrored = 0.0;
         for (point, &at) in mesh.positions.iter().enumerate() {
             if map.partner[point] == NONE {
                 continue;
             }
             let image = map.image[point].interpolate_vectors(&mesh.triangles, &mesh.positions);
             let off = squared_norm(subtract(plane.image(at), image)).sqrt();
-            moved += areas[point] * squared_norm(subtract(image, at));
             mirrored += if off < MIRRORED { areas[point] } else { 0.0 };
             if off > LOST {
                 map.partner[point] = NONE;
                 map.confidence[point] = 0.0;
             }
         }
-        let total: f64 = areas.iter().sum();
-        let share = mirrored / total;
-        if share < MOSTLY || exchanges_sheets((moved / total).sqrt()) {
+        let share = mirrored / areas.iter().sum::<f64>();
+        if share < MOSTLY {
             return Ok(None);
         }
         map.odd = odd;
@@ -306,6 +306,40 @@ impl<'a> Gatherer<'a> {
             map.insert_sides(&shells[own], own, companion, &odd);
         }
         Ok(())
+    }
+}
+
+/// Gives points that a plane sends away from their shell's partner what is there, as where a wheel is one surface with the car on one side alone; points of a
+/// shell without a partner only where these come back to it.
+fn add_elsewhere(mesh: &Mesh, plane: &MirrorPlane, map: &mut PointMap) {
+    let off = |image: &TrianglePoint, at: Vector| {
+        let image = image.interpolate_vectors(&mesh.triangles, &mesh.positions);
+        squared_norm(subtract(plane.image(at), image)).sqrt()
+    };
+    let is_apart = |&point: &usize| {
+        map.partner[point] == NONE || off(&map.image[point], mesh.positions[point]) > MIRRORED
+    };
+    let (alone, mut apart): (Vec<usize>, Vec<usize>) =
+        (0..mesh.positions.len()).filter(is_apart).partition(|&point| map.partner[point] == NONE);
+    if apart.is_empty() {
+        return;
+    }
+    let walk = SurfaceWalk::new(&mesh.positions, &mesh.triangles);
+    let leaf = |(&position, point): (&Vector, u32)| GeomWithData::new(position, point);
+    let tree = RTree::bulk_load(mesh.positions.iter().zip(0..).map(leaf).collect());
+    apart.extend(alone);
+    for point in apart {
+        let goal = plane.image(mesh.positions[point]);
+        let near = tree.nearest_neighbor(goal).expect("a mesh has points").data;
+        let (partner, image) = walk.nearest(goal, near);
+        let comes_back = || {
+            let back = map.partner[partner as usize];
+            back != NONE && mesh.shell_of_point[back as usize] == mesh.shell_of_point[point]
+        };
+        if off(&image, mesh.positions[point]) < MIRRORED && (map.partner[point] != NONE || comes_back()) {
+            map.confidence[point] = if map.partner[point] == NONE { 1.0 } else { map.confidence[point] };
+            (map.partner[point], map.image[point]) = (partner, image);
+        }
     }
 }
 

@@ -13,11 +13,13 @@ use crate::detect::domain::Domain;
 use crate::detect::excess::{Excess, paired_rest};
 use crate::detect::finishing::Found;
 use crate::detect::joined_shells::JoinedShells;
+use crate::detect::mirror_plane::MIRRORED;
 use crate::detect::question::Question;
 use crate::detect::spectrum::Spectrum;
 use crate::mesh::vector::{squared_norm, subtract};
 use crate::mesh::{Mesh, Shell};
 use crate::search::sign_network::SignNetwork;
+use crate::verify::hypothesis::exchanges_sheets;
 use crate::verify::outcome::{CONFIDENT, Outcome};
 
 /// A mirror plane in space, or one shell's mirrored connectivity, from whose [`Detection::worth`] on it is the answer, and nothing is searched.
@@ -75,9 +77,18 @@ fn late(best: Detection) -> Result<Detection> {
 
 /// The mirror plane's answer, or that of a search, if it is worth more and speaks of no less of the surface, or leaves no doubts and moves far more.
 fn answer(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
-    let at_rest = question.at_rest()?;
+    let distance = |at_rest: &Detection| moved(question.mesh, at_rest).sqrt();
+    // What is flat lies on its own mirror image.
+    let at_rest = question.at_rest()?.filter(|at_rest| distance(at_rest) > MIRRORED);
     clock.lap("mirror plane");
     match at_rest {
+        // Hardly anybody asks for an exchange of the sides of a thin sheet, but of a gun it is all there is.
+        Some(at_rest) if exchanges_sheets(distance(&at_rest)) => {
+            let found = searched(question, plans, clock);
+            let is_no_other =
+                |found: &Detection| found.outcome == Outcome::None || exchanges_sheets(distance(found));
+            if found.as_ref().is_ok_and(is_no_other) { Ok(at_rest) } else { found }
+        }
         Some(at_rest) if at_rest.worth() >= ENOUGH => Ok(at_rest),
         other => {
             let found = searched(question, plans, clock);
