@@ -3,7 +3,7 @@
 mod support;
 
 use intrinsym::internals::detect::mirror_plane::MirrorPlane;
-use intrinsym::{Detection, Options, Outcome, PolygonMesh, Progress, detect};
+use intrinsym::{CancelToken, Detection, Options, Outcome, PolygonMesh, Progress, detect};
 use support::*;
 
 /// A part of a figure: an ellipsoid, a bump in front, its middle and half axes; the joint about which the pose turns it, and how far.
@@ -443,7 +443,7 @@ fn what_hangs_on_a_part_that_is_posed_apart_follows_that() {
 /// The letters F and J cut out of a board, whose triangles in front are not those behind.
 #[test]
 fn what_is_thin_exchanges_its_sides_if_nothing_else_mirrors_it() {
-    const FINE: usize = 6;
+    const FINE: usize = 3;
     let letters = ["###...#", "#......#", "##.....#", "#....#.#", "#....###"];
     let is_wood = |x: usize, y: usize| {
         letters.get(y / FINE).is_some_and(|row| row.as_bytes().get(x / FINE) == Some(&b'#'))
@@ -453,7 +453,7 @@ fn what_is_thin_exchanges_its_sides_if_nothing_else_mirrors_it() {
     let (mut positions, mut faces): (Vec<Vector>, Vec<Vec<u32>>) = (Vec::new(), Vec::new());
     let mut corner = |[x, y, z]: [usize; 3]| {
         *numbers.entry([x, y, z]).or_insert_with(|| {
-            positions.push([x as f64, y as f64, 0.6 * z as f64 - 0.3]);
+            positions.push([x as f64, y as f64, 0.4 * z as f64 - 0.2]);
             positions.len() as u32 - 1
         })
     };
@@ -475,6 +475,17 @@ fn what_is_thin_exchanges_its_sides_if_nothing_else_mirrors_it() {
     for (&[x, y, z], &partner) in positions.iter().zip(&found.symmetries[0].partner) {
         assert!(distance(positions[partner as usize], [x, y, -z]) < 1e-9, "{x} {y} {z}");
     }
+    // It is doubtful where time ends the search for another one.
+    let wait = |stage: &str, _: f64| {
+        if stage == "candidates" {
+            std::thread::sleep(std::time::Duration::from_millis(1100));
+        }
+    };
+    let options = Options { time_limit: 1, ..Options::default() };
+    let progress = Progress::new(Some(&wait), CancelToken::default());
+    let late = detect(&validated(&polygons), &options, &progress).expect("the plane's answer");
+    assert_eq!((late.outcome, late.symmetries.len()), (Outcome::Doubtful, 1));
+    assert_eq!(late.symmetries[0].partner, found.symmetries[0].partner);
     // A flat sheet lies on its own mirror image, which is no symmetry of it.
     let flat: Vec<Vector> = positions.iter().map(|&[x, y, _]| [x, y, 0.0]).collect();
     let front: Vec<Vec<u32>> =

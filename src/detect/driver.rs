@@ -84,10 +84,13 @@ fn answer(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Dete
     match at_rest {
         // Hardly anybody asks for an exchange of the sides of a thin sheet, but of a gun it is all there is.
         Some(at_rest) if exchanges_sheets(distance(&at_rest)) => {
-            let found = searched(question, plans, clock);
-            let is_no_other =
-                |found: &Detection| found.outcome == Outcome::None || exchanges_sheets(distance(found));
-            if found.as_ref().is_ok_and(is_no_other) { Ok(at_rest) } else { found }
+            let is_other =
+                |found: &Detection| found.outcome != Outcome::None && !exchanges_sheets(distance(found));
+            match searched(question, plans, clock) {
+                Err(Error::TimeLimit { .. }) => late(at_rest),
+                Ok(found) if !is_other(&found) => Ok(at_rest),
+                found => found,
+            }
         }
         Some(at_rest) if at_rest.worth() >= ENOUGH => Ok(at_rest),
         other => {
