@@ -35,8 +35,7 @@ fn a_deformed_mesh_keeps_the_map_of_its_first_shape() {
     let first = found(&polygons, &Options::default());
     let second = again(&wrung(&polygons, 0.5), &first, &Options::default());
     assert!(second.report.kept && second.outcome == Outcome::Found);
-    // A closed surface of 8,000 triangles.
-    assert!(second.report.solved_vertices <= 4002);
+    assert!(second.report.solved_vertices <= 4000);
     let ([before], [after]) = (&first.symmetries[..], &second.symmetries[..]) else { panic!("one each") };
     assert_eq!((&before.partner, &before.surface_point), (&after.partner, &after.surface_point));
     assert_eq!((&before.side, &before.fixed_curve), (&after.side, &after.fixed_curve));
@@ -173,12 +172,9 @@ fn what_is_kept_between_calls_changes_no_judgement() {
         assert!((with.plausibility - without.plausibility).abs() < 0.03);
         assert!((with.signature_mismatch - without.signature_mismatch).abs() < 0.02);
         assert!((with.displacement - without.displacement).abs() < 0.02);
-        // One function is of a place so narrow that single vertices tell. Measured: at most 0.033 there, 0.013 elsewhere.
-        let eigenvalues = latest.report.eigenvalues.iter().zip(&alone.report.eigenvalues);
-        let mut apart: Vec<f64> = eigenvalues.map(|(a, b)| (a / b - 1.0).abs()).collect();
-        apart.sort_by(f64::total_cmp);
-        let [.., others, narrow] = apart[..] else { panic!("eigenvalues") };
-        assert!(others < 0.015 && narrow < 0.04, "{others} {narrow}");
+        for (a, b) in latest.report.eigenvalues.iter().zip(&alone.report.eigenvalues) {
+            assert!((a / b - 1.0).abs() < 0.03, "eigenvalues {a} and {b}");
+        }
     }
 }
 

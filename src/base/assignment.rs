@@ -6,7 +6,7 @@ const NONE: usize = usize::MAX;
 /// For each row a column of its own, so that the costs are least in all. There must be no fewer columns than rows, and finite costs.
 ///
 /// Shortest augmenting paths (R. Jonker, A. Volgenant, "A shortest augmenting path algorithm for dense and sparse linear
-/// assignment problems", 1987), without their start. O(rows^2 columns).
+/// assignment problems", 1987), without the reductions that they start with. O(rows^2 columns).
 pub fn assignment(rows: usize, columns: usize, cost: impl Fn(usize, usize) -> f64) -> Vec<usize> {
     let (mut of_rows, mut of_columns) = (vec![0.0; rows], vec![0.0; columns]);
     let mut row_of = vec![NONE; columns];

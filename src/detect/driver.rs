@@ -77,13 +77,14 @@ fn late(best: Detection) -> Result<Detection> {
 
 /// The mirror plane's answer, or that of a search, if it is worth more and speaks of no less of the surface, or leaves no doubts and moves far more.
 fn answer(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
-    let distance = |at_rest: &Detection| moved(question.mesh, at_rest).sqrt();
-    // What is flat lies on its own mirror image.
-    let at_rest = question.at_rest()?.filter(|at_rest| distance(at_rest) > MIRRORED);
+    let distance = |found: &Detection| moved(question.mesh, found).sqrt();
+    let at_rest = question.at_rest()?;
+    let moves = at_rest.as_ref().map_or(0.0, distance);
     clock.lap("mirror plane");
-    match at_rest {
+    // What is flat lies on its own mirror image.
+    match at_rest.filter(|_| moves > MIRRORED) {
         // Hardly anybody asks for an exchange of the sides of a thin sheet, but of a gun it is all there is.
-        Some(at_rest) if exchanges_sheets(distance(&at_rest)) => {
+        Some(at_rest) if exchanges_sheets(moves) => {
             let is_other =
                 |found: &Detection| found.outcome != Outcome::None && !exchanges_sheets(distance(found));
             match searched(question, plans, clock) {

@@ -75,11 +75,7 @@ impl JudgingMesh {
     ) -> (JudgingMesh, Option<Vec<u32>>) {
         let size = Size::of(options);
         let solved = proxy.map_or(shell, |proxy| &proxy.shell);
-        let is_coarse = proxy.is_some_and(|proxy| proxy.wanted <= size.vertices);
-        let coarse = match is_coarse {
-            true => None,
-            false => Proxy::new(solved, size.vertices, options.threads),
-        };
+        let coarse = Proxy::new(solved, size.vertices, options.threads);
         let all = || (0..solved.points.len() as u32).collect::<Vec<_>>();
         let of_solved = coarse.as_ref().map_or_else(all, |coarse| coarse.nearest_by_edges().to_vec());
         let mut nearest = vec![NONE; mesh.positions.len()];

@@ -40,8 +40,6 @@ pub struct Proxy<'a> {
     nearest: Vec<u32>,
     /// Place of each of the fine shell's vertices on the proxy, once asked for.
     places: OnceLock<Vec<TrianglePoint>>,
-    /// Vertices that were asked for.
-    pub wanted: usize,
     threads: usize,
 }
 
@@ -65,7 +63,7 @@ impl<'a> Proxy<'a> {
         if nearest.contains(&NONE) || linked.contains(&NONE) {
             return None;
         }
-        Some(Proxy { shell, fine, walk, vertices, nearest, places: OnceLock::new(), wanted, threads })
+        Some(Proxy { shell, fine, walk, vertices, nearest, places: OnceLock::new(), threads })
     }
 
     /// The proxy's vertex that is the fewest edges away from each of the fine shell's.
