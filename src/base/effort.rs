@@ -78,6 +78,11 @@ impl Plan {
         }
     }
 
+    /// The small plan on a coarser proxy.
+    pub fn fast() -> Plan {
+        Plan { proxy_vertices: 2000, ..Plan::small() }
+    }
+
     /// The small plan with a wider search, on what is solved already.
     pub fn wide() -> Plan {
         let small = Plan::small();
@@ -95,7 +100,7 @@ impl Plan {
     pub fn of(options: &Options) -> Vec<Plan> {
         let mut plans = match options.effort {
             _ if options.symmetries > 1 => vec![Plan::large()],
-            Effort::Fast => vec![Plan::small()],
+            Effort::Fast => vec![Plan::fast()],
             Effort::Default => vec![Plan::small(), Plan::wide(), Plan::large()],
             Effort::Thorough => vec![Plan::large()],
         };

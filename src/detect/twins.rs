@@ -22,6 +22,8 @@ const TOLERANCES: [f64; 2] = [0.045, 0.1];
 const CLOSE: f64 = 0.016;
 /// The same by area of the only two shells of a connectivity, which are more like each other than any other is to one of them.
 const ONLY: f64 = 0.25;
+/// The same by area of the only two shells of as many points and triangles: a pose that bends a shell changes its area.
+const ONLY_COUNTS: f64 = 0.09;
 /// A change of a distance, in sqrt(area), from which on two pairs exclude each other, and what speaks against a pair that excludes all others.
 const APART: f64 = 0.22;
 const EXCLUDED: f64 = 3.5;
@@ -43,7 +45,7 @@ pub fn likely(
     let sizes: Vec<[f64; 2]> = shells.iter().map(sizes).collect();
     let weights: Vec<f64> = sizes.iter().map(|size| size[0]).collect();
     let count = shells.len();
-    let evidence = evidence(colours, &sizes, layers);
+    let evidence = evidence(colours, &shells.iter().map(counts).collect::<Vec<_>>(), &sizes, layers);
     let nearness: Vec<f64> = distances.iter().map(|distance| (-distance / NEARBY).exp()).collect();
     let around = |a: usize| (0..count).map(|b| nearness[a * count + b] * weights[b]).sum::<f64>();
     let around = (0..count).map(around).collect();
@@ -62,7 +64,7 @@ pub struct Lookalikes {
 
 /// Sets of an even number of shells that have as many points and triangles, and one size; and the only two of a connectivity, whose size a pose may change.
 pub fn lookalikes(colours: &[&ShellColours], shells: &[Shell]) -> Vec<Lookalikes> {
-    let counts = |shell: usize| (shells[shell].points.len(), shells[shell].triangles.len());
+    let counts = |shell: usize| counts(&shells[shell]);
     let differ = |a: usize, b: usize| (shells[b].area() / shells[a].area()).ln().abs();
     let mut order: Vec<usize> = (0..shells.len()).collect();
     order.sort_by(|&a, &b| counts(a).cmp(&counts(b)).then(shells[a].area().total_cmp(&shells[b].area())));
@@ -99,7 +101,12 @@ pub fn pair_own(twins: &mut [u32], alike: &[Lookalikes]) {
 }
 
 /// What speaks for each pair of shells, row by row.
-fn evidence(colours: &[&ShellColours], sizes: &[[f64; 2]], layers: &HashSet<[usize; 2]>) -> Vec<f64> {
+fn evidence(
+    colours: &[&ShellColours],
+    counts: &[[usize; 2]],
+    sizes: &[[f64; 2]],
+    layers: &HashSet<[usize; 2]>,
+) -> Vec<f64> {
     let count = sizes.len();
     let mirrored = |pair: usize| match (pair / count, pair % count) {
         (a, b) if a == b => (0, 0.0),
@@ -112,6 +119,9 @@ fn evidence(colours: &[&ShellColours], sizes: &[[f64; 2]], layers: &HashSet<[usi
         let rivals = (0..count).filter(|&c| c != a && c != b);
         distinct(a, b) > rivals.map(|c| distinct(a, c).max(distinct(b, c))).fold(0.0, f64::max)
     };
+    let has_only_counts = |a: usize, b: usize| {
+        counts[a] == counts[b] && counts.iter().filter(|&&other| other == counts[a]).count() == 2
+    };
     let similarity = |a: usize, b: usize| {
         if layers.contains(&[a.min(b), a.max(b)]) {
             return 0.0;
@@ -120,7 +130,10 @@ fn evidence(colours: &[&ShellColours], sizes: &[[f64; 2]], layers: &HashSet<[usi
         let [by_area, by_extent] = [area / TOLERANCES[0], extent / TOLERANCES[1]].map(|ratio| ratio.powi(2));
         let apart = by_area + (1.0 - distinct(a, b)) * by_extent;
         let close = (-(area / CLOSE).powi(2)).exp();
-        let similar = (-apart / (1.0 + distinct(a, b)).powi(2)).exp() * 0.5 * (1.0 + close);
+        let mut similar = (-apart / (1.0 + distinct(a, b)).powi(2)).exp() * 0.5 * (1.0 + close);
+        if has_only_counts(a, b) {
+            similar = similar.max((-(area / ONLY_COUNTS).powi(2)).exp());
+        }
         if !is_only(a, b) {
             return similar;
         }
@@ -249,6 +262,11 @@ impl Involution<'_> {
     }
 }
 
+/// Points and triangles.
+fn counts(shell: &Shell) -> [usize; 2] {
+    [shell.points.len(), shell.triangles.len()]
+}
+
 /// Lengths that say how large a shell is, in the unit of the mesh: by its area, and by how far its points are from their mean.
 fn sizes(shell: &Shell) -> [f64; 2] {
     let squares: f64 = shell.positions.iter().map(|&position: &Vector| dot(position, position)).sum();
@@ -312,6 +330,25 @@ pub(super) mod tests {
         let mut twins = [0, 2, 1, 3];
         pair_own(&mut twins, &[Lookalikes { shells: vec![0, 1], are_gloves: true }]);
         assert_eq!(twins, [1, 0, NONE, 3]);
+    }
+
+    #[test]
+    fn a_pose_may_change_the_size_of_the_only_two_of_as_many_points() {
+        // Of the only two, a third, and four of them: what speaks for the first two, and for the first as its own.
+        let evidence_of = |of: &[(bool, f64)]| {
+            let mesh = sheets(of);
+            let shells = mesh.shells();
+            let sizes: Vec<[f64; 2]> = shells.iter().map(sizes).collect();
+            let counts: Vec<[usize; 2]> = shells.iter().map(counts).collect();
+            let all = evidence(&Vec::from_iter(&shell_colours(&mesh)), &counts, &sizes, &HashSet::new());
+            [all[1], all[0]]
+        };
+        let [twins, own] = evidence_of(&[(false, 1.04), (false, 1.0)]);
+        assert!(twins > 1.0 && own < 0.7, "{twins} {own}");
+        let [twins, own] = evidence_of(&[(false, 1.2), (false, 1.0)]);
+        assert!(twins < -1.0 && own > 0.9, "{twins} {own}");
+        let [twins, own] = evidence_of(&[(false, 1.04), (false, 1.0), (false, 0.5)]);
+        assert!(twins < 0.0 && own > 0.7, "{twins} {own}");
     }
 
     #[test]
