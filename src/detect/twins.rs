@@ -334,7 +334,7 @@ pub(super) mod tests {
 
     #[test]
     fn a_pose_may_change_the_size_of_the_only_two_of_as_many_points() {
-        // Of the only two, a third, and four of them: what speaks for the first two, and for the first as its own.
+        // What speaks for the first two as twins, and for the first as its own image.
         let evidence_of = |of: &[(bool, f64)]| {
             let mesh = sheets(of);
             let shells = mesh.shells();
