@@ -20,8 +20,6 @@ const LESS_BESIDE_SIZE: f64 = 0.4;
 const TOLERANCES: [f64; 2] = [0.045, 0.1];
 /// The same by area of shells that are alike to the last, as twins are that were mirrored, and feathers of one wing are not: others are half as similar.
 const CLOSE: f64 = 0.016;
-/// The same by area of the only two shells of a connectivity, which are more like each other than any other is to one of them.
-const ONLY: f64 = 0.25;
 /// The same by area of the only two shells of as many points and triangles: a pose that bends a shell changes its area.
 const ONLY_COUNTS: f64 = 0.09;
 /// A change of a distance, in sqrt(area), from which on two pairs exclude each other, and what speaks against a pair that excludes all others.
@@ -45,7 +43,7 @@ pub fn likely(
     let sizes: Vec<[f64; 2]> = shells.iter().map(sizes).collect();
     let weights: Vec<f64> = sizes.iter().map(|size| size[0]).collect();
     let count = shells.len();
-    let evidence = evidence(colours, &shells.iter().map(counts).collect::<Vec<_>>(), &sizes, layers);
+    let evidence = evidence(colours, shells, &sizes, layers);
     let nearness: Vec<f64> = distances.iter().map(|distance| (-distance / NEARBY).exp()).collect();
     let around = |a: usize| (0..count).map(|b| nearness[a * count + b] * weights[b]).sum::<f64>();
     let around = (0..count).map(around).collect();
@@ -103,24 +101,20 @@ pub fn pair_own(twins: &mut [u32], alike: &[Lookalikes]) {
 /// What speaks for each pair of shells, row by row.
 fn evidence(
     colours: &[&ShellColours],
-    counts: &[[usize; 2]],
+    shells: &[Shell],
     sizes: &[[f64; 2]],
     layers: &HashSet<[usize; 2]>,
 ) -> Vec<f64> {
     let count = sizes.len();
     let mirrored = |pair: usize| match (pair / count, pair % count) {
-        (a, b) if a == b => (0, 0.0),
-        (a, b) => colours[a].mirrored_in(colours[b]),
+        (a, b) if a == b => 0.0,
+        (a, b) => colours[a].mirrored_in(colours[b]).1,
     };
-    let mirrored: Vec<(usize, f64)> = (0..count * count).map(mirrored).collect();
-    let distinct = |a: usize, b: usize| mirrored[a * count + b].1;
-    // Only the two are like each other.
-    let is_only = |a: usize, b: usize| {
-        let rivals = (0..count).filter(|&c| c != a && c != b);
-        distinct(a, b) > rivals.map(|c| distinct(a, c).max(distinct(b, c))).fold(0.0, f64::max)
-    };
-    let has_only_counts = |a: usize, b: usize| {
-        counts[a] == counts[b] && counts.iter().filter(|&&other| other == counts[a]).count() == 2
+    let mirrored: Vec<f64> = (0..count * count).map(mirrored).collect();
+    let distinct = |a: usize, b: usize| mirrored[a * count + b];
+    let are_only = |a: usize, b: usize| {
+        let alike = shells.iter().filter(|shell| counts(shell) == counts(&shells[a]));
+        counts(&shells[a]) == counts(&shells[b]) && alike.count() == 2
     };
     let similarity = |a: usize, b: usize| {
         if layers.contains(&[a.min(b), a.max(b)]) {
@@ -130,16 +124,11 @@ fn evidence(
         let [by_area, by_extent] = [area / TOLERANCES[0], extent / TOLERANCES[1]].map(|ratio| ratio.powi(2));
         let apart = by_area + (1.0 - distinct(a, b)) * by_extent;
         let close = (-(area / CLOSE).powi(2)).exp();
-        let mut similar = (-apart / (1.0 + distinct(a, b)).powi(2)).exp() * 0.5 * (1.0 + close);
-        if has_only_counts(a, b) {
-            similar = similar.max((-(area / ONLY_COUNTS).powi(2)).exp());
+        let similar = (-apart / (1.0 + distinct(a, b)).powi(2)).exp() * 0.5 * (1.0 + close);
+        match are_only(a, b) {
+            true => similar.max((-(area / ONLY_COUNTS).powi(2)).exp()),
+            false => similar,
         }
-        if !is_only(a, b) {
-            return similar;
-        }
-        let points = mirrored[a * count + b].0 as f64;
-        let certain = (2.0 * distinct(a, b)).min(1.0) * points / (points + MANY as f64);
-        similar.max(certain * (-(area / ONLY).powi(2)).exp())
     };
     let most = |a: usize| (0..count).filter(|&b| b != a).map(|b| similarity(a, b)).fold(0.0, f64::max);
     let of = |a: usize, b: usize| match a == b {
@@ -339,8 +328,7 @@ pub(super) mod tests {
             let mesh = sheets(of);
             let shells = mesh.shells();
             let sizes: Vec<[f64; 2]> = shells.iter().map(sizes).collect();
-            let counts: Vec<[usize; 2]> = shells.iter().map(counts).collect();
-            let all = evidence(&Vec::from_iter(&shell_colours(&mesh)), &counts, &sizes, &HashSet::new());
+            let all = evidence(&Vec::from_iter(&shell_colours(&mesh)), &shells, &sizes, &HashSet::new());
             [all[1], all[0]]
         };
         let [twins, own] = evidence_of(&[(false, 1.04), (false, 1.0)]);
