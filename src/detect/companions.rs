@@ -23,7 +23,7 @@ use std::collections::BTreeMap;
 /// Points of a shell that are compared when shells are paired.
 const PAIRING_POINTS: usize = 64;
 /// Mean distance, in sqrt(area) of the primary shell, from which on two shells are no partners.
-const FARTHEST: f32 = 0.06;
+pub const FARTHEST: f32 = 0.06;
 /// Share of the confidence in what they sit on that is left to partners so far apart.
 const LEAST_TRUST: f32 = 0.65;
 /// A shell that lies farther from its mirrored place than this part of its own sqrt(area) is not its own image: its twin may be missing.

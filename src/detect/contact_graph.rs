@@ -10,12 +10,13 @@ use crate::base::symmetry_kind::SymmetryKind;
 use crate::base::threads;
 use crate::detect::assembly::PointMap;
 use crate::detect::companions::AREA_TOLERANCE;
+use crate::detect::contact_place::ContactPlace;
 use crate::detect::joined_shells::{JoinedShells, TOUCHING};
 use crate::geometry::embedded_triangles::TrianglePoint;
 use crate::geometry::surface_walk::SurfaceWalk;
 use crate::mesh::vector::{Vector, mean, squared_norm, subtract};
 use crate::mesh::{Mesh, NONE, Shell};
-use crate::refine::rigid_parts::{self, Hint, WholeShell};
+use crate::refine::rigid_parts::{Hint, WholeShell};
 
 /// Shares of the surface of shells whose own form is asked how they are turned: the least, and the most, since larger ones are bodies, which a pose bends.
 const LEAST: f64 = 0.001;
@@ -24,25 +25,16 @@ const MOST: f64 = 0.5;
 const SWARM: usize = 6;
 /// Places around a contact, which tell of turns, in sqrt(area) of the smaller shell from its middle.
 const AROUND: f64 = 0.3;
-/// Distance from a contact, in sqrt(area), at which a point of a shell has less to say there.
-const NEAR: f64 = 0.03;
 /// Messages along each contact.
 const MESSAGES: usize = 40;
 
 /// What tells how shells lie on their partners.
 pub struct ContactGraph {
-    contacts: Vec<Contact>,
+    contacts: Vec<ContactPlace>,
     /// Shells that are carried along, by those on which they hang, the smallest first.
     hung: Vec<Vec<Hung>>,
     /// The likely twin of each shell, or [`NONE`].
     twins: Vec<u32>,
-}
-
-/// Where two shells touch: the middle, and how far it reaches, squared.
-struct Contact {
-    shells: [usize; 2],
-    middle: Vector,
-    reach: f64,
 }
 
 /// A shell that hangs on another: where it touches that and its middle, and the natural logarithm of its area.
@@ -117,11 +109,7 @@ impl ContactGraph {
             shells.sort_unstable();
             gather(&mut points, shells, pair.map(|point| mesh.positions[point as usize]));
         }
-        self.contacts.extend(points.into_iter().map(|(shells, points)| {
-            let middle = mean(points.iter().copied());
-            let reach = points.iter().map(|&at| squared_norm(subtract(at, middle))).fold(0.0, f64::max);
-            Contact { shells, middle, reach }
-        }));
+        self.contacts.extend(points.into_iter().map(|(shells, points)| ContactPlace::new(shells, &points)));
     }
 
     /// Replaces images of shells that are not settled yet, and that a rigid motion puts onto the shell to which most of their points go. Says whether there was any.
@@ -236,7 +224,7 @@ impl Scene<'_> {
     }
 
     /// The middle of a contact, and places around it.
-    fn around(&self, contact: &Contact) -> Vec<Vector> {
+    fn around(&self, contact: &ContactPlace) -> Vec<Vector> {
         let [a, b] = contact.shells.map(|shell| self.shells[shell].area());
         let around = AROUND * a.min(b).sqrt();
         let beside = (0..6).map(|side| {
@@ -248,20 +236,16 @@ impl Scene<'_> {
     }
 
     /// Where a shell takes the places of a contact; `None` if few of its points go anywhere.
-    fn hint(&self, map: &PointMap, shell: usize, contact: &Contact) -> Option<Hint> {
+    fn hint(&self, map: &PointMap, shell: usize, contact: &ContactPlace) -> Option<Hint> {
         let (mesh, from) = (self.mesh, self.around(contact));
         let goes = |&point: &u32| {
             let point = point as usize;
             let image = map.image[point].interpolate_vectors(&mesh.triangles, &mesh.positions);
-            let away = squared_norm(subtract(mesh.positions[point], contact.middle));
-            let weight = 1.0 / (1.0 + away / (contact.reach + NEAR * NEAR)).powi(2);
-            (map.partner[point] != NONE).then_some((mesh.positions[point], image, weight))
+            (map.partner[point] != NONE).then_some([mesh.positions[point], image])
         };
-        let goes: Vec<(Vector, Vector, f64)> = self.shells[shell].points.iter().filter_map(goes).collect();
-        (goes.len() > 3).then(|| {
-            let to = rigid_parts::carried(&goes, self.kind, &from);
-            Hint { from, to: to.into_iter().map(|to| vec![to]).collect() }
-        })
+        let goes = self.shells[shell].points.iter().filter_map(goes);
+        let to = contact.carried(goes, self.kind, &from)?;
+        Some(Hint { from, to: to.into_iter().map(|to| vec![to]).collect() })
     }
 }
 

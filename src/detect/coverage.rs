@@ -63,7 +63,7 @@ pub fn partner_point(mesh: &Mesh, partner: i32) -> u32 {
 }
 
 /// Where most points of each shell go: to a shell, or [`NONE`].
-fn targets_of_shells(mesh: &Mesh, of_point: &[u32]) -> Vec<u32> {
+pub fn targets_of_shells(mesh: &Mesh, of_point: &[u32]) -> Vec<u32> {
     let target = |&partner: &u32| if partner == NONE { NONE } else { mesh.shell_of_point[partner as usize] };
     let mut pairs: Vec<(u32, u32)> =
         mesh.shell_of_point.iter().copied().zip(of_point.iter().map(target)).collect();

@@ -101,7 +101,7 @@ fn answer(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Dete
                     found.is_settled() && moved(question.mesh, found) > MORE * moved(question.mesh, at_rest)
                 })
             };
-            better(other.filter(|at_rest| !moves_more(at_rest)), found)
+            better(other.filter(|at_rest| !moves_more(at_rest)), found, Detection::is_worth_more)
         }
     }
 }
@@ -118,12 +118,12 @@ fn moved(mesh: &Mesh, found: &Detection) -> f64 {
 }
 
 /// The answer of the largest shell's connectivity, if it says nearly all; or of the joined shells; if that is not found that of the largest one alone, if that is worth more. If
-/// all that are joined are their own, the largest one is asked first, and the others only if its map is plausible, but doubtful.
+/// all that are joined are their own, the largest one is asked first, and the others only if its map is plausible, but doubtful. What the map of joined shells sees of their twins is searched once more.
 fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<Detection> {
     // Twins are those of one symmetry, and stated signs those of the largest shell's functions.
     let alone = || JoinedShells::alone(question.mesh.shells());
     let joined = match question.options.asks_for_one() {
-        true => JoinedShells::new(question.mesh, question.mesh.shells()),
+        true => JoinedShells::new(question.mesh, None),
         false => alone(),
     };
     if joined.twins.is_empty() {
@@ -139,14 +139,23 @@ fn searched(question: &Question, plans: &[Plan], clock: &mut Clock) -> Result<De
     }
     let are_own = joined.twins.iter().all(|[own, twin]| own == twin);
     let (first, second) = if are_own { (alone(), joined) } else { (joined, alone()) };
-    let found = of_parts(question, first, plans, clock)?;
+    let mut found = of_parts(question, first, plans, clock)?;
+    if !are_own && let Some(symmetry) = found.symmetries.first() {
+        let again = JoinedShells::new(question.mesh, Some(&symmetry.partner));
+        if !again.twins.is_empty() {
+            let is_better = |again: &Detection, found: &Detection| {
+                again.outcome == Outcome::Found || again.is_worth_more(found)
+            };
+            found = better(Some(found), of_parts(question, again, plans, clock), is_better)?;
+        }
+    }
     // Joined, any lumps would have a map that sends each to itself.
     let is_plausible = 100.0 * found.plausibility() >= question.options.plausibility as f64;
     if found.outcome == Outcome::Found || are_own && !is_plausible {
         return Ok(found);
     }
     let earlier = Some(found).filter(|found| are_own || found.is_no_chance());
-    better(earlier, of_parts(question, second, plans, clock))
+    better(earlier, of_parts(question, second, plans, clock), Detection::is_worth_more)
 }
 
 /// The answer of shells; or of what is left of the first without its parts that have no counterpart, if that is much more plausible.
@@ -205,11 +214,15 @@ fn of_rest(
     Ok(None)
 }
 
-/// The later of two answers if it is worth more and gives partners to no less of the surface; the earlier one, as doubtful, if time ended the other.
-fn better(earlier: Option<Detection>, later: Result<Detection>) -> Result<Detection> {
+/// The later of two answers if it is better; the earlier one, as doubtful, if time ended the other.
+fn better(
+    earlier: Option<Detection>,
+    later: Result<Detection>,
+    is_better: impl Fn(&Detection, &Detection) -> bool,
+) -> Result<Detection> {
     match (earlier, later) {
         (Some(earlier), Err(Error::TimeLimit { .. })) => late(earlier),
-        (Some(earlier), Ok(later)) if !later.is_worth_more(&earlier) => match later.is_out_of_time() {
+        (Some(earlier), Ok(later)) if !is_better(&later, &earlier) => match later.is_out_of_time() {
             true => late(earlier),
             false => Ok(earlier),
         },

@@ -5,8 +5,9 @@
 //! the others of its shells, as of a hand on a hip, joins nothing. Triangles that join are no part of the result.
 
 use crate::connectivity::automorphism::{ShellColours, shell_colours};
+use crate::detect::contact_place::ContactPlace;
 use crate::detect::proxy::Proxy;
-use crate::detect::twins;
+use crate::detect::{seen_twins, twins};
 use crate::geometry::shortest_paths::EdgeLengths;
 use crate::geometry::surface_grid::{Place, places};
 use crate::geometry::surface_walk::SurfaceWalk;
@@ -15,7 +16,7 @@ use crate::mesh::{Mesh, NONE, Shell};
 use crate::spectral::twin_parts::MOST_PARTS;
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 /// A largest shell with at least this share of the area speaks for the whole mesh.
 const MAJORITY: f64 = 0.8;
@@ -49,21 +50,36 @@ impl JoinedShells {
         JoinedShells { shells, joints: Vec::new(), twins: Vec::new() }
     }
 
-    /// Of all `shells` of the mesh: the large ones that have a likely twin or are their own, joined, where none holds four fifths of the area; else the largest shell alone.
+    /// Of all shells of the mesh: the large ones that have a likely twin or are their own, joined, where none holds four fifths of the area; else the largest shell alone. So is that where a map with these
+    /// vertices' `partner` is given, by whose [`seen_twins`] shells are joined once more, and sees none but those it has.
     ///
     /// O(area / spacing^2 x log + shells x mesh).
-    pub fn new(mesh: &Mesh, shells: Vec<Shell>) -> JoinedShells {
+    pub fn new(mesh: &Mesh, partner: Option<&[i32]>) -> JoinedShells {
+        let shells = mesh.shells();
         let large = |shell: &&Shell| shell.area() >= LEAST;
         let members = shells.iter().take_while(large).take(MOST_PARTS).count();
         if members < 2 || shells[0].area() >= MAJORITY {
             return JoinedShells::alone(shells);
         }
         let contacts = Contacts::between(mesh, &shells[..members]);
-        let distances = contacts.distances(mesh, &shells[..members]);
         let layers = contacts.layers();
+        let mut known: HashMap<[usize; 2], bool> = layers.iter().map(|&pair| (pair, false)).collect();
+        if let Some(partner) = partner {
+            let seen = seen_twins::pairs(mesh, &shells[..members], &contacts.middles(mesh), partner);
+            if seen.is_empty() {
+                return JoinedShells::alone(shells);
+            }
+            let others = seen
+                .iter()
+                .flatten()
+                .flat_map(|&own| (0..members).map(move |other| [own.min(other), own.max(other)]));
+            known.extend(others.map(|pair| (pair, false)));
+            known.extend(seen.into_iter().map(|pair| (pair, true)));
+        }
+        let distances = contacts.distances(mesh, &shells[..members]);
         let colours = shell_colours(mesh);
         let colours: Vec<&ShellColours> = colours.iter().take(members).collect();
-        let mut twins = twins::likely(&colours, &shells[..members], &distances, &layers);
+        let mut twins = twins::likely(&colours, &shells[..members], &distances, &known);
         contacts.add_hubs(&mut twins);
         twins::pair_own(&mut twins, &twins::lookalikes(&colours, &shells[..members]));
         drop_layers(&mut twins, &layers);
@@ -160,6 +176,16 @@ impl Contacts {
         (0..3).all(|axis| {
             a.lower()[axis] <= b.upper()[axis] + TOUCHING && b.lower()[axis] <= a.upper()[axis] + TOUCHING
         })
+    }
+
+    /// Where each two that touch do.
+    fn middles(&self, mesh: &Mesh) -> Vec<ContactPlace> {
+        let at = |point: u32| mesh.positions[point as usize];
+        let place = |contact: &Contact| {
+            let ends = contact.joints.iter().flat_map(|joint| [at(joint[0]), at(joint[1])]);
+            ContactPlace::new(contact.shells, &Vec::from_iter(ends))
+        };
+        self.touching.iter().map(place).collect()
     }
 
     /// Distances of shells from each other along their surface, row by row: the mean over the vertices of both.

@@ -8,7 +8,7 @@ use crate::connectivity::automorphism::{MANY, ShellColours, only_twins};
 use crate::detect::companions::AREA_TOLERANCE;
 use crate::mesh::vector::{Vector, dot};
 use crate::mesh::{NONE, Shell};
-use std::collections::HashSet;
+use std::collections::HashMap;
 
 /// What speaks for two shells of one size, where 1 speaks for a shell that is its own image, and by which part more if all their points see each other's mirror image.
 const SAME_SIZE: f64 = 2.0;
@@ -22,6 +22,8 @@ const TOLERANCES: [f64; 2] = [0.045, 0.1];
 const CLOSE: f64 = 0.016;
 /// The same by area of the only two shells of as many points and triangles: a pose that bends a shell changes its area.
 const ONLY_COUNTS: f64 = 0.09;
+/// How similar twins are that are known, whatever their size, where 1 is the most of others.
+const CERTAIN: f64 = 4.0;
 /// A change of a distance, in sqrt(area), from which on two pairs exclude each other, and what speaks against a pair that excludes all others.
 const APART: f64 = 0.22;
 const EXCLUDED: f64 = 3.5;
@@ -32,18 +34,18 @@ const ONE_SIZE: f64 = 0.01;
 /// Pairs of one shell from which twins are sought.
 const MOST_STARTS: usize = 12;
 
-/// The likely twin of each shell, itself, or [`NONE`]. `distances` are those of shells, row by row; `layers` are pairs of them in one place, which are no twins. O(shells^3)
-/// a change, as many as shells, from each start.
+/// The likely twin of each shell, itself, or [`NONE`]. `distances` are those of shells, row by row; of pairs that are `known`, the lower number first, it is said whether they
+/// are twins. O(shells^3) a change, as many as shells, from each start.
 pub fn likely(
     colours: &[&ShellColours],
     shells: &[Shell],
     distances: &[f64],
-    layers: &HashSet<[usize; 2]>,
+    known: &HashMap<[usize; 2], bool>,
 ) -> Vec<u32> {
     let sizes: Vec<[f64; 2]> = shells.iter().map(sizes).collect();
     let weights: Vec<f64> = sizes.iter().map(|size| size[0]).collect();
     let count = shells.len();
-    let evidence = evidence(colours, shells, &sizes, layers);
+    let evidence = evidence(colours, shells, &sizes, known);
     let nearness: Vec<f64> = distances.iter().map(|distance| (-distance / NEARBY).exp()).collect();
     let around = |a: usize| (0..count).map(|b| nearness[a * count + b] * weights[b]).sum::<f64>();
     let around = (0..count).map(around).collect();
@@ -103,7 +105,7 @@ fn evidence(
     colours: &[&ShellColours],
     shells: &[Shell],
     sizes: &[[f64; 2]],
-    layers: &HashSet<[usize; 2]>,
+    known: &HashMap<[usize; 2], bool>,
 ) -> Vec<f64> {
     let count = sizes.len();
     let mirrored = |pair: usize| match (pair / count, pair % count) {
@@ -117,8 +119,8 @@ fn evidence(
         counts(&shells[a]) == counts(&shells[b]) && alike.count() == 2
     };
     let similarity = |a: usize, b: usize| {
-        if layers.contains(&[a.min(b), a.max(b)]) {
-            return 0.0;
+        if let Some(&are_twins) = known.get(&[a.min(b), a.max(b)]) {
+            return if are_twins { CERTAIN } else { 0.0 };
         }
         let [area, extent] = [0, 1].map(|k| (sizes[a][k] / sizes[b][k]).ln());
         let [by_area, by_extent] = [area / TOLERANCES[0], extent / TOLERANCES[1]].map(|ratio| ratio.powi(2));
@@ -252,7 +254,7 @@ impl Involution<'_> {
 }
 
 /// Points and triangles.
-fn counts(shell: &Shell) -> [usize; 2] {
+pub fn counts(shell: &Shell) -> [usize; 2] {
     [shell.points.len(), shell.triangles.len()]
 }
 
@@ -328,7 +330,7 @@ pub(super) mod tests {
             let mesh = sheets(of);
             let shells = mesh.shells();
             let sizes: Vec<[f64; 2]> = shells.iter().map(sizes).collect();
-            let all = evidence(&Vec::from_iter(&shell_colours(&mesh)), &shells, &sizes, &HashSet::new());
+            let all = evidence(&Vec::from_iter(&shell_colours(&mesh)), &shells, &sizes, &HashMap::new());
             [all[1], all[0]]
         };
         let [twins, own] = evidence_of(&[(false, 1.04), (false, 1.0)]);
