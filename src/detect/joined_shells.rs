@@ -50,8 +50,8 @@ impl JoinedShells {
         JoinedShells { shells, joints: Vec::new(), twins: Vec::new() }
     }
 
-    /// Of all shells of the mesh: the large ones that have a likely twin or are their own, joined, where none holds four fifths of the area; else the largest shell alone. So is that where a map with these
-    /// vertices' `partner` is given, by whose [`seen_twins`] shells are joined once more, and sees none but those it has.
+    /// Of all shells of the mesh: the large ones that have a likely twin or are their own, joined, where none holds four fifths of the area; else the largest shell alone. With vertices'
+    /// `partner` in a map, shells are joined by the twins that this sees ([`seen_twins::pairs`]); the largest shell alone where it sees no others than it has.
     ///
     /// O(area / spacing^2 x log + shells x mesh).
     pub fn new(mesh: &Mesh, partner: Option<&[i32]>) -> JoinedShells {
