@@ -1,6 +1,6 @@
 //! Which shells may be mirror images of which, before anything is solved: by their connectivity, their size and how far they are from each other.
 //!
-//! Two shells whose points see each other's mirror image around them, of one size or the only two such, are twins, hardly by chance. Others may be if they are similar in size. Twins are as far from the twins of others as
+//! Two shells whose points see each other's mirror image around them, of one size, are twins, hardly by chance. Others may be if they are similar in size, the only two of their numbers also if a pose has changed that. Twins are as far from the twins of others as
 //! these are from each other, along the surface: so a sword in one hand, which would be its own mirror image by itself, has none. The involution of the
 //! shells that is worth most is sought by single changes, from each of the pairs of a shell that may have several twins.
 
